@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/complex_builder.h>
+#include <espalier/far/error.h>
+
+#include <numeric>
+#include <string>
+#include <utility>
+
+namespace espalier::far {
+
+Index vertexCount(StandardCell cell) {
+    constexpr Index kCounts[] = {4, 5, 6, 8};
+    return kCounts[static_cast<std::size_t>(cell)];
+}
+
+const std::vector<std::vector<Index>>& faceLoops(StandardCell cell) {
+    static const std::vector<std::vector<Index>> kLoops[] = {
+        {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}},
+        {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}},
+        {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}},
+        {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}}};
+    return kLoops[static_cast<std::size_t>(cell)];
+}
+
+ComplexBuilder::ComplexBuilder(int dimension, Index vertexCount)
+    : dimension_(dimension), vertexCount_(vertexCount) {}
+
+void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
+                               Entity entity) const {
+    std::string text = "(";
+    for (const Index vertex : loop.first(std::min<std::size_t>(loop.size(), 32)))
+        text += (text.size() > 1 ? ", " : "") + std::to_string(vertex);
+    text += loop.size() > 32 ? ", ...)" : ")";
+    const auto refuse = [&](TopologyCause cause, const std::string& why) {
+        throw TopologyError(cause, entity,
+                            std::string(dimensionName(entity.dimension)) + " " +
+                                std::to_string(entity.index) + ": loop " + text + why);
+    };
+    if (loop.size() < least)
+        refuse(TopologyCause::TooFewVertices,
+               " has fewer than " + std::to_string(least) + " vertices");
+    for (const Index vertex : loop)
+        if (vertex < 0 || vertex >= vertexCount_)
+            refuse(TopologyCause::VertexOutOfRange, " names vertex " + std::to_string(vertex) +
+                                                        "; there are " +
+                                                        std::to_string(vertexCount_));
+    std::vector<Index> sorted(loop.begin(), loop.end());
+    std::sort(sorted.begin(), sorted.end());
+    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+    if (twice != sorted.end())
+        refuse(TopologyCause::RepeatedVertex, " names vertex " + std::to_string(*twice) + " twice");
+}
+
+void ComplexBuilder::appendLoop(std::span<const Index> loop) {
+    loops_.values.insert(loops_.values.end(), loop.begin(), loop.end());
+    loops_.offsets.push_back(static_cast<Offset>(loops_.values.size()));
+}
+
+Index ComplexBuilder::addCell(std::span<const std::vector<Index>> loops) {
+    const Entity cell{3, static_cast<Index>(cellOffsets_.size() - 1)};
+    for (const auto& loop : loops) checkLoop(loop, 3, cell);
+    for (const auto& loop : loops) appendLoop(loop);
+    cellOffsets_.push_back(static_cast<Offset>(loops_.offsets.size()) - 1);
+    return cell.index;
+}
+
+Index ComplexBuilder::addCell(StandardCell cell, std::span<const Index> vertices) {
+    if (vertices.size() != static_cast<std::size_t>(vertexCount(cell)))
+        throw TopologyError(TopologyCause::TooFewVertices,
+                            {3, static_cast<Index>(cellOffsets_.size() - 1)},
+                            "cell " + std::to_string(cellOffsets_.size() - 1) + " has " +
+                                std::to_string(vertices.size()) + " vertices; expected " +
+                                std::to_string(vertexCount(cell)));
+    std::vector<std::vector<Index>> loops = faceLoops(cell);
+    for (auto& loop : loops)
+        for (Index& vertex : loop) vertex = vertices[static_cast<std::size_t>(vertex)];
+    return addCell(loops);
+}
+
+Index ComplexBuilder::addFace(std::span<const Index> loop) {
+    const Entity face{2, static_cast<Index>(loops_.offsets.size() - 1)};
+    checkLoop(loop, 3, face);
+    appendLoop(loop);
+    return face.index;
+}
+
+Index ComplexBuilder::addEdge(Index tail, Index head) {
+    const Entity edge{1, static_cast<Index>(loops_.offsets.size() - 1)};
+    const Index ends[] = {tail, head};
+    checkLoop(ends, 2, edge);
+    appendLoop(ends);
+    return edge.index;
+}
+
+namespace {
+
+/// Numbers the classes of equal items among 0 to count − 1 in the order of their first members.
+struct Classes {
+    std::vector<Index> classOf;         ///< per item
+    std::vector<Index> representative;  ///< per class: its first item
+};
+
+template <class Less>
+Classes classify(std::size_t count, Less less) {
+    std::vector<Index> order(count);
+    std::iota(order.begin(), order.end(), Index{0});
+    std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+        if (less(a, b)) return true;
+        return !less(b, a) && a < b;
+    });
+    std::vector<Index> first(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const bool opens = i == 0 || less(order[i - 1], order[i]);
+        first[static_cast<std::size_t>(order[i])] =
+            opens ? order[i] : first[static_cast<std::size_t>(order[i - 1])];
+    }
+    Classes classes;
+    classes.classOf.resize(count);
+    for (std::size_t item = 0; item < count; ++item) {
+        const auto leader = static_cast<std::size_t>(first[item]);
+        if (leader == item) {
+            classes.classOf[item] = static_cast<Index>(classes.representative.size());
+            classes.representative.push_back(static_cast<Index>(item));
+        } else {
+            classes.classOf[item] = classes.classOf[leader];
+        }
+    }
+    return classes;
+}
+
+/// The loop from its smallest vertex on, towards the smaller of that vertex's two neighbours: equal
+/// for all ways of writing one face.
+Rows<Index> canonicalLoops(const Incidence& loops) {
+    return buildRows<Index>(loops.rowCount(), [&](Index row, std::vector<Index>& out) {
+        const auto loop = loops[row];
+        const std::size_t n = loop.size();
+        const auto start =
+            static_cast<std::size_t>(std::min_element(loop.begin(), loop.end()) - loop.begin());
+        const bool forward = loop[(start + 1) % n] < loop[(start + n - 1) % n];
+        for (std::size_t i = 0; i < n; ++i)
+            out.push_back(loop[(start + (forward ? i : n - i)) % n]);
+    });
+}
+
+/// +1 if two ways of writing one face run the same way round, else −1.
+int relativeDirection(std::span<const Index> loop, std::span<const Index> reference) {
+    const std::size_t n = loop.size();
+    const auto at = static_cast<std::size_t>(
+        std::find(reference.begin(), reference.end(), loop[0]) - reference.begin());
+    return reference[(at + 1) % n] == loop[1] ? 1 : -1;
+}
+
+/// Every step from one vertex to the next, in each loop of a list.
+struct Steps {
+    std::vector<std::array<Index, 2>> ends;  ///< per position in the values of the loops
+    Classes edges;                           ///< steps with the same two ends are one edge
+
+    explicit Steps(const Incidence& loops) {
+        for (Index row = 0; row < loops.rowCount(); ++row) {
+            const auto loop = loops[row];
+            for (std::size_t i = 0; i < loop.size(); ++i)
+                ends.push_back({loop[i], loop[(i + 1) % loop.size()]});
+        }
+        edges = classify(ends.size(), [&](Index a, Index b) {
+            return std::minmax(at(a)[0], at(a)[1]) < std::minmax(at(b)[0], at(b)[1]);
+        });
+    }
+
+    const std::array<Index, 2>& at(Index step) const {
+        return ends[static_cast<std::size_t>(step)];
+    }
+    Index edge(Offset step) const { return edges.classOf[static_cast<std::size_t>(step)]; }
+
+    /// +1 if the step runs along its edge, from tail to head.
+    std::int8_t sign(Offset step) const {
+        const auto leader = edges.representative[static_cast<std::size_t>(edge(step))];
+        return ends[static_cast<std::size_t>(step)] == at(leader) ? std::int8_t{1}
+                                                                  : std::int8_t{-1};
+    }
+
+    /// Edge → (tail, head): the direction of its first step.
+    SignedIncidence edgeEnds() const {
+        Rows<Signed> rows;
+        for (const Index step : edges.representative) {
+            rows.values.push_back({at(step)[0], -1});
+            rows.values.push_back({at(step)[1], +1});
+            rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
+        }
+        return SignedIncidence(rows);
+    }
+
+    /// Face → (edge, sign) for the loops that represent the faces.
+    SignedIncidence faceEdges(const Incidence& loops, std::span<const Index> faces) const {
+        Rows<Signed> rows;
+        for (const Index loop : faces) {
+            for (Offset step = loops.offset(loop); step < loops.offset(loop + 1); ++step)
+                rows.values.push_back({edge(step), sign(step)});
+            rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
+        }
+        return SignedIncidence(rows);
+    }
+};
+
+/// Which of the loops of a lattice to turn round, so that all run anticlockwise seen from outside
+/// their own cells. Loops are tied in pairs: two loops of one cell that share an edge must run
+/// along it in opposite ways, and so must the two loops of one face. In each connected piece the
+/// fewer loops are turned. Pairs that cannot be satisfied are left for validate() to name.
+class LoopOrientation {
+public:
+    explicit LoopOrientation(std::size_t loopCount) : links_(loopCount) {}
+
+    void tie(Index a, Index b, bool sameTurn) {
+        links_[static_cast<std::size_t>(a)].push_back({b, sameTurn});
+        links_[static_cast<std::size_t>(b)].push_back({a, sameTurn});
+    }
+
+    /// Per loop: −1 if it is to be turned, else +1.
+    std::vector<int> solve() const {
+        std::vector<int> turn(links_.size(), 0);
+        std::vector<std::size_t> piece;
+        for (std::size_t start = 0; start < turn.size(); ++start) {
+            if (turn[start] != 0) continue;
+            turn[start] = 1;
+            piece.assign(1, start);
+            int sum = 0;
+            for (std::size_t next = 0; next < piece.size(); ++next) {
+                sum += turn[piece[next]];
+                for (const Link& link : links_[piece[next]]) {
+                    const auto other = static_cast<std::size_t>(link.loop);
+                    if (turn[other] != 0) continue;
+                    turn[other] = link.sameTurn ? turn[piece[next]] : -turn[piece[next]];
+                    piece.push_back(other);
+                }
+            }
+            if (sum < 0)
+                for (const std::size_t loop : piece) turn[loop] = -turn[loop];
+        }
+        return turn;
+    }
+
+private:
+    struct Link {
+        Index loop;
+        bool sameTurn;
+    };
+    std::vector<std::vector<Link>> links_;
+};
+
+CellComplex latticeOf(Index vertexCount, const Incidence& loops,
+                      const std::vector<Offset>& cellOffsets) {
+    const Incidence canonical(canonicalLoops(loops));
+    const Classes faces =
+        classify(static_cast<std::size_t>(loops.rowCount()), [&](Index a, Index b) {
+            return std::lexicographical_compare(canonical[a].begin(), canonical[a].end(),
+                                                canonical[b].begin(), canonical[b].end());
+        });
+    const Steps steps(loops);
+    const auto faceOf = [&](Offset loop) { return faces.classOf[static_cast<std::size_t>(loop)]; };
+    const auto directionInFace = [&](Offset loop) {
+        const Index leader = faces.representative[static_cast<std::size_t>(faceOf(loop))];
+        return relativeDirection(loops[static_cast<Index>(loop)], loops[leader]);
+    };
+
+    LoopOrientation orientation(static_cast<std::size_t>(loops.rowCount()));
+    struct Side {
+        Index edge;
+        Index loop;
+        int sign;
+    };
+    std::vector<Side> sides;
+    for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
+        sides.clear();
+        for (Offset loop = cellOffsets[cell]; loop < cellOffsets[cell + 1]; ++loop) {
+            const Index row = static_cast<Index>(loop);
+            for (Offset step = loops.offset(row); step < loops.offset(row + 1); ++step)
+                sides.push_back({steps.edge(step), row, steps.sign(step)});
+        }
+        std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+            return std::pair(a.edge, a.loop) < std::pair(b.edge, b.loop);
+        });
+        for (std::size_t i = 0; i + 1 < sides.size(); ++i)
+            if (sides[i].edge == sides[i + 1].edge)
+                orientation.tie(sides[i].loop, sides[i + 1].loop,
+                                sides[i].sign != sides[i + 1].sign);
+    }
+    for (Index loop = 0; loop < loops.rowCount(); ++loop) {
+        const Index leader = faces.representative[static_cast<std::size_t>(faceOf(loop))];
+        if (leader != loop) orientation.tie(leader, loop, directionInFace(loop) < 0);
+    }
+    const std::vector<int> turn = orientation.solve();
+
+    Rows<Signed> cellFaces;
+    for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
+        for (Offset loop = cellOffsets[cell]; loop < cellOffsets[cell + 1]; ++loop)
+            cellFaces.values.push_back(
+                {faceOf(loop), static_cast<std::int8_t>(turn[static_cast<std::size_t>(loop)] *
+                                                        directionInFace(loop))});
+        cellFaces.offsets.push_back(static_cast<Offset>(cellFaces.values.size()));
+    }
+    return CellComplex(3, vertexCount,
+                       {steps.edgeEnds(), steps.faceEdges(loops, faces.representative),
+                        SignedIncidence(cellFaces)});
+}
+
+CellComplex meshOf(Index vertexCount, const Incidence& loops) {
+    const Steps steps(loops);
+    std::vector<Index> faces(static_cast<std::size_t>(loops.rowCount()));
+    std::iota(faces.begin(), faces.end(), Index{0});
+    return CellComplex(2, vertexCount, {steps.edgeEnds(), steps.faceEdges(loops, faces), {}});
+}
+
+CellComplex curveOf(Index vertexCount, const Incidence& edges) {
+    Rows<Signed> ends;
+    for (Index edge = 0; edge < edges.rowCount(); ++edge) {
+        ends.values.push_back({edges[edge][0], -1});
+        ends.values.push_back({edges[edge][1], +1});
+        ends.offsets.push_back(static_cast<Offset>(ends.values.size()));
+    }
+    return CellComplex(1, vertexCount, {SignedIncidence(ends), {}, {}});
+}
+
+}  // namespace
+
+CellComplex ComplexBuilder::build() const {
+    if (loops_.values.size() > static_cast<std::size_t>(kMaxIndex))
+        throw TopologyError(TopologyCause::TooManyEntities, {dimension_, kMaxIndex},
+                            "the loops name " + std::to_string(loops_.values.size()) +
+                                " vertices in all; the most is " + std::to_string(kMaxIndex));
+    const Incidence loops(loops_);
+    CellComplex complex = dimension_ == 3   ? latticeOf(vertexCount_, loops, cellOffsets_)
+                          : dimension_ == 2 ? meshOf(vertexCount_, loops)
+                                            : curveOf(vertexCount_, loops);
+    validate(complex);
+    return complex;
+}
+
+CellComplex buildCurve(Index vertexCount, bool closed) {
+    ComplexBuilder builder(1, vertexCount);
+    for (Index vertex = 1; vertex < vertexCount; ++vertex) builder.addEdge(vertex - 1, vertex);
+    if (closed) builder.addEdge(vertexCount - 1, 0);
+    return builder.build();
+}
+
+CellComplex buildMesh(Index vertexCount, std::span<const std::vector<Index>> loops) {
+    ComplexBuilder builder(2, vertexCount);
+    for (const auto& loop : loops) builder.addFace(loop);
+    return builder.build();
+}
+
+}  // namespace espalier::far

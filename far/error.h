@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace espalier {
+
+/// Base of every exception that Espalier throws on purpose. what() is one line that names the
+/// offender; the library never prints and never aborts.
+class Error : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+}  // namespace espalier
+
+namespace espalier::far {
+
+/// Why a topology is refused.
+enum class TopologyCause {
+    EmptyComplex,      ///< no cell (lattice), no face (mesh) or no edge (curve)
+    VertexOutOfRange,  ///< a loop, an edge or a mark names a vertex that does not exist
+    UnusedEntity,      ///< a vertex, edge or face that bounds nothing
+    TooFewVertices,    ///< a face of fewer than three vertices
+    RepeatedVertex,    ///< a face or an edge that names a vertex twice
+    OpenCell,          ///< an edge of a cell with only one face of that cell
+    CrowdedEdge,       ///< an edge with more than two faces of one cell
+    CrowdedFace,       ///< a face of more than two cells
+    RepeatedFace,      ///< a face twice in one cell, or twice in a mesh
+    RepeatedCell,      ///< two cells with the same faces
+    PinchedCell,       ///< the faces of a cell at one of its vertices form more than one fan
+    NotASphere,        ///< the surface of a cell is in pieces, or has a handle
+    NotOrientable,     ///< the cells (or the faces of one cell) cannot be oriented coherently
+    BadMark,           ///< a mark on an edge that does not exist, or of a value without meaning
+    TooManyEntities    ///< more entities than an Index counts
+};
+
+/// A topology that cannot be built or refined.
+class TopologyError : public Error {
+public:
+    TopologyError(TopologyCause cause, Entity entity, const std::string& what)
+        : Error(what), cause_(cause), entity_(entity) {}
+
+    TopologyCause cause() const { return cause_; }
+
+    /// The offender; for EmptyComplex, dimension is that of the missing entities.
+    Entity entity() const { return entity_; }
+
+private:
+    TopologyCause cause_;
+    Entity entity_;
+};
+
+}  // namespace espalier::far

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/incidence.h>
+
+namespace espalier::far {
+
+Incidence Incidence::transposed(Index columnCount) const {
+    Rows<Index> result;
+    result.offsets.assign(static_cast<std::size_t>(columnCount) + 1, 0);
+    for (const Index column : rows_.values) ++result.offsets[static_cast<std::size_t>(column) + 1];
+    for (std::size_t column = 1; column < result.offsets.size(); ++column)
+        result.offsets[column] += result.offsets[column - 1];
+
+    result.values.resize(rows_.values.size());
+    std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
+    for (Index row = 0; row < rowCount(); ++row)
+        for (const Index column : (*this)[row])
+            result.values[static_cast<std::size_t>(next[static_cast<std::size_t>(column)]++)] = row;
+    return Incidence(std::move(result));
+}
+
+SignedIncidence::SignedIncidence(const Rows<Signed>& rows) {
+    Rows<Index> indices;
+    indices.offsets = rows.offsets;
+    indices.values.reserve(rows.values.size());
+    signs_.reserve(rows.values.size());
+    for (const Signed& entry : rows.values) {
+        indices.values.push_back(entry.index);
+        signs_.push_back(entry.sign);
+    }
+    incidence_ = Incidence(std::move(indices));
+}
+
+}  // namespace espalier::far

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+#include <espalier/far/parallel.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace espalier::far {
+
+/// Rows of varying length: row r is values[offsets[r]] to values[offsets[r + 1]].
+template <class T>
+struct Rows {
+    std::vector<Offset> offsets = {0};
+    std::vector<T> values;
+};
+
+/// Builds rows in parallel: fill(row, out) appends the values of `row` to `out`.
+/// The result does not depend on the number of threads.
+template <class T, class Fill>
+Rows<T> buildRows(Index rowCount, Fill fill) {
+    constexpr Offset kGrain = 4096;
+    const Offset chunkCount = (static_cast<Offset>(rowCount) + kGrain - 1) / kGrain;
+    std::vector<std::vector<T>> chunks(static_cast<std::size_t>(chunkCount));
+    Rows<T> rows;
+    rows.offsets.resize(static_cast<std::size_t>(rowCount) + 1);
+    // First each row's length, then their running sum.
+    parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
+        std::vector<T>& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
+        for (Offset row = first; row < last; ++row) {
+            const std::size_t before = chunk.size();
+            fill(static_cast<Index>(row), chunk);
+            rows.offsets[static_cast<std::size_t>(row) + 1] =
+                static_cast<Offset>(chunk.size() - before);
+        }
+    });
+    for (std::size_t row = 1; row < rows.offsets.size(); ++row)
+        rows.offsets[row] += rows.offsets[row - 1];
+    rows.values.resize(static_cast<std::size_t>(rows.offsets.back()));
+    parallelFor(rowCount, kGrain, [&](Offset first, Offset) {
+        std::vector<T>& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
+        std::copy(chunk.begin(), chunk.end(),
+                  rows.values.begin() + rows.offsets[static_cast<std::size_t>(first)]);
+        std::vector<T>().swap(chunk);
+    });
+    return rows;
+}
+
+/// A relation between entities of two dimensions in compressed sparse rows.
+///
+/// Row r lists the entities of the second dimension that are incident to entity r of the first.
+/// Immutable, and so safe to read from several threads.
+class Incidence {
+public:
+    Incidence() = default;
+    explicit Incidence(Rows<Index> rows) : rows_(std::move(rows)) {}
+
+    Index rowCount() const { return static_cast<Index>(rows_.offsets.size() - 1); }
+
+    std::span<const Index> operator[](Index row) const {
+        return {rows_.values.data() + offset(row),
+                static_cast<std::size_t>(offset(row + 1) - offset(row))};
+    }
+
+    /// Position of the first entry of `row` in values(); offset(rowCount()) is their number.
+    Offset offset(Index row) const { return rows_.offsets[static_cast<std::size_t>(row)]; }
+
+    std::span<const Index> values() const { return rows_.values; }
+
+    /// The relation the other way round, with `columnCount` rows, each ascending.
+    Incidence transposed(Index columnCount) const;
+
+private:
+    Rows<Index> rows_;
+};
+
+/// One boundary entity, and whether its own direction agrees with that of what it bounds.
+struct Signed {
+    Index index = 0;
+    std::int8_t sign = 1;  ///< +1 or −1
+};
+
+/// A relation to the next lower dimension, with the incidence numbers of the boundary operator.
+class SignedIncidence {
+public:
+    SignedIncidence() = default;
+    explicit SignedIncidence(const Rows<Signed>& rows);
+
+    const Incidence& unsignedRows() const { return incidence_; }
+
+    std::span<const Index> operator[](Index row) const { return incidence_[row]; }
+
+    /// Parallel to operator[](row): +1 or −1.
+    std::span<const std::int8_t> signs(Index row) const {
+        return {signs_.data() + incidence_.offset(row), incidence_[row].size()};
+    }
+
+private:
+    Incidence incidence_;
+    std::vector<std::int8_t> signs_;
+};
+
+/// Whether a row holds a value; rows are short, so a scan beats a search.
+inline bool contains(std::span<const Index> row, Index value) {
+    return std::find(row.begin(), row.end(), value) != row.end();
+}
+
+}  // namespace espalier::far

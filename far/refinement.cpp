@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/refinement.h>
+
+#include <numeric>
+#include <string>
+
+namespace espalier::far {
+
+Refinement::Refinement(const CellComplex& parent, const Strata* interior)
+    : dimension_(parent.dimension()) {
+    numberChildren(parent, interior);
+    if (childCounts_[static_cast<std::size_t>(dimension_)] == 0)
+        throw TopologyError(TopologyCause::EmptyComplex, {dimension_, 0},
+                            std::string("refined without boundary control, the complex has no ") +
+                                dimensionName(dimension_) + " left: it has no interior vertex");
+    CellComplex::Boundaries boundaries;
+    for (int d = 1; d <= dimension_; ++d)
+        boundaries[static_cast<std::size_t>(d) - 1] = childBoundary(parent, d);
+    child_ = CellComplex(dimension_, childCounts_[0], std::move(boundaries));
+}
+
+void Refinement::numberChildren(const CellComplex& parent, const Strata* interior) {
+    for (int d = 0; d <= dimension_; ++d) {
+        Offset count = 0;
+        for (int lower = 0; lower + d <= dimension_; ++lower) {
+            const int upper = lower + d;
+            Family& family =
+                families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(upper)];
+            const auto isKept = [&](Index index) {
+                return interior == nullptr || interior->of({lower, index}) == dimension_;
+            };
+            family.firstChild = static_cast<Index>(count);
+            family.lowerEnds = Incidence(
+                buildRows<Index>(parent.count(upper), [&](Index index, std::vector<Index>& row) {
+                    if (d == 0) {
+                        if (isKept(index)) row.push_back(index);
+                        return;
+                    }
+                    for (const Index part : parent.relation(upper, lower)[index])
+                        if (isKept(part)) row.push_back(part);
+                }));
+            count += static_cast<Offset>(family.lowerEnds.values().size());
+            if (count > kMaxIndex)
+                throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
+                                    "the refined complex has more than " +
+                                        std::to_string(kMaxIndex) + " entities of one dimension");
+        }
+        childCounts_[static_cast<std::size_t>(d)] = static_cast<Index>(count);
+    }
+}
+
+Index Refinement::childIndex(Entity lower, Entity upper) const {
+    const Family& f = family(lower.dimension, upper.dimension);
+    const auto row = f.lowerEnds[upper.index];
+    const auto at = std::find(row.begin(), row.end(), lower.index) - row.begin();
+    return f.firstChild + static_cast<Index>(f.lowerEnds.offset(upper.index) + at);
+}
+
+SignedIncidence Refinement::childBoundary(const CellComplex& parent, int dimension) const {
+    // Rows for all families of this dimension, one after the other: as the children are numbered.
+    Rows<Signed> all;
+    for (int lower = 0; lower + dimension <= dimension_; ++lower) {
+        const Family& f = family(lower, lower + dimension);
+        std::vector<Entity> upperEnds;
+        upperEnds.reserve(f.lowerEnds.values().size());
+        for (Index upper = 0; upper < f.lowerEnds.rowCount(); ++upper)
+            upperEnds.insert(upperEnds.end(), f.lowerEnds[upper].size(),
+                             Entity{lower + dimension, upper});
+        const Rows<Signed> rows = buildRows<Signed>(
+            static_cast<Index>(upperEnds.size()), [&](Index child, std::vector<Signed>& out) {
+                const auto at = static_cast<std::size_t>(child);
+                appendBoundary(parent, {lower, f.lowerEnds.values()[at]}, upperEnds[at], out);
+            });
+        const Offset shift = all.offsets.back();
+        for (std::size_t row = 1; row < rows.offsets.size(); ++row)
+            all.offsets.push_back(rows.offsets[row] + shift);
+        all.values.insert(all.values.end(), rows.values.begin(), rows.values.end());
+    }
+    return SignedIncidence(all);
+}
+
+// With σ(x, y) the incidence number of y in the boundary of x, and d = dim b − dim a,
+//
+//     ∂[a,b] = Σ σ(b,b') [a,b']  +  (−1)^d Σ σ(a',a) [a',b]
+//
+// over the b' of one dimension less than b, and the a' of one more than a, inside [a,b]. The sign
+// (−1)^d makes the mixed terms of ∂∂ cancel, so a coherently oriented parent has a coherently
+// oriented child, and [v,c] is oriented as c is.
+void Refinement::appendBoundary(const CellComplex& parent, Entity lower, Entity upper,
+                                std::vector<Signed>& boundary) const {
+    const int d = upper.dimension - lower.dimension;
+    const auto begin = static_cast<std::ptrdiff_t>(boundary.size());
+
+    const auto isIn = [&](Entity part, Entity whole) {
+        return contains(family(part.dimension, whole.dimension).lowerEnds[whole.index], part.index);
+    };
+    const auto signOf = [&](Entity whole, Index part) {
+        const SignedIncidence& rows = parent.boundary(whole.dimension);
+        const auto row = rows[whole.index];
+        const auto at = std::find(row.begin(), row.end(), part) - row.begin();
+        return rows.signs(whole.index)[static_cast<std::size_t>(at)];
+    };
+
+    // [a, b'] for the b' in the boundary of b that contain a.
+    const SignedIncidence& down = parent.boundary(upper.dimension);
+    for (std::size_t i = 0; i < down[upper.index].size(); ++i) {
+        const Entity middle{upper.dimension - 1, down[upper.index][i]};
+        if (isIn(lower, middle))
+            boundary.push_back({childIndex(lower, middle), down.signs(upper.index)[i]});
+    }
+    // [a', b] for the a' in b whose boundary contains a.
+    const int up = lower.dimension + 1;
+    for (const Index index : family(up, upper.dimension).lowerEnds[upper.index]) {
+        const Entity middle{up, index};
+        if (!isIn(lower, middle)) continue;
+        const int sign = (d % 2 == 0 ? 1 : -1) * signOf(middle, lower.index);
+        boundary.push_back({childIndex(middle, upper), static_cast<std::int8_t>(sign)});
+    }
+
+    const auto entries = std::span(boundary).subspan(static_cast<std::size_t>(begin));
+    if (d == 1) {
+        // Tail first.
+        if (entries[0].sign > 0) std::swap(entries[0], entries[1]);
+    } else if (d == 2) {
+        // Collected as [a,x] [a,y] [x,b] [y,b] up to the order of the last two. The loop leaves
+        // [a,a] along the edge whose sign is that of an edge with its tail in [a,a].
+        const auto leavesLower = [&](const Signed& edge) {
+            const Entity child{1, edge.index};
+            return edge.sign == -signOf(parentOf(child).upper, lower.index);
+        };
+        Signed first = entries[0], last = entries[1];
+        if (!leavesLower(first)) std::swap(first, last);
+        const Entity x = parentOf({1, first.index}).upper;
+        Signed second = entries[2], third = entries[3];
+        if (parentOf({1, second.index}).lower != x) std::swap(second, third);
+        entries[0] = first;
+        entries[1] = second;
+        entries[2] = third;
+        entries[3] = last;
+    }
+}
+
+Interval Refinement::parentOf(Entity child) const {
+    // The last family of this dimension that starts at or before the child and is not empty.
+    int lower = 0;
+    while (lower + 1 + child.dimension <= dimension_ &&
+           family(lower + 1, lower + 1 + child.dimension).firstChild <= child.index)
+        ++lower;
+    const int upper = lower + child.dimension;
+    const Family& f = family(lower, upper);
+    const Offset at = child.index - f.firstChild;
+    // The last row that starts at or before the position.
+    Index first = 0;
+    for (Index length = f.lowerEnds.rowCount(); length > 0;) {
+        const Index half = length / 2;
+        if (f.lowerEnds.offset(first + half + 1) <= at) {
+            first += half + 1;
+            length -= half + 1;
+        } else {
+            length = half;
+        }
+    }
+    return {{lower, f.lowerEnds.values()[static_cast<std::size_t>(at)]}, {upper, first}};
+}
+
+std::optional<Entity> Refinement::childOf(const Interval& interval) const {
+    if (interval.lower.dimension > interval.upper.dimension ||
+        interval.upper.dimension > dimension_)
+        return std::nullopt;
+    const Family& f = family(interval.lower.dimension, interval.upper.dimension);
+    if (!contains(f.lowerEnds[interval.upper.index], interval.lower.index)) return std::nullopt;
+    return Entity{interval.upper.dimension - interval.lower.dimension,
+                  childIndex(interval.lower, interval.upper)};
+}
+
+Strata Refinement::inherit(const Strata& parent) const {
+    Strata strata(child_, dimension_);
+    for (int lower = 0; lower <= dimension_; ++lower)
+        for (int upper = lower; upper <= dimension_; ++upper) {
+            const Family& f = family(lower, upper);
+            for (Index row = 0; row < f.lowerEnds.rowCount(); ++row)
+                for (Offset at = f.lowerEnds.offset(row); at < f.lowerEnds.offset(row + 1); ++at)
+                    strata.lower({upper - lower, f.firstChild + static_cast<Index>(at)},
+                                 parent.of({upper, row}));
+        }
+    return strata;
+}
+
+}  // namespace espalier::far

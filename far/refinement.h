@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/cell_complex.h>
+#include <espalier/far/strata.h>
+
+#include <array>
+#include <optional>
+
+namespace espalier::far {
+
+/// A pair of entities of the parent complex, the lower contained in or equal to the upper.
+struct Interval {
+    Entity lower;
+    Entity upper;
+    friend bool operator==(const Interval&, const Interval&) = default;
+};
+
+/// One split of a complex. The children are the incidence intervals [a, b] of the parent; the
+/// dimension of a child is dim b − dim a:
+///
+///     vertex   one per entity: [v,v] vertex points, [e,e] edge points, [f,f] face points,
+///              [c,c] cell points
+///     edge     [v,e]  [e,f]  [f,c]
+///     face     [v,f]  [e,c]             always a quadrilateral
+///     cell     [v,c]                    of type n, where n edges of c meet in v: 2n quadrilaterals
+///
+/// [a,b] is bounded by the [a,b'] and the [a',b] of one dimension less. This is the reconnection of
+/// the papers; one code path serves curves, meshes and lattices, regular or not.
+///
+/// Children of a dimension are numbered by the dimension of a, then by b, then by the order of a in
+/// b. So the child vertices are the vertex points in the order of the vertices, then the edge
+/// points, the face points and the cell points. A child quadrilateral's loop runs from [a,a] by way
+/// of one of the two entities between a and b to [b,b], and by way of the other one back.
+///
+/// \cite MacCracken & Joy 1996, section 2.2; Joy & MacCracken CSE-96-1, section 6
+class Refinement {
+public:
+    /// Splits `parent`. With `interior`, just the intervals whose lower end is on the stratum of
+    /// the complex's own dimension are kept (Boundary::Open).
+    ///
+    /// \throws TopologyError (TooManyEntities; EmptyComplex if no child of the parent's dimension
+    ///         is left)
+    /// \cost O(entries of the child), in parallel
+    explicit Refinement(const CellComplex& parent, const Strata* interior = nullptr);
+
+    const CellComplex& child() const { return child_; }
+
+    /// The interval that a child entity stands for. \cost O(log entities)
+    Interval parentOf(Entity child) const;
+
+    /// The child that stands for an interval; nothing if `interval.lower` is not in
+    /// `interval.upper` or was not kept. \cost O(entities in the upper end)
+    std::optional<Entity> childOf(const Interval& interval) const;
+
+    /// The child strata under boundary control: [a, b] inherits the stratum of b.
+    Strata inherit(const Strata& parent) const;
+
+private:
+    /// The kept intervals with ends of dimensions `lower` ≤ `upper`: row b lists the a in it.
+    struct Family {
+        Incidence lowerEnds;
+        Index firstChild = 0;
+    };
+    const Family& family(int lower, int upper) const {
+        return families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(upper)];
+    }
+    Index childIndex(Entity lower, Entity upper) const;
+    void numberChildren(const CellComplex& parent, const Strata* interior);
+    SignedIncidence childBoundary(const CellComplex& parent, int dimension) const;
+    void appendBoundary(const CellComplex& parent, Entity lower, Entity upper,
+                        std::vector<Signed>& boundary) const;
+
+    int dimension_ = 0;
+    std::array<std::array<Family, kMaxDimension + 1>, kMaxDimension + 1> families_;
+    std::array<Index, kMaxDimension + 1> childCounts_ = {};
+    CellComplex child_;
+};
+
+}  // namespace espalier::far

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/cell_complex.h>
+#include <espalier/far/refinement.h>
+#include <espalier/far/strata.h>
+
+#include <vector>
+
+namespace espalier::far {
+
+/// How a complex is refined; decided once, at level 0.
+struct RefinerOptions {
+    Boundary boundary = Boundary::Sharp;
+    SharpEdges sharpEdges = SharpEdges::SingleCell;
+    Marks marks = {};  ///< not used under Boundary::Open, which has no boundary features
+};
+
+/// One level of the chain: a complex and the strata of its entities.
+struct Level {
+    CellComplex complex;
+    Strata strata;
+};
+
+/// The chain of refined complexes. Level 0 is the base; level k has about 8 times (lattice), 4
+/// times (mesh) or twice (curve) the entities of level k − 1.
+///
+/// Vertices of level k are numbered as Refinement says: vertex points, edge points, face points,
+/// cell points of level k − 1. So under Boundary::Sharp, vertex i of a level is the vertex point of
+/// vertex i of the level before.
+///
+/// Const calls are safe from any number of threads.
+class TopologyRefiner {
+public:
+    /// \throws TopologyError for marks that do not fit `base`
+    explicit TopologyRefiner(CellComplex base, const RefinerOptions& options = {});
+
+    /// Adds levels until maxLevel() is `level`; those already there stay.
+    ///
+    /// \param level 0 or more
+    /// \throws TopologyError (TooManyEntities; EmptyComplex under Boundary::Open). The levels made
+    ///         before stay.
+    /// \cost O(entries of the new levels)
+    void refineUniform(int level);
+
+    int dimension() const { return level(0).complex.dimension(); }
+    Boundary boundary() const { return boundary_; }
+
+    /// The finest level so far.
+    int maxLevel() const { return static_cast<int>(levels_.size()) - 1; }
+
+    /// \param level 0 to maxLevel()
+    const Level& level(int level) const { return levels_[static_cast<std::size_t>(level)]; }
+
+    /// The split of level `level` − 1 into level `level`: parent and child maps.
+    /// \param level 1 to maxLevel()
+    const Refinement& refinement(int level) const {
+        return refinements_[static_cast<std::size_t>(level) - 1];
+    }
+
+private:
+    Boundary boundary_;
+    std::vector<Level> levels_;
+    std::vector<Refinement> refinements_;
+};
+
+}  // namespace espalier::far

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/file.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+namespace espalier::io {
+
+namespace fs = std::filesystem;
+
+FileError::FileError(const fs::path& path, const std::string& cause)
+    : Error(path.string() + ": " + cause) {}
+
+FileError::FileError(const fs::path& path, std::size_t line, const std::string& cause)
+    : Error(path.string() + ":" + std::to_string(line) + ": " + cause) {}
+
+namespace {
+
+std::string systemMessage() {
+    return std::strerror(errno);
+}
+
+/// A file beside the target, removed unless it has become the target.
+class TemporaryFile {
+public:
+    explicit TemporaryFile(const fs::path& target) : target_(target) {
+        name_ = target.string() + ".XXXXXX";
+        descriptor_ = ::mkstemp(name_.data());
+        if (descriptor_ < 0)
+            throw FileError(target, "cannot create a file beside it: " + systemMessage());
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    ~TemporaryFile() {
+        ::close(descriptor_);
+        if (!isInPlace_) ::unlink(name_.c_str());
+    }
+
+    const std::string& name() const { return name_; }
+
+    void moveToTarget() {
+        if (::fsync(descriptor_) != 0) throw FileError(target_, "cannot write: " + systemMessage());
+        // mkstemp makes a private file; give it the mode of what it replaces, or of a new file.
+        std::error_code error;
+        const fs::file_status old = fs::status(target_, error);
+        fs::permissions(name_, fs::exists(old) ? old.permissions() : newFilePermissions(), error);
+        fs::rename(name_, target_, error);
+        if (error) throw FileError(target_, "cannot write: " + error.message());
+        isInPlace_ = true;
+    }
+
+private:
+    static fs::perms newFilePermissions() {
+        const ::mode_t mask = ::umask(0);
+        ::umask(mask);
+        return static_cast<fs::perms>(0666 & ~mask);
+    }
+
+    fs::path target_;
+    std::string name_;
+    int descriptor_ = -1;
+    bool isInPlace_ = false;
+};
+
+}  // namespace
+
+std::string readFile(const fs::path& path) {
+    std::error_code error;
+    if (fs::is_directory(path, error)) throw FileError(path, "is a directory");
+    std::ifstream in(path, std::ios::binary);
+    if (!in) throw FileError(path, "cannot open: " + systemMessage());
+    std::string bytes;
+    char block[1 << 16];
+    while (in.read(block, sizeof block) || in.gcount() > 0)
+        bytes.append(block, static_cast<std::size_t>(in.gcount()));
+    if (in.bad()) throw FileError(path, "cannot read: " + systemMessage());
+    return bytes;
+}
+
+void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+    TemporaryFile file(path);
+    std::ofstream out(file.name(), std::ios::binary | std::ios::trunc);
+    if (out) write(out);
+    out.close();
+    if (!out) throw FileError(path, "cannot write: " + systemMessage());
+    file.moveToTarget();
+}
+
+}  // namespace espalier::io

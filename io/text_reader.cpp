@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/file.h>
+#include <espalier/io/text_reader.h>
+
+#include <charconv>
+#include <cstdint>
+#include <utility>
+
+namespace espalier::io {
+namespace {
+
+bool isSpace(char c) {
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
+}
+
+template <class Real>
+std::string shortest(Real number) {
+    char text[64];
+    const auto result = std::to_chars(text, text + sizeof text, number);
+    return {text, result.ptr};
+}
+
+}  // namespace
+
+TextReader::TextReader(std::filesystem::path path, std::string_view text, std::size_t firstLine)
+    : path_(std::move(path)), text_(text), line_(firstLine), nextLine_(firstLine) {}
+
+void TextReader::skipSpace() {
+    for (; position_ < text_.size() && isSpace(text_[position_]); ++position_)
+        if (text_[position_] == '\n') ++nextLine_;
+}
+
+bool TextReader::atEnd() {
+    skipSpace();
+    return position_ == text_.size();
+}
+
+std::string_view TextReader::token(const char* what) {
+    skipSpace();
+    line_ = nextLine_;
+    const std::size_t begin = position_;
+    while (position_ < text_.size() && !isSpace(text_[position_])) ++position_;
+    if (begin == position_) fail(std::string("the file ends; expected ") + what);
+    return text_.substr(begin, position_ - begin);
+}
+
+template <class Number>
+Number TextReader::number(const char* what) {
+    const std::string_view text = token(what);
+    Number result{};
+    if (!parseNumber(text, result))
+        fail("'" + std::string(text.substr(0, 40)) + "' is not a number; expected " + what);
+    return result;
+}
+
+std::string_view TextReader::restOfLine() {
+    line_ = nextLine_;
+    const std::size_t begin = position_;
+    std::size_t end = text_.find('\n', begin);
+    if (end == std::string_view::npos) {
+        position_ = end = text_.size();
+    } else {
+        position_ = end + 1;
+        ++nextLine_;
+    }
+    if (end > begin && text_[end - 1] == '\r') --end;
+    return text_.substr(begin, end - begin);
+}
+
+std::string_view TextReader::bytes(std::size_t count, const char* what) {
+    line_ = nextLine_;
+    if (text_.size() - position_ < count)
+        fail(std::string("the file ends; expected ") + what + " (" + std::to_string(count) +
+             " bytes, got " + std::to_string(text_.size() - position_) + ")");
+    const std::string_view result = text_.substr(position_, count);
+    position_ += count;
+    return result;
+}
+
+void TextReader::fail(const std::string& cause) const {
+    throw FileError(path_, line_, cause);
+}
+
+template <class Number>
+bool parseNumber(std::string_view token, Number& number) {
+    if (!token.empty() && token.front() == '+') token.remove_prefix(1);
+    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), number);
+    return error == std::errc() && end == token.data() + token.size();
+}
+
+std::string formatNumber(double number) {
+    return shortest(number);
+}
+
+std::string formatNumber(float number) {
+    return shortest(number);
+}
+
+#define ESPALIER_INSTANTIATE(Number)                      \
+    template Number TextReader::number(const char* what); \
+    template bool parseNumber(std::string_view token, Number& number);
+ESPALIER_INSTANTIATE(float)
+ESPALIER_INSTANTIATE(double)
+ESPALIER_INSTANTIATE(std::int8_t)
+ESPALIER_INSTANTIATE(std::uint8_t)
+ESPALIER_INSTANTIATE(std::int16_t)
+ESPALIER_INSTANTIATE(std::uint16_t)
+ESPALIER_INSTANTIATE(std::int32_t)
+ESPALIER_INSTANTIATE(std::uint32_t)
+ESPALIER_INSTANTIATE(std::int64_t)
+ESPALIER_INSTANTIATE(std::uint64_t)
+#undef ESPALIER_INSTANTIATE
+
+}  // namespace espalier::io

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace espalier::io {
+
+/// Walks through a text by tokens or by lines, and knows where it is: every error is a FileError
+/// with path and line.
+class TextReader {
+public:
+    /// \param path for messages
+    /// \param text must outlive the reader
+    /// \param firstLine number of the first line of `text` in its file
+    TextReader(std::filesystem::path path, std::string_view text, std::size_t firstLine = 1);
+
+    /// Line of the last token or line that was read, from 1.
+    std::size_t line() const { return line_; }
+
+    /// Position of the next byte to be read.
+    std::size_t position() const { return position_; }
+
+    /// Whether nothing but white space is left.
+    bool atEnd();
+
+    /// The next token: a longest run without white space.
+    /// \throws FileError at the end, which says that `what` was expected
+    std::string_view token(const char* what);
+
+    /// The next token as a number; "inf" and "nan" are numbers.
+    template <class Number>
+    Number number(const char* what);
+
+    /// Reads to the end of the line, and returns what was left of it, without its end ("\n" or
+    /// "\r\n"). At the end of the text, returns an empty line.
+    std::string_view restOfLine();
+
+    /// Moves on by `count` bytes (binary data); they do not count as lines.
+    /// \throws FileError if so many are not left, which says that `what` was expected
+    std::string_view bytes(std::size_t count, const char* what);
+
+    [[noreturn]] void fail(const std::string& cause) const;
+
+private:
+    void skipSpace();
+
+    std::filesystem::path path_;
+    std::string_view text_;
+    std::size_t position_ = 0;
+    std::size_t line_;
+    std::size_t nextLine_;
+};
+
+/// A whole token as a number.
+/// \return false if it is not one, or out of the range of the type
+template <class Number>
+bool parseNumber(std::string_view token, Number& number);
+
+/// The shortest text that reads back as the same number.
+std::string formatNumber(double number);
+std::string formatNumber(float number);
+
+}  // namespace espalier::io

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <string>
+#include <utility>
+
+namespace espalier::stencils {
+
+template <class Real>
+StencilTable<Real>::StencilTable(Index columnCount, std::vector<Offset> offsets,
+                                 std::vector<Index> columns, std::vector<Real> weights)
+    : columnCount_(columnCount),
+      offsets_(std::move(offsets)),
+      columns_(std::move(columns)),
+      weights_(std::move(weights)) {
+    const auto entries = static_cast<Offset>(columns_.size());
+    if (columnCount_ < 0 || offsets_.empty() || offsets_.front() != 0 ||
+        offsets_.back() != entries || weights_.size() != columns_.size() ||
+        offsets_.size() - 1 > static_cast<std::size_t>(far::kMaxIndex))
+        throw Error("a table of " + std::to_string(offsets_.size()) + " offsets, " +
+                    std::to_string(entries) + " columns and " + std::to_string(weights_.size()) +
+                    " weights is not in compressed sparse rows");
+    for (std::size_t row = 0; row + 1 < offsets_.size(); ++row) {
+        const auto refuse = [&](const char* why) {
+            throw Error("row " + std::to_string(row) + " of the table " + why);
+        };
+        if (offsets_[row] > offsets_[row + 1] || offsets_[row + 1] > entries)
+            refuse("has offsets out of order");
+        for (Offset i = offsets_[row]; i < offsets_[row + 1]; ++i) {
+            const Index column = columns_[static_cast<std::size_t>(i)];
+            if (column < 0 || column >= columnCount_) refuse("names a column that does not exist");
+            if (i > offsets_[row] && column <= columns_[static_cast<std::size_t>(i) - 1])
+                refuse("has columns that do not ascend");
+        }
+    }
+}
+
+template <class To, class From>
+StencilTable<To> convertTable(const StencilTable<From>& table) {
+    std::vector<To> weights;
+    weights.reserve(table.weights().size());
+    for (const From weight : table.weights()) weights.push_back(static_cast<To>(weight));
+    return StencilTable<To>(table.columnCount(), {table.offsets().begin(), table.offsets().end()},
+                            {table.columns().begin(), table.columns().end()}, std::move(weights));
+}
+
+template class StencilTable<float>;
+template class StencilTable<double>;
+template StencilTable<float> convertTable(const StencilTable<double>&);
+template StencilTable<double> convertTable(const StencilTable<float>&);
+
+}  // namespace espalier::stencils

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+
+#include <span>
+#include <vector>
+
+namespace espalier::stencils {
+
+using far::Index;
+using far::Offset;
+
+/// A sparse matrix of weights in compressed sparse rows, as OpenSubdiv's stencil tables: row i
+/// gives result i as Σ_k weights(i)[k] · source[columns(i)[k]].
+///
+/// Columns ascend and are unique in a row. Immutable, and so safe to share between threads.
+/// Real is float or double.
+template <class Real>
+class StencilTable {
+public:
+    /// The table of no rows and no columns.
+    StencilTable() = default;
+
+    /// \param columnCount number of source entries
+    /// \param offsets one more than rows; row i has entries offsets[i] to offsets[i + 1]
+    /// \param columns, weights one an entry
+    /// \throws Error if the arrays are not such a matrix, naming the first bad row
+    StencilTable(Index columnCount, std::vector<Offset> offsets, std::vector<Index> columns,
+                 std::vector<Real> weights);
+
+    Index rowCount() const { return static_cast<Index>(offsets_.size() - 1); }
+    Index columnCount() const { return columnCount_; }
+    Offset entryCount() const { return offsets_.back(); }
+
+    std::span<const Index> columns(Index row) const { return slice<Index>(columns_, row); }
+    std::span<const Real> weights(Index row) const { return slice<Real>(weights_, row); }
+
+    // The arrays as a whole: rowCount() + 1 offsets, entryCount() columns and weights.
+    std::span<const Offset> offsets() const { return offsets_; }
+    std::span<const Index> columns() const { return columns_; }
+    std::span<const Real> weights() const { return weights_; }
+
+    friend bool operator==(const StencilTable&, const StencilTable&) = default;
+
+private:
+    template <class T>
+    std::span<const T> slice(const std::vector<T>& values, Index row) const {
+        const Offset first = offsets_[static_cast<std::size_t>(row)];
+        const Offset last = offsets_[static_cast<std::size_t>(row) + 1];
+        return {values.data() + first, static_cast<std::size_t>(last - first)};
+    }
+
+    Index columnCount_ = 0;
+    std::vector<Offset> offsets_ = {0};
+    std::vector<Index> columns_;
+    std::vector<Real> weights_;
+};
+
+extern template class StencilTable<float>;
+extern template class StencilTable<double>;
+
+/// The same table with weights rounded to another precision.
+template <class To, class From>
+StencilTable<To> convertTable(const StencilTable<From>& table);
+
+}  // namespace espalier::stencils
