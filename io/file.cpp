@@ -29,10 +29,14 @@ std::string systemMessage() {
 class TemporaryFile {
 public:
     explicit TemporaryFile(const fs::path& target) : target_(target) {
-        name_ = target.string() + ".XXXXXX";
-        descriptor_ = ::mkstemp(name_.data());
-        if (descriptor_ < 0)
-            throw FileError(target, "cannot create a file beside it: " + systemMessage());
+        // Not mkstemp: it makes private files, and a new file's mode should follow the umask.
+        for (int attempt = 0; descriptor_ < 0; ++attempt) {
+            name_ = target.string() + ".tmp" + std::to_string(::getpid()) + "-" +
+                    std::to_string(attempt);
+            descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            if (descriptor_ < 0 && errno != EEXIST)
+                throw FileError(target, "cannot create a file beside it: " + systemMessage());
+        }
     }
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -45,22 +49,15 @@ public:
 
     void moveToTarget() {
         if (::fsync(descriptor_) != 0) throw FileError(target_, "cannot write: " + systemMessage());
-        // mkstemp makes a private file; give it the mode of what it replaces, or of a new file.
         std::error_code error;
         const fs::file_status old = fs::status(target_, error);
-        fs::permissions(name_, fs::exists(old) ? old.permissions() : newFilePermissions(), error);
+        if (fs::exists(old)) fs::permissions(name_, old.permissions(), error);
         fs::rename(name_, target_, error);
         if (error) throw FileError(target_, "cannot write: " + error.message());
         isInPlace_ = true;
     }
 
 private:
-    static fs::perms newFilePermissions() {
-        const ::mode_t mask = ::umask(0);
-        ::umask(mask);
-        return static_cast<fs::perms>(0666 & ~mask);
-    }
-
     fs::path target_;
     std::string name_;
     int descriptor_ = -1;
