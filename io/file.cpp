@@ -80,11 +80,22 @@ std::string readFile(const fs::path& path) {
 }
 
 void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& write) {
-    TemporaryFile file(path);
-    std::ofstream out(file.name(), std::ios::binary | std::ios::trunc);
-    if (out) write(out);
-    out.close();
-    if (!out) throw FileError(path, "cannot write: " + systemMessage());
+    std::error_code ignored;
+    const auto writeTo = [&](const fs::path& name) {
+        std::ofstream out(name, std::ios::binary | std::ios::trunc);
+        if (out) write(out);
+        out.close();
+        if (!out) throw FileError(path, "cannot write: " + systemMessage());
+    };
+    // A device or a pipe is written to, not replaced.
+    if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
+        if (fs::is_directory(path, ignored)) throw FileError(path, "is a directory");
+        writeTo(path);
+        return;
+    }
+    // A link stays one; what it names is replaced.
+    TemporaryFile file(fs::is_symlink(path, ignored) ? fs::weakly_canonical(path) : path);
+    writeTo(file.name());
     file.moveToTarget();
 }
 

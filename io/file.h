@@ -25,7 +25,8 @@ public:
 std::string readFile(const std::filesystem::path& path);
 
 /// Calls `write` on a new file beside `path`, and renames that to `path` when all is on disk. If
-/// anything fails, the new file is removed and the old one is as it was.
+/// anything fails, the new file is removed and the old one is as it was. A link is followed; a
+/// device or a pipe is written to directly.
 ///
 /// \throws FileError if the file cannot be made, written or renamed; what `write` throws
 void writeFile(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
