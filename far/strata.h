@@ -45,8 +45,8 @@ struct Marks {
         double sharpness = kInfinitelySharp;
         friend bool operator==(const Vertex&, const Vertex&) = default;
     };
-    std::vector<Edge> edges;
-    std::vector<Vertex> vertices;
+    std::vector<Edge> edges = {};
+    std::vector<Vertex> vertices = {};
 
     bool empty() const { return edges.empty() && vertices.empty(); }
     friend bool operator==(const Marks&, const Marks&) = default;

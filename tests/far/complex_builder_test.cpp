@@ -1,3 +1,313 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/topology_refiner.h>
+#include <espalier/far/complex_builder.h>
+#include <espalier/far/error.h>
+#include <espalier/far/hexahedron.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <functional>
+#include <optional>
+
+#include "support/complexes.h"
+
+namespace espalier::far {
+namespace {
+
+using test::bipyramid;
+using test::bipyramidLoops;
+using test::cellLoops;
+using test::grid;
+using test::lattice;
+using test::Loops;
+using test::singleCell;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+struct Counts {
+    Index vertices, edges, faces, cells;
+    friend bool operator==(const Counts&, const Counts&) = default;
+};
+Counts countsOf(const CellComplex& c) {
+    return {c.count(0), c.count(1), c.count(2), c.count(3)};
+}
+
+TEST(ComplexBuilder, StandardCellsHaveTheirCounts) {
+    EXPECT_EQ(countsOf(singleCell(StandardCell::Tetrahedron)), (Counts{4, 6, 4, 1}));
+    EXPECT_EQ(countsOf(singleCell(StandardCell::Pyramid)), (Counts{5, 8, 5, 1}));
+    EXPECT_EQ(countsOf(singleCell(StandardCell::Wedge)), (Counts{6, 9, 5, 1}));
+    EXPECT_EQ(countsOf(singleCell(StandardCell::Hexahedron)), (Counts{8, 12, 6, 1}));
+}
+
+// (i+1)(j+1)(k+1) vertices; i(j+1)(k+1) edges along x, and so on; (i+1)jk faces across x, and so
+// on.
+TEST(ComplexBuilder, GridSharesFacesAndEdges) {
+    EXPECT_EQ(countsOf(grid({2, 3, 4})), (Counts{3 * 4 * 5, 2 * 4 * 5 + 3 * 3 * 5 + 3 * 4 * 4,
+                                                 3 * 3 * 4 + 2 * 4 * 4 + 2 * 3 * 5, 2 * 3 * 4}));
+}
+
+// Any winding and starting point of each loop gives the same faces and a coherent orientation.
+TEST(ComplexBuilder, OrientsAndSharesWhateverTheWinding) {
+    const CellComplex original = grid({2, 2, 2});
+    std::vector<Index> names(27);
+    for (Index i = 0; i < 27; ++i) names[static_cast<std::size_t>(i)] = i;
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        const CellComplex shuffled = test::relabelled(original, names, seed);
+        EXPECT_EQ(countsOf(shuffled), countsOf(original));
+        // validate() ran in build(): ∂∂ = 0 and opposite signs at shared faces.
+        for (Index face = 0; face < shuffled.count(2); ++face)
+            EXPECT_LE(shuffled.relation(2, 3)[face].size(), 2u);
+    }
+}
+
+// A cell wound inside out among cells wound outwards is turned: the larger number decides.
+TEST(ComplexBuilder, MajorityOfLoopsDecidesTheOutside) {
+    ComplexBuilder builder(3, 12);
+    const auto first = test::gridCell({2, 1, 1}, 0, 0, 0),
+               second = test::gridCell({2, 1, 1}, 1, 0, 0);
+    builder.addCell(StandardCell::Hexahedron, first);
+    Loops loops = faceLoops(StandardCell::Hexahedron);
+    for (std::size_t f = 0; f < loops.size(); ++f) {
+        for (Index& vertex : loops[f]) vertex = second[static_cast<std::size_t>(vertex)];
+        if (f < 5) std::reverse(loops[f].begin(), loops[f].end());
+    }
+    builder.addCell(loops);
+    // 6 + 1 loops say one thing, 5 the other.
+    const auto oriented = cellLoops(builder.build());
+    const auto expected = cellLoops(grid({2, 1, 1}));
+    const auto contains = [](const Loops& all, std::vector<Index> loop) {
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            std::rotate(loop.begin(), loop.begin() + 1, loop.end());
+            if (std::find(all.begin(), all.end(), loop) != all.end()) return true;
+        }
+        return false;
+    };
+    for (std::size_t cell = 0; cell < 2; ++cell)
+        for (const auto& loop : expected[cell]) EXPECT_TRUE(contains(oriented[cell], loop));
+}
+
+TEST(ComplexBuilder, RelationsOfAHexahedron) {
+    const CellComplex cube = singleCell(StandardCell::Hexahedron);
+    EXPECT_THAT(cube.relation(3, 0)[0], ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+    EXPECT_THAT(cube.relation(2, 0)[0], ElementsAre(0, 4, 7, 3));  // loop order
+    EXPECT_EQ(cube.relation(0, 1)[0].size(), 3u);
+    EXPECT_EQ(cube.relation(0, 2)[0].size(), 3u);
+    EXPECT_EQ(cube.relation(1, 2)[0].size(), 2u);
+    EXPECT_THAT(cube.relation(0, 3)[6], ElementsAre(0));
+    EXPECT_EQ(cube.eulerCharacteristic(), 1);
+}
+
+TEST(ComplexBuilder, HexahedronVerticesAreInVtkOrder) {
+    // The first face of the standard cell, (0 4 7 3) from outside, is (0 3 7 4) from inside.
+    EXPECT_EQ(hexahedronVertices(singleCell(StandardCell::Hexahedron), CellId(0)),
+              (std::array<Index, 8>{0, 3, 7, 4, 1, 2, 6, 5}));
+    for (const auto other : {StandardCell::Tetrahedron, StandardCell::Pyramid, StandardCell::Wedge})
+        EXPECT_EQ(hexahedronVertices(singleCell(other), CellId(0)), std::nullopt);
+}
+
+TEST(ComplexBuilder, SixQuadrilateralsNeedNotBeAHexahedron) {
+    // Vertices 0 and 1 have valence 4, 6 and 7 valence 2.
+    const CellComplex solid = lattice(
+        8, {{{0, 2, 1, 3}, {0, 3, 6, 4}, {6, 3, 1, 4}, {0, 4, 1, 5}, {0, 5, 7, 2}, {7, 5, 1, 2}}});
+    EXPECT_EQ(countsOf(solid), (Counts{8, 12, 6, 1}));
+    EXPECT_EQ(hexahedronVertices(solid, CellId(0)), std::nullopt);
+}
+
+TEST(ComplexBuilder, SeparatePiecesAreFine) {
+    ComplexBuilder builder(3, 16);
+    builder.addCell(StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6, 7});
+    builder.addCell(StandardCell::Hexahedron, {8, 9, 10, 11, 12, 13, 14, 15});
+    EXPECT_EQ(builder.build().eulerCharacteristic(), 2);
+}
+
+TEST(ComplexBuilder, CurvesAndMeshes) {
+    const CellComplex closed = buildCurve(5, true), open = buildCurve(5, false);
+    EXPECT_EQ(closed.count(1), 5);
+    EXPECT_EQ(open.count(1), 4);
+    const CellComplex mesh = test::gridMesh(3, 2);
+    EXPECT_EQ(mesh.count(0), 12);
+    EXPECT_EQ(mesh.count(1), 3 * 3 + 4 * 2);
+    EXPECT_EQ(mesh.count(2), 6);
+    // Two quadrilaterals back to back are two faces.
+    EXPECT_EQ(buildMesh(4, Loops{{0, 1, 2, 3}, {3, 2, 1, 0}}).count(2), 2);
+}
+
+/// What a call throws.
+struct Refusal {
+    TopologyCause cause;
+    Entity entity;
+    std::string what;
+};
+std::optional<Refusal> refusalOf(const std::function<void()>& call) {
+    try {
+        call();
+    } catch (const TopologyError& error) {
+        return Refusal{error.cause(), error.entity(), error.what()};
+    }
+    return std::nullopt;
+}
+
+void expectRefused(TopologyCause cause, Entity entity, const std::string& text,
+                   const std::function<void()>& call) {
+    const auto refusal = refusalOf(call);
+    ASSERT_TRUE(refusal) << "accepted; expected: " << text;
+    EXPECT_EQ(refusal->cause, cause) << refusal->what;
+    EXPECT_EQ(refusal->entity, entity) << refusal->what;
+    EXPECT_THAT(refusal->what, HasSubstr(text));
+}
+
+/// The loops of a standard cell, on its own vertices.
+Loops cube() {
+    return faceLoops(StandardCell::Hexahedron);
+}
+
+Loops shifted(Loops loops, Index by) {
+    for (auto& loop : loops)
+        for (Index& vertex : loop) vertex += by;
+    return loops;
+}
+
+TEST(ComplexBuilderRefuses, OpenCell) {
+    Loops open = cube();
+    open.pop_back();
+    expectRefused(TopologyCause::OpenCell, {3, 0}, "edge (4, 7)", [&] { lattice(8, {open}); });
+}
+
+TEST(ComplexBuilderRefuses, EdgeWithThreeFacesOfOneCell) {
+    // A wall across the diagonal of the cube: its four edges have three faces each.
+    Loops walled = cube();
+    walled.push_back({0, 2, 6, 4});
+    expectRefused(TopologyCause::CrowdedEdge, {3, 0}, "3 faces", [&] { lattice(8, {walled}); });
+}
+
+TEST(ComplexBuilderRefuses, FaceOfThreeCells) {
+    // Three pyramids on the same quadrilateral.
+    ComplexBuilder builder(3, 7);
+    for (const Index apex : {4, 5, 6}) builder.addCell(StandardCell::Pyramid, {0, 1, 2, 3, apex});
+    expectRefused(TopologyCause::CrowdedFace, {2, 0}, "3 cells (0, 1, 2)",
+                  [&] { builder.build(); });
+}
+
+TEST(ComplexBuilderRefuses, BadLoops) {
+    ComplexBuilder builder(3, 8);
+    expectRefused(TopologyCause::RepeatedVertex, {3, 0}, "(0, 1, 1) names vertex 1 twice", [&] {
+        builder.addCell(Loops{{0, 1, 1}});
+    });
+    expectRefused(TopologyCause::TooFewVertices, {3, 0}, "(0, 1) has fewer than 3", [&] {
+        builder.addCell(Loops{{0, 1}});
+    });
+    expectRefused(TopologyCause::VertexOutOfRange, {3, 0}, "vertex 8; there are 8", [&] {
+        builder.addCell(Loops{{0, 1, 8}});
+    });
+    expectRefused(TopologyCause::VertexOutOfRange, {3, 0}, "vertex -1", [&] {
+        builder.addCell(Loops{{0, 1, -1}});
+    });
+    expectRefused(TopologyCause::TooFewVertices, {3, 0}, "7 vertices; expected 8", [&] {
+        builder.addCell(StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6});
+    });
+    // Nothing of the refused cells was kept.
+    builder.addCell(StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6, 7});
+    EXPECT_EQ(builder.build().count(3), 1);
+}
+
+TEST(ComplexBuilderRefuses, CellInTwoPieces) {
+    // Two tetrahedra that share vertex 0, taken as one cell: no edge joins their surfaces.
+    Loops pieces = faceLoops(StandardCell::Tetrahedron);
+    for (auto loop : faceLoops(StandardCell::Tetrahedron)) {
+        for (Index& vertex : loop)
+            if (vertex != 0) vertex += 3;
+        pieces.push_back(loop);
+    }
+    expectRefused(TopologyCause::NotASphere, {3, 0}, "2 pieces", [&] { lattice(7, {pieces}); });
+}
+
+TEST(ComplexBuilderRefuses, CellWithTwoFansAtAVertex) {
+    // A prism over the hexagon 0 to 5, bent so that the top vertex above 3 is vertex 0 as well.
+    const std::vector<Index> bottom = {0, 1, 2, 3, 4, 5}, top = {6, 7, 8, 0, 9, 10};
+    Loops prism = {{bottom.rbegin(), bottom.rend()}, top};
+    for (std::size_t i = 0; i < 6; ++i) {
+        const std::size_t next = (i + 1) % 6;
+        prism.push_back({bottom[i], bottom[next], top[next], top[i]});
+    }
+    expectRefused(TopologyCause::PinchedCell, {3, 0}, "vertex 0 form more than one fan",
+                  [&] { lattice(11, {prism}); });
+}
+
+TEST(ComplexBuilderRefuses, CellWithAHandle) {
+    // The surface of a square ring of 8 cubes: a torus of 32 quadrilaterals, as one cell.
+    const std::array<Index, 3> n = {3, 3, 1};
+    ComplexBuilder ring(3, 32);
+    for (Index j = 0; j < 3; ++j)
+        for (Index i = 0; i < 3; ++i)
+            if (i != 1 || j != 1)
+                ring.addCell(StandardCell::Hexahedron, test::gridCell(n, i, j, 0));
+    const CellComplex cubes = ring.build();
+    Loops surface;
+    for (Index face = 0; face < cubes.count(2); ++face)
+        if (cubes.relation(2, 3)[face].size() == 1) {
+            const auto loop = cubes.relation(2, 0)[face];
+            surface.emplace_back(loop.begin(), loop.end());
+        }
+    ASSERT_EQ(surface.size(), 32u);
+    expectRefused(TopologyCause::NotASphere, {3, 0}, "Euler characteristic 0",
+                  [&] { lattice(32, {surface}); });
+}
+
+TEST(ComplexBuilderRefuses, UnusedVertexAndEmptyComplexes) {
+    expectRefused(TopologyCause::UnusedEntity, {0, 8}, "vertex 8 belongs to no edge",
+                  [&] { lattice(9, {cube()}); });
+    expectRefused(TopologyCause::EmptyComplex, {3, 0}, "no cell", [] { lattice(0, {}); });
+    expectRefused(TopologyCause::EmptyComplex, {3, 0}, "no cell", [] { lattice(4, {}); });
+    expectRefused(TopologyCause::EmptyComplex, {2, 0}, "no face", [] { buildMesh(4, {}); });
+    expectRefused(TopologyCause::EmptyComplex, {1, 0}, "no edge", [] { buildCurve(1, false); });
+    expectRefused(TopologyCause::NotASphere, {3, 1}, "0 pieces", [] { lattice(8, {cube(), {}}); });
+}
+
+TEST(ComplexBuilderRefuses, RepeatedCellsAndFaces) {
+    expectRefused(TopologyCause::RepeatedCell, {3, 1}, "cell 1 has the same faces as cell 0", [] {
+        lattice(8, {cube(), cube()});
+    });
+    Loops twice = cube();
+    twice.push_back(twice.front());
+    expectRefused(TopologyCause::RepeatedFace, {3, 0}, "lists face 0 twice",
+                  [&] { lattice(8, {twice}); });
+}
+
+// Three cubes in a row whose ends are glued with a reflection: a solid Klein bottle.
+TEST(ComplexBuilderRefuses, LatticeThatCannotBeOriented) {
+    const auto slice = [](Index i) {
+        // Four vertices a slice; slice 3 is slice 0 mirrored.
+        return i < 3 ? std::array<Index, 4>{4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}
+                     : std::array<Index, 4>{1, 0, 3, 2};
+    };
+    ComplexBuilder builder(3, 12);
+    for (Index i = 0; i < 3; ++i) {
+        const auto a = slice(i), b = slice(i + 1);
+        builder.addCell(StandardCell::Hexahedron, {a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]});
+    }
+    const auto refusal = refusalOf([&] { builder.build(); });
+    ASSERT_TRUE(refusal);
+    EXPECT_EQ(refusal->cause, TopologyCause::NotOrientable) << refusal->what;
+}
+
+TEST(ComplexBuilder, CubesThatMeetInAnEdgeOrAVertexOnlyAreFine) {
+    const std::array<Index, 3> n = {2, 2, 1};
+    ComplexBuilder edge(3, 18 - 4);
+    std::vector<Index> names(18, -1);
+    Index next = 0;
+    const auto rename = [&](std::array<Index, 8> cell) {
+        for (Index& vertex : cell) {
+            Index& name = names[static_cast<std::size_t>(vertex)];
+            if (name < 0) name = next++;
+            vertex = name;
+        }
+        return cell;
+    };
+    edge.addCell(StandardCell::Hexahedron, rename(test::gridCell(n, 0, 0, 0)));
+    edge.addCell(StandardCell::Hexahedron, rename(test::gridCell(n, 1, 1, 0)));
+    EXPECT_EQ(countsOf(edge.build()), (Counts{14, 23, 12, 2}));
+    Loops second = shifted(cube(), 7);  // shares vertex 7 with the first
+    EXPECT_EQ(countsOf(lattice(15, {cube(), second})), (Counts{15, 24, 12, 2}));
+}
+
+}  // namespace
+}  // namespace espalier::far

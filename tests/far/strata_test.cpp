@@ -1,3 +1,222 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/far/topology_refiner.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <map>
+
+#include "support/complexes.h"
+
+namespace espalier::far {
+namespace {
+
+using test::grid;
+using test::gridVertex;
+using test::Loops;
+using ::testing::HasSubstr;
+
+/// Number of entities on strata 0, 1, 2, 3.
+using PerStratum = std::array<Index, 4>;
+PerStratum countStrata(const Strata& strata, int dimension) {
+    return {strata.count(dimension, 0), strata.count(dimension, 1), strata.count(dimension, 2),
+            strata.count(dimension, 3)};
+}
+
+Strata strataOf(const CellComplex& complex, SharpEdges rule = SharpEdges::SingleCell,
+                const Marks& marks = {}) {
+    return TopologyRefiner(complex, {.sharpEdges = rule, .marks = marks}).level(0).strata;
+}
+
+/// A prism of `layers` layers over a disk of n sectors round a centre: Figure 1 of the paper. In
+/// each of the layers + 1 discs, vertex 0 is the centre and 1 to n the rim.
+CellComplex cylinder(Index n, Index layers) {
+    ComplexBuilder builder(3, (n + 1) * (layers + 1));
+    for (Index layer = 0; layer < layers; ++layer)
+        for (Index i = 0; i < n; ++i) {
+            const Index low = layer * (n + 1), high = low + n + 1, next = (i + 1) % n;
+            builder.addCell(StandardCell::Wedge, {low, low + 1 + next, low + 1 + i, high,
+                                                  high + 1 + next, high + 1 + i});
+        }
+    return builder.build();
+}
+
+// MacCracken & Joy 1996, section 3, on boxes: 8 corners, sharp edges along the 12 edges of the box.
+TEST(Strata, BoxHasTheStrataOfABox) {
+    for (const SharpEdges rule : {SharpEdges::SingleCell, SharpEdges::Literal}) {
+        const Strata strata = strataOf(grid({2, 3, 4}), rule);
+        EXPECT_EQ(countStrata(strata, 0), (PerStratum{8, 4 * (1 + 2 + 3), 2 * (2 + 3 + 6), 6}));
+        EXPECT_EQ(countStrata(strata, 1)[1], 4 * (2 + 3 + 4));
+        EXPECT_EQ(countStrata(strata, 2)[2], 2 * (6 + 8 + 12));
+        EXPECT_EQ(countStrata(strata, 3), (PerStratum{0, 0, 0, 24}));
+    }
+}
+
+// Read literally, the paper's rule makes the vertical edges of a cylinder sharp when it is one
+// layer thick, against its own Figure 5; the default does not, at any thickness.
+TEST(Strata, SharpEdgesOfACylinder) {
+    const Index n = 6;
+    for (const Index layers : {1, 2, 3}) {
+        const Strata strata = strataOf(cylinder(n, layers));
+        EXPECT_EQ(countStrata(strata, 1)[1], 2 * n) << "the two rims";
+        EXPECT_EQ(countStrata(strata, 0)[0], 0) << "no corners";
+        EXPECT_EQ(countStrata(strata, 0)[1], 2 * n);
+    }
+    EXPECT_EQ(countStrata(strataOf(cylinder(n, 1), SharpEdges::Literal), 1)[1], 3 * n);
+    EXPECT_EQ(countStrata(strataOf(cylinder(n, 1), SharpEdges::Literal), 0)[0], 2 * n);
+    EXPECT_EQ(countStrata(strataOf(cylinder(n, 2), SharpEdges::Literal), 1)[1], 2 * n);
+}
+
+TEST(Strata, ChildInheritsTheStratumOfItsUpperEnd) {
+    TopologyRefiner refiner(grid({1, 1, 1}));
+    refiner.refineUniform(2);
+    // The refined cube is again a box: 8 corners, 12 edges of 4 parts, 6 sides of 16 faces.
+    const Strata& strata = refiner.level(2).strata;
+    EXPECT_EQ(countStrata(strata, 0), (PerStratum{8, 12 * 3, 6 * 9, 27}));
+    EXPECT_EQ(countStrata(strata, 1)[1], 12 * 4);
+    EXPECT_EQ(countStrata(strata, 2)[2], 6 * 16);
+}
+
+TEST(Strata, MarksOverrideTheAutomaticOnes) {
+    const CellComplex box = grid({2, 2, 2});
+    const Index corner = 0, onEdge = 1, end = 2;
+    const auto strataWith = [&](const Marks& marks) {
+        return strataOf(box, SharpEdges::SingleCell, marks);
+    };
+    // One edge smoothed: its corner, freed too, is left with two sharp edges; its other end is a
+    // dart.
+    const Strata smoothed =
+        strataWith({.edges = {{{corner, onEdge}, kSmooth}}, .vertices = {{corner, kSmooth}}});
+    EXPECT_EQ(smoothed.of({0, corner}), 1);
+    EXPECT_EQ(smoothed.of({0, onEdge}), 2);
+    EXPECT_EQ(smoothed.of({0, end}), 0);
+    EXPECT_EQ(countStrata(smoothed, 1)[1], 23);
+    // Smoothed but not freed, it is still the vertex of one cell.
+    EXPECT_EQ(strataWith({.edges = {{{corner, onEdge}, kSmooth}}}).of({0, corner}), 0);
+    // Freed but not smoothed, it still has three sharp edges.
+    EXPECT_EQ(strataWith({.vertices = {{corner, kSmooth}}}).of({0, corner}), 0);
+    // Marked corner on a sharp edge, on a side, and inside.
+    for (const Index vertex :
+         {onEdge, gridVertex({2, 2, 2}, 1, 1, 0), gridVertex({2, 2, 2}, 1, 1, 1)})
+        EXPECT_EQ(strataWith({.vertices = {{vertex, kInfinitelySharp}}}).of({0, vertex}), 0);
+    // A sharp edge across a side, between the middles of two edges of the box: a crease through the
+    // middle of the side, and a third sharp edge at its ends.
+    const Index middle = gridVertex({2, 2, 2}, 1, 1, 0), opposite = gridVertex({2, 2, 2}, 1, 2, 0);
+    const Strata creased = strataWith(
+        {.edges = {{{onEdge, middle}, kInfinitelySharp}, {{opposite, middle}, kInfinitelySharp}}});
+    EXPECT_EQ(creased.of({0, middle}), 1);
+    EXPECT_EQ(creased.of({0, onEdge}), 0);
+    // At least 10 is infinite, as in OpenSubdiv; the later of two marks counts.
+    EXPECT_EQ(strataWith({.vertices = {{middle, kSmooth}, {middle, 10}}}).of({0, middle}), 0);
+}
+
+TEST(Strata, OneSharpEdgeIsADart) {
+    const Index middle = gridVertex({2, 2, 2}, 1, 1, 0);
+    const Strata strata = strataOf(grid({2, 2, 2}), SharpEdges::SingleCell,
+                                   {.edges = {{{1, middle}, kInfinitelySharp}}});
+    EXPECT_EQ(strata.of({0, middle}), 2);
+}
+
+TEST(Strata, BadMarksAreRefused) {
+    const CellComplex box = grid({2, 1, 1});
+    const auto expectRefused = [&](TopologyCause cause, const std::string& text,
+                                   const Marks& marks) {
+        try {
+            strataOf(box, SharpEdges::SingleCell, marks);
+            FAIL() << "accepted; expected: " << text;
+        } catch (const TopologyError& error) {
+            EXPECT_EQ(error.cause(), cause) << error.what();
+            EXPECT_THAT(error.what(), HasSubstr(text));
+        }
+    };
+    expectRefused(TopologyCause::BadMark, "edge (0, 2), which does not exist",
+                  {.edges = {{{0, 2}, kSmooth}}});
+    expectRefused(TopologyCause::BadMark, "edge (1, 1), which does not exist",
+                  {.edges = {{{1, 1}, kSmooth}}});
+    expectRefused(TopologyCause::VertexOutOfRange, "vertex 12; there are 12",
+                  {.edges = {{{0, 12}, kSmooth}}});
+    expectRefused(TopologyCause::VertexOutOfRange, "vertex -1", {.vertices = {{-1, kSmooth}}});
+    expectRefused(TopologyCause::BadMark, "sharpness 2.5", {.edges = {{{0, 1}, 2.5}}});
+    expectRefused(TopologyCause::BadMark, "sharpness nan",
+                  {.vertices = {{0, std::numeric_limits<double>::quiet_NaN()}}});
+}
+
+/// Two cubes on the same grid of 2 × 2 × 2 that touch only where the grid's middle is.
+CellComplex twoCubes(const std::array<Index, 3>& first, const std::array<Index, 3>& second) {
+    std::map<Index, Index> names;
+    ComplexBuilder builder(3);
+    for (const auto& [i, j, k] : {first, second}) {
+        auto cell = test::gridCell({2, 2, 2}, i, j, k);
+        for (Index& vertex : cell) {
+            if (!names.count(vertex)) names[vertex] = builder.addVertex();
+            vertex = names[vertex];
+        }
+        builder.addCell(StandardCell::Hexahedron, cell);
+    }
+    return builder.build();
+}
+
+// DESIGN section 2: a boundary edge in other than two boundary faces is sharp, even where a mark
+// says smooth; a vertex whose boundary faces do not form one fan is a corner.
+TEST(Strata, CubesThatTouchInAnEdgeOrAVertex) {
+    const CellComplex byEdge = twoCubes({0, 0, 0}, {1, 1, 0});
+    Index shared = 0;
+    while (byEdge.relation(1, 3)[shared].size() != 2) ++shared;
+    const Strata strata = strataOf(byEdge);
+    EXPECT_EQ(strata.of({1, shared}), 1);
+    for (const Index end : byEdge.relation(1, 0)[shared]) EXPECT_EQ(strata.of({0, end}), 0);
+    const auto ends = byEdge.relation(1, 0)[shared];
+    EXPECT_THROW(
+        strataOf(byEdge, SharpEdges::SingleCell, {.edges = {{{ends[0], ends[1]}, kSmooth}}}),
+        TopologyError);
+
+    const CellComplex byVertex = twoCubes({0, 0, 0}, {1, 1, 1});
+    Index touching = 0;
+    while (byVertex.relation(0, 3)[touching].size() != 2) ++touching;
+    EXPECT_EQ(strataOf(byVertex).of({0, touching}), 0);
+    EXPECT_THROW(strataOf(byVertex, SharpEdges::SingleCell, {.vertices = {{touching, kSmooth}}}),
+                 TopologyError);
+}
+
+// A tripod: four cells round a vertex of which three sharp edges leave.
+TEST(Strata, ThreeSharpEdgesMakeACorner) {
+    // The 2 × 2 × 2 grid without four of its cubes: what is left are (0,0,0), (1,0,0), (0,1,0) and
+    // (0,0,1). The middle vertex is on the boundary.
+    ComplexBuilder builder(3, 27 - 7);
+    std::map<Index, Index> names;
+    for (const auto& [i, j, k] : {std::array<Index, 3>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
+        auto cell = test::gridCell({2, 2, 2}, i, j, k);
+        for (Index& vertex : cell)
+            vertex = names.emplace(vertex, static_cast<Index>(names.size())).first->second;
+        builder.addCell(StandardCell::Hexahedron, cell);
+    }
+    const CellComplex tripod = builder.build();
+    const Index middle = names[gridVertex({2, 2, 2}, 1, 1, 1)];
+    // From the middle, the edges to (2,1,1), (1,2,1) and (1,1,2) lie in one cell each: sharp.
+    EXPECT_EQ(tripod.relation(0, 3)[middle].size(), 4u);
+    EXPECT_EQ(strataOf(tripod).of({0, middle}), 0);
+}
+
+TEST(Strata, MeshesAndCurves) {
+    const Strata mesh = strataOf(test::gridMesh(3, 2));
+    EXPECT_EQ(countStrata(mesh, 0), (PerStratum{4, 2 * 2 + 2 * 1, 2, 0}));
+    EXPECT_EQ(countStrata(mesh, 1), (PerStratum{0, 10, 7, 0}));
+    const Strata open = strataOf(buildCurve(5, false)), closed = strataOf(buildCurve(5, true));
+    EXPECT_EQ(countStrata(open, 0), (PerStratum{2, 3, 0, 0}));
+    EXPECT_EQ(countStrata(closed, 0), (PerStratum{0, 5, 0, 0}));
+    // Three faces at one edge, two faces that touch in a vertex.
+    const CellComplex fins = buildMesh(5, Loops{{0, 1, 2}, {0, 1, 3}, {1, 0, 4}});
+    EXPECT_EQ(countStrata(strataOf(fins), 0)[0], 5);
+    const CellComplex bowTie = buildMesh(5, Loops{{0, 1, 2}, {0, 3, 4}});
+    EXPECT_EQ(strataOf(bowTie).of({0, 0}), 0);
+}
+
+TEST(Strata, OpenKnowsBoundaryAndInteriorOnly) {
+    const Strata strata =
+        TopologyRefiner(grid({2, 2, 2}), {.boundary = Boundary::Open}).level(0).strata;
+    EXPECT_EQ(countStrata(strata, 0), (PerStratum{0, 0, 26, 1}));
+    EXPECT_EQ(countStrata(strata, 1), (PerStratum{0, 0, 48, 6}));
+}
+
+}  // namespace
+}  // namespace espalier::far

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/topology_match.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "support/complexes.h"
+
+namespace espalier::far {
+namespace {
+
+using test::grid;
+using ::testing::HasSubstr;
+
+TEST(TopologyMatch, OrderOfCellsAndWindingDoNotCount) {
+    const CellComplex box = grid({3, 2, 2});
+    std::vector<Index> names(static_cast<std::size_t>(box.count(0)));
+    std::iota(names.begin(), names.end(), 0);
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+        const CellComplex other = test::relabelled(box, names, seed);
+        EXPECT_EQ(topologyDifference(box, other), std::nullopt);
+        EXPECT_EQ(topologyHash(box), topologyHash(other));
+    }
+}
+
+TEST(TopologyMatch, SaysWhatDiffers) {
+    const CellComplex box = grid({3, 2, 2});
+    EXPECT_THAT(*topologyDifference(box, grid({3, 2, 1})),
+                HasSubstr("number of vertices: the first has 36, the second 24"));
+    EXPECT_THAT(*topologyDifference(box, test::gridMesh(3, 2)),
+                HasSubstr("the first is of dimension 3, the second of 2"));
+    // As many vertices and cells, but a pair of vertices swapped.
+    std::vector<Index> names(static_cast<std::size_t>(box.count(0)));
+    std::iota(names.begin(), names.end(), 0);
+    std::swap(names[0], names[5]);
+    const CellComplex swapped = test::relabelled(box, names, 1);
+    EXPECT_THAT(*topologyDifference(box, swapped), HasSubstr("has no counterpart"));
+    EXPECT_NE(topologyHash(box), topologyHash(swapped));
+    EXPECT_NE(topologyHash(box), topologyHash(grid({2, 3, 2})));
+}
+
+// The hash is stored in files: it must never change. Reference value computed by an independent
+// implementation of FNV-1a over the numbers 3, 4 (dimension, vertices), 16 (length), and the sides
+// 3 0 1 2, 3 0 1 3, 3 0 2 3, 3 1 2 3 as 64-bit little-endian integers.
+TEST(TopologyMatch, HashOfATetrahedronIsFixed) {
+    EXPECT_EQ(topologyHash(test::singleCell(StandardCell::Tetrahedron)), 0x32adc01d0b64ecf2u);
+}
+
+}  // namespace
+}  // namespace espalier::far
