@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/cpu_evaluator.h>
+
+#include <string>
+
+namespace espalier::osd {
+
+template <class Real>
+std::vector<Point3> evaluateBinding(const stencils::Binding<Real>& binding,
+                                    std::span<const Point3> pose) {
+    if (pose.size() != static_cast<std::size_t>(binding.table.columnCount()))
+        throw Error("the pose has " + std::to_string(pose.size()) +
+                    " vertices; the model is bound to a lattice of " +
+                    std::to_string(binding.table.columnCount()));
+    std::vector<Real> source;
+    source.reserve(3 * pose.size());
+    for (const Point3& position : pose)
+        for (const double coordinate : position) source.push_back(static_cast<Real>(coordinate));
+    const Index rowCount = binding.table.rowCount();
+    std::vector<Real> values(3 * static_cast<std::size_t>(rowCount));
+    const auto layout = BufferDescriptor::packed(3);
+    CpuEvaluator::evaluate(binding.table, source, layout, values, layout, {0, rowCount});
+
+    std::vector<Point3> points(static_cast<std::size_t>(rowCount));
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    for (std::size_t i = 0; i < binding.kept.size(); ++i)
+        points[static_cast<std::size_t>(binding.kept[i])] = binding.keptAt[i];
+    return points;
+}
+
+template std::vector<Point3> evaluateBinding(const stencils::Binding<float>&,
+                                             std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(const stencils::Binding<double>&,
+                                             std::span<const Point3>);
+
+}  // namespace espalier::osd

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/point.h>
+#include <espalier/stencils/binding.h>
+
+#include <span>
+#include <vector>
+
+namespace espalier::osd {
+
+/// The points of a bound model for a pose of the lattice: D · p', and the kept points where they
+/// were.
+///
+/// \param pose positions of the base vertices
+/// \throws Error if the pose is not of binding.table.columnCount() vertices
+/// \cost O(entries), on all threads
+/// \cite MacCracken & Joy 1996, section 5
+template <class Real>
+std::vector<Point3> evaluateBinding(const stencils::Binding<Real>& binding,
+                                    std::span<const Point3> pose);
+
+}  // namespace espalier::osd

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/parallel.h>
+#include <espalier/osd/cpu_evaluator.h>
+
+#include <algorithm>
+
+namespace espalier::osd {
+
+template <class Real>
+void CpuEvaluator::evaluate(const stencils::StencilTable<Real>& table, Values<Real> source,
+                            const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
+                            const BufferDescriptor& destinationLayout, RowRange rows) {
+    checkEvaluation(table, source, sourceLayout, destination, destinationLayout, rows);
+    constexpr Offset kGrain = 2048;
+    const Offset length = sourceLayout.length;
+    far::parallelFor(rows.last - rows.first, kGrain, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i) {
+            const Index row = rows.first + static_cast<Index>(i);
+            const auto columns = table.columns(row);
+            const auto weights = table.weights(row);
+            Real* result =
+                destination.data() + destinationLayout.offset + row * destinationLayout.stride;
+            std::fill_n(result, length, Real{0});
+            // Entries outside, components inside: each source entry is read once, in one piece.
+            for (std::size_t k = 0; k < columns.size(); ++k) {
+                const Real* entry =
+                    source.data() + sourceLayout.offset + columns[k] * sourceLayout.stride;
+                for (Offset c = 0; c < length; ++c) result[c] += weights[k] * entry[c];
+            }
+        }
+    });
+}
+
+template void CpuEvaluator::evaluate(const stencils::StencilTable<float>&, Values<float>,
+                                     const BufferDescriptor&, MutableValues<float>,
+                                     const BufferDescriptor&, RowRange);
+template void CpuEvaluator::evaluate(const stencils::StencilTable<double>&, Values<double>,
+                                     const BufferDescriptor&, MutableValues<double>,
+                                     const BufferDescriptor&, RowRange);
+
+}  // namespace espalier::osd

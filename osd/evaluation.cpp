@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/osd/evaluation.h>
+
+#include <string>
+
+namespace espalier::osd {
+namespace {
+
+void checkLayout(const BufferDescriptor& layout, std::size_t size, Offset entries,
+                 const char* name) {
+    const std::string buffer = std::string("the ") + name + " buffer";
+    if (layout.offset < 0 || layout.length < 1 || layout.stride < layout.length)
+        throw Error(buffer + " has offset " + std::to_string(layout.offset) + ", length " +
+                    std::to_string(layout.length) + " and stride " + std::to_string(layout.stride) +
+                    "; expected offset ≥ 0 and stride ≥ length ≥ 1");
+    if (entries == 0) return;
+    // Divided, not multiplied: the product might overflow.
+    const Offset room = static_cast<Offset>(size) - layout.offset - layout.length;
+    if (room < 0 || room / layout.stride < entries - 1)
+        throw Error(buffer + " holds " + std::to_string(size) + " numbers: too few for " +
+                    std::to_string(entries) + " entries at offset " +
+                    std::to_string(layout.offset) + " and stride " + std::to_string(layout.stride));
+}
+
+}  // namespace
+
+template <class Real>
+void checkEvaluation(const stencils::StencilTable<Real>& table, Values<Real> source,
+                     const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
+                     const BufferDescriptor& destinationLayout, RowRange rows) {
+    if (rows.first < 0 || rows.last < rows.first || rows.last > table.rowCount())
+        throw Error("rows " + std::to_string(rows.first) + " to " + std::to_string(rows.last) +
+                    " are not in a table of " + std::to_string(table.rowCount()) + " rows");
+    checkLayout(sourceLayout, source.size(), table.columnCount(), "source");
+    checkLayout(destinationLayout, destination.size(), rows.last, "destination");
+    if (sourceLayout.length != destinationLayout.length)
+        throw Error("source entries have " + std::to_string(sourceLayout.length) +
+                    " components, destination entries " + std::to_string(destinationLayout.length));
+}
+
+template void checkEvaluation(const stencils::StencilTable<float>&, Values<float>,
+                              const BufferDescriptor&, MutableValues<float>,
+                              const BufferDescriptor&, RowRange);
+template void checkEvaluation(const stencils::StencilTable<double>&, Values<double>,
+                              const BufferDescriptor&, MutableValues<double>,
+                              const BufferDescriptor&, RowRange);
+
+}  // namespace espalier::osd

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/osd/buffer_descriptor.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <span>
+#include <type_traits>
+
+namespace espalier::osd {
+
+using far::Index;
+using far::Offset;
+
+/// Part of the rows of a table: first to last − 1.
+struct RowRange {
+    Index first = 0;
+    Index last = 0;
+};
+
+/// The numbers of a source, or of a destination; Real follows from the table.
+template <class Real>
+using Values = std::span<const std::type_identity_t<Real>>;
+template <class Real>
+using MutableValues = std::span<std::type_identity_t<Real>>;
+
+/// What every evaluator is called with, and does:
+///
+///     destination[row][c] = Σ_k weights(row)[k] · source[columns(row)[k]][c]
+///
+/// for each row of `rows`. Entry i of the destination is row i, whatever the range: rows outside
+/// the range and numbers between entries are not touched. A row without entries gives 0. Source and
+/// destination must not overlap; they must hold all that the table and the range address. Any
+/// number of components goes through in one pass over the table: several poses are several
+/// components.
+///
+/// This function is the part that evaluators share: it checks the arguments.
+///
+/// Real is float or double, for weights and values alike.
+///
+/// \throws Error if a descriptor does not make sense, the two differ in length, a buffer is too
+///         short, or the range is not in the table. An evaluator has written nothing then.
+template <class Real>
+void checkEvaluation(const stencils::StencilTable<Real>& table, Values<Real> source,
+                     const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
+                     const BufferDescriptor& destinationLayout, RowRange rows);
+
+}  // namespace espalier::osd

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/embedding.h>
+
+#include <cstdint>
+
+namespace espalier::stencils {
+
+/// A model frozen to a lattice: all that is needed to deform it, without the lattice or its
+/// topology.
+///
+/// With p' the base vertices of a pose, the deformed points are x' = D · p', except for the points
+/// whose rows are empty, which are kept where they were.
+///
+/// \cite MacCracken & Joy 1996, section 5
+template <class Real>
+struct Binding {
+    StencilTable<Real> table;        ///< D: points × base vertices
+    std::vector<Index> kept;         ///< the points with empty rows, ascending
+    std::vector<Point3> keptAt;      ///< where those were, and stay
+    std::uint64_t topologyHash = 0;  ///< far::topologyHash of the base lattice
+
+    friend bool operator==(const Binding&, const Binding&) = default;
+};
+
+/// Collects D and what it keeps.
+/// \param points as they were embedded
+template <class Real>
+Binding<Real> makeBinding(const far::TopologyRefiner& refiner, int level, Rules rules,
+                          const Embedding& embedding, std::span<const Point3> points);
+
+}  // namespace espalier::stencils

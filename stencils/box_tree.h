@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace espalier::stencils {
+
+/// A bounding-volume tree over boxes: which contain a point, and which item is nearest to it.
+/// Immutable once built; any number of threads may ask.
+class BoxTree {
+public:
+    using Box = Eigen::AlignedBox<double, 3>;
+
+    /// \cost O(n log n), on all threads. The tree does not depend on their number.
+    explicit BoxTree(std::span<const Box> boxes);
+
+    /// Appends the indices of the boxes that contain `point`, in no particular order.
+    void findContaining(const Eigen::Vector3d& point, std::vector<far::Index>& found) const;
+
+    struct Nearest {
+        far::Index index = 0;
+        double distance = 0;
+    };
+
+    /// The item of the smallest distance to `point`, and of several such the lowest index.
+    /// \param distance of an item from the point; at least that of its box
+    Nearest findNearest(const Eigen::Vector3d& point,
+                        const std::function<double(far::Index)>& distance) const;
+
+private:
+    /// Nodes lie in the order of a walk: the left child follows its parent, the right one is at
+    /// `right`, and what follows the whole subtree is at `next`. Items first to first + count.
+    struct Node {
+        Box box;
+        far::Index first = 0;
+        far::Index count = 0;
+        std::size_t right = 0;
+        std::size_t next = 0;
+        bool isLeaf = true;
+    };
+
+    void build(std::span<const Box> boxes, far::Index first, far::Index count, std::size_t at,
+               std::size_t next);
+
+    std::vector<Node> nodes_;
+    std::vector<far::Index> order_;  ///< the items, leaf by leaf
+    std::vector<Box> boxes_;         ///< their boxes, in that order
+};
+
+}  // namespace espalier::stencils

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/sparse_matrix.h>
+#include <espalier/stencils/table_builder.h>
+
+#include <numeric>
+#include <string>
+#include <utility>
+
+namespace espalier::stencils {
+namespace {
+
+/// Rows of the identity.
+template <class Real>
+StencilTable<Real> selectionTable(Index columnCount, std::span<const Index> columns) {
+    std::vector<Offset> offsets(columns.size() + 1);
+    std::iota(offsets.begin(), offsets.end(), Offset{0});
+    return StencilTable<Real>(columnCount, std::move(offsets), {columns.begin(), columns.end()},
+                              std::vector<Real>(columns.size(), Real{1}));
+}
+
+/// A table times values of `components` a source entry, source by source.
+std::vector<double> product(const StencilTable<double>& table, std::span<const double> values,
+                            int components) {
+    using Dense = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Map<const Dense> source(values.data(), table.columnCount(), components);
+    std::vector<double> result(static_cast<std::size_t>(table.rowCount()) *
+                               static_cast<std::size_t>(components));
+    Eigen::Map<Dense>(result.data(), table.rowCount(), components).noalias() =
+        SparseView<double>(table).matrix() * source;
+    return result;
+}
+
+}  // namespace
+
+template <class Real>
+StencilTable<Real> multiply(const StencilTable<double>& left, const StencilTable<double>& right) {
+    if (left.columnCount() != right.rowCount())
+        throw Error("cannot multiply a table of " + std::to_string(left.columnCount()) +
+                    " columns by one of " + std::to_string(right.rowCount()) + " rows");
+    return buildTable<Real>(left.rowCount(), right.columnCount(),
+                            [&](Index row, RowAccumulator& accumulator) {
+                                const auto middles = left.columns(row);
+                                const auto factors = left.weights(row);
+                                for (std::size_t k = 0; k < middles.size(); ++k) {
+                                    const auto columns = right.columns(middles[k]);
+                                    const auto weights = right.weights(middles[k]);
+                                    for (std::size_t i = 0; i < columns.size(); ++i)
+                                        accumulator.add(columns[i], factors[k] * weights[i]);
+                                }
+                            });
+}
+
+CompactTable compactColumns(const StencilTable<double>& table) {
+    std::vector<Index> place(static_cast<std::size_t>(table.columnCount()), 0);
+    for (const Index column : table.columns()) place[static_cast<std::size_t>(column)] = 1;
+    CompactTable compact;
+    for (Index column = 0; column < table.columnCount(); ++column) {
+        Index& at = place[static_cast<std::size_t>(column)];
+        if (at == 0) continue;
+        at = static_cast<Index>(compact.columns.size());
+        compact.columns.push_back(column);
+    }
+    std::vector<Index> columns;
+    columns.reserve(table.columns().size());
+    for (const Index column : table.columns())
+        columns.push_back(place[static_cast<std::size_t>(column)]);
+    compact.table =
+        StencilTable<double>(static_cast<Index>(compact.columns.size()),
+                             {table.offsets().begin(), table.offsets().end()}, std::move(columns),
+                             {table.weights().begin(), table.weights().end()});
+    return compact;
+}
+
+template <class Real>
+StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                 std::span<const Index> vertices) {
+    if (level == 0) return selectionTable<Real>(refiner.level(0).complex.count(0), vertices);
+    // Down the levels: what each row needs of the level before. Then up: their products.
+    std::vector<CompactTable> chain;
+    std::span<const Index> demanded = vertices;
+    for (int k = level; k > 0; --k) {
+        chain.push_back(compactColumns(buildLevelTable(refiner, k, rules, demanded)));
+        demanded = chain.back().columns;
+    }
+    StencilTable<double> product =
+        selectionTable<double>(refiner.level(0).complex.count(0), demanded);
+    for (; chain.size() > 1; chain.pop_back())
+        product = multiply<double>(chain.back().table, product);
+    return multiply<Real>(chain.front().table, product);
+}
+
+template <class Real>
+StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules) {
+    std::vector<Index> all(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
+    std::iota(all.begin(), all.end(), Index{0});
+    return buildStencils<Real>(refiner, level, rules, all);
+}
+
+std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                 std::span<const double> values, int components) {
+    const Index baseCount = refiner.level(0).complex.count(0);
+    if (components < 1 ||
+        values.size() != static_cast<std::size_t>(baseCount) * static_cast<std::size_t>(components))
+        throw Error("got " + std::to_string(values.size()) + " values; expected " +
+                    std::to_string(components) + " for each of " + std::to_string(baseCount) +
+                    " vertices");
+    std::vector<double> result(values.begin(), values.end());
+    for (int k = 1; k <= level; ++k)
+        result = product(buildLevelTable(refiner, k, rules), result, components);
+    return result;
+}
+
+template StencilTable<float> multiply(const StencilTable<double>&, const StencilTable<double>&);
+template StencilTable<double> multiply(const StencilTable<double>&, const StencilTable<double>&);
+template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rules,
+                                           std::span<const Index>);
+template StencilTable<double> buildStencils(const far::TopologyRefiner&, int, Rules,
+                                            std::span<const Index>);
+template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rules);
+template StencilTable<double> buildStencils(const far::TopologyRefiner&, int, Rules);
+
+}  // namespace espalier::stencils

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/masks.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <span>
+#include <vector>
+
+namespace espalier::stencils {
+
+/// Builds R_level: row i holds the weights of level-`level` vertex i over the vertices of the level
+/// before. 8 to 27 entries a row in regular lattices. Rows sum to 1.
+///
+/// \param level 1 to refiner.maxLevel()
+/// \cost O(entries), in parallel; does not depend on positions
+/// \cite MacCracken & Joy 1996, sections 2.2 and 3
+StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
+                                     Rules rules = Rules::Siggraph96);
+
+/// Builds the rows of R_level for the given vertices of the level: row i is that of vertices[i].
+StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                     std::span<const Index> vertices);
+
+/// Composes the level tables into S_level = R_level … R_1: row i holds the weights of level-`level`
+/// vertex i over the base vertices. At most 64 entries a row in regular lattices. Rows sum to 1.
+///
+/// \param level 0 (the identity) to refiner.maxLevel()
+/// \cost O(products of entries), in parallel; memory for S_level and S_(level−1) at once
+/// \cite MacCracken & Joy 1996, sections 2.2 and 3
+template <class Real = double>
+StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
+                                 Rules rules = Rules::Siggraph96);
+
+/// Builds the rows of S_level for the given vertices of the level: row i is that of vertices[i].
+/// Of each level, only the rows that these depend on are made.
+///
+/// \param vertices in any order, repeats allowed
+template <class Real = double>
+StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                 std::span<const Index> vertices);
+
+/// The product of two tables: row i is Σ_k left(i, k) · right(k, ·). Sums are made in double.
+///
+/// \throws Error if left.columnCount() is not right.rowCount()
+template <class Real>
+StencilTable<Real> multiply(const StencilTable<double>& left, const StencilTable<double>& right);
+
+/// The columns that a table names, ascending, and the table over just those: column c of `table`
+/// stands for column `columns[c]` of the original.
+struct CompactTable {
+    StencilTable<double> table;
+    std::vector<Index> columns;
+};
+CompactTable compactColumns(const StencilTable<double>& table);
+
+/// Values on the base vertices carried to the vertices of a level: R_level … R_1 applied in turn.
+///
+/// \param values `components` a base vertex, vertex by vertex; positions are values of 3 components
+/// \return `components` a level vertex, vertex by vertex
+/// \throws Error if values.size() is not components × base vertices
+/// \cost O(entries of the level tables); holds one of them at a time
+std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                 std::span<const double> values, int components);
+
+}  // namespace espalier::stencils

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/embedding.h>
+#include <espalier/stencils/table_builder.h>
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+
+namespace espalier::stencils {
+
+Index Embedding::count(PointStatus status) const {
+    return static_cast<Index>(
+        std::count_if(points.begin(), points.end(),
+                      [&](const LocatedPoint& point) { return point.status == status; }));
+}
+
+double Embedding::largestResidual() const {
+    double largest = 0;
+    for (const LocatedPoint& point : points)
+        if (point.place) largest = std::max(largest, point.residual);
+    return largest;
+}
+
+Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> positions,
+                      std::span<const Point3> points, const EmbeddingOptions& options,
+                      const std::function<void(Offset)>& progress) {
+    if (points.size() > static_cast<std::size_t>(far::kMaxIndex))
+        throw Error("got " + std::to_string(points.size()) + " points; the most is " +
+                    std::to_string(far::kMaxIndex));
+    const PointLocator locator(complex, positions, options.tolerance);
+    Embedding embedding;
+    embedding.points.resize(points.size());
+    std::atomic<Offset> done = 0;
+    constexpr Offset kGrain = 1024;
+    far::parallelFor(static_cast<Offset>(points.size()), kGrain, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i) {
+            const Point3& point = points[static_cast<std::size_t>(i)];
+            LocatedPoint& located = embedding.points[static_cast<std::size_t>(i)];
+            located = locator.locate(point, options.outside == OutsidePolicy::Nearest);
+            if (options.outside == OutsidePolicy::Error && located.status != PointStatus::Inside)
+                throw Error("point " + std::to_string(i) + " at (" + std::to_string(point[0]) +
+                            ", " + std::to_string(point[1]) + ", " + std::to_string(point[2]) +
+                            (located.status == PointStatus::Outside
+                                 ? ") is outside the lattice"
+                                 : ") has no place in the lattice: the solve did not converge"));
+        }
+        if (progress) progress(done += last - first);
+    });
+    return embedding;
+}
+
+StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
+                                         const Embedding& embedding) {
+    return buildTable<double>(static_cast<Index>(embedding.points.size()), complex.count(0),
+                              [&](Index row, RowAccumulator& accumulator) {
+                                  const auto& place =
+                                      embedding.points[static_cast<std::size_t>(row)].place;
+                                  if (!place) return;
+                                  for (const auto& [vertex, weight] : placeWeights(complex, *place))
+                                      accumulator.add(vertex, weight);
+                              });
+}
+
+template <class Real>
+StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
+                                         Rules rules, const Embedding& embedding) {
+    const CompactTable weights =
+        compactColumns(buildEmbeddingTable(refiner.level(level).complex, embedding));
+    return multiply<Real>(weights.table,
+                          buildStencils<double>(refiner, level, rules, weights.columns));
+}
+
+template StencilTable<float> buildDeformationTable(const far::TopologyRefiner&, int, Rules,
+                                                   const Embedding&);
+template StencilTable<double> buildDeformationTable(const far::TopologyRefiner&, int, Rules,
+                                                    const Embedding&);
+
+}  // namespace espalier::stencils

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/masks.h>
+#include <espalier/stencils/point_location.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace espalier::stencils {
+
+/// What becomes of a point outside the region of the lattice.
+enum class OutsidePolicy {
+    Keep,     ///< it stays in place: its row of D is empty
+    Nearest,  ///< the nearest cell carries it, along the tangent of its map
+    Error     ///< binding is refused
+};
+
+struct EmbeddingOptions {
+    OutsidePolicy outside = OutsidePolicy::Keep;
+
+    /// How far outside a point still counts as inside, as a fraction of the diagonal of the
+    /// lattice's bounding box. Models in single precision are rounded to 6e-8 of their coordinates,
+    /// so a point that was meant to lie on the boundary may lie so far outside, and a little more.
+    double tolerance = 1e-6;
+};
+
+/// Where each point of a model lies in level `level` of a lattice.
+struct Embedding {
+    std::vector<LocatedPoint> points;  ///< one a point, in their order
+
+    Index count(PointStatus status) const;
+
+    /// The largest distance of a point from the position of its place; 0 without places.
+    double largestResidual() const;
+};
+
+/// Finds each point in a refined lattice.
+///
+/// \param complex a lattice of level 1 or above
+/// \param positions of its vertices, at rest
+/// \param progress called now and then with the number of points done, from any thread, or empty
+/// \throws Error under OutsidePolicy::Error if a point is not inside, naming the first; and what
+///         PointLocator throws
+/// \cost O(cells log cells + points log cells), in parallel. The result does not depend on the
+///       number of threads.
+/// \cite MacCracken & Joy 1996, sections 4 to 6
+Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> positions,
+                      std::span<const Point3> points, const EmbeddingOptions& options = {},
+                      const std::function<void(Offset)>& progress = {});
+
+/// W: row i holds the weights of point i over the vertices of the refined lattice; 8 entries in a
+/// hexahedron, 2n + 2 in a type-n cell. Rows sum to 1; the row of a point without a place is empty.
+StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
+                                         const Embedding& embedding);
+
+/// D = W · S_level: row i holds the weights of point i over the base vertices, so that x' = D · p'.
+/// It is also the Jacobian of the points by the lattice vertices. Rows sum to 1, or are empty. Only
+/// the rows of S_level that W asks for are made.
+///
+/// \param embedding in level `level` of `refiner`
+/// \cost O(products of entries), in parallel
+template <class Real = double>
+StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
+                                         Rules rules, const Embedding& embedding);
+
+}  // namespace espalier::stencils

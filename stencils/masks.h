@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+
+#include <array>
+
+namespace espalier::stencils {
+
+/// Which edition of the volume rules; they differ in the edge rule only, and only where other than
+/// four faces meet in an interior edge.
+enum class Rules {
+    Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
+    Cse96        ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
+};
+
+/// The new point of an entity as an affine combination of averages: entry j is the weight of the
+/// average of the centroids of the incident entities of dimension j (itself, where j is its own
+/// dimension; P, M̄, Ā and C̄ in the papers' letters for j = 0, 1, 2, 3). Entries sum to 1; those
+/// below the entity's dimension or above its stratum are 0.
+using Mask = std::array<double, far::kMaxDimension + 1>;
+
+/// The refinement rule of an entity of dimension `dimension` on stratum `stratum`.
+///
+///     stratum  cell   face           edge                     vertex
+///     3        C      (C̄ + A)/2      see Rules                (C̄ + 3Ā + 3M̄ + P)/8
+///     2               A              (Ā + M)/2                (Ā + 2M̄ + (n − 3)P)/n
+///     1                              M                        (M̄ + P)/2
+///     0                                                       P
+///
+/// With two cells at a face, (C̄ + A)/2 is the paper's (C₀ + 2A + C₁)/4; with two faces at an edge
+/// of the surface, (Ā + M)/2 is (A₀ + A₁ + P₀ + P₁)/4; with two edges at a vertex of a curve, (M̄ +
+/// P)/2 is (P₋ + 6P + P₊)/8.
+///
+/// Weights may be negative: that of M where two faces meet in an interior edge (−1/2), and that of
+/// P where two edges meet in a surface vertex (−1/2). The convex-hull property fails there.
+///
+/// \param dimension 0 to 3, at most `stratum`
+/// \param stratum 0 to 3
+/// \param valence n: of an edge on stratum 3 the number of its faces, of a vertex on stratum 2 the
+///        number of its edges on the surface; at least 1; not used otherwise
+/// \cite MacCracken & Joy 1996, sections 2.2 and 3; Joy, bicubic refinement, "face", "edge" and
+///       "vertex" points (stratum 2); CSE-96-1, section 2 (stratum 1)
+Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence);
+
+}  // namespace espalier::stencils

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/hexahedron.h>
+#include <espalier/stencils/point_location.h>
+#include <espalier/stencils/simplex.h>
+#include <espalier/stencils/trilinear.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <string>
+
+namespace espalier::stencils {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using far::CellId;
+using far::Index;
+
+namespace {
+
+/// How far beyond 0 and 1 a coordinate of a point on a face may come out: Newton's result is off by
+/// the rounding of the point (1e-16 of its size) over the size and thinness of the cell, for which
+/// this allows six orders of magnitude.
+constexpr double kOnFace = 1e-10;
+
+/// Boxes are widened by this part of the bounding box, so that a point on a face lies in the boxes
+/// of both cells whatever way its coordinates were rounded.
+constexpr double kBoxSlack = 1e-12;
+
+std::array<double, 3> toArray(const Vector3d& v) {
+    return {v[0], v[1], v[2]};
+}
+
+BoxTree::Box boundingBox(std::span<const Point3> positions) {
+    BoxTree::Box box;
+    for (const Point3& position : positions) box.extend(Vector3d(position.data()));
+    return box;
+}
+
+std::vector<BoxTree::Box> cellBoxes(const far::CellComplex& complex,
+                                    std::span<const Point3> positions, double margin) {
+    std::vector<BoxTree::Box> boxes(static_cast<std::size_t>(complex.count(3)));
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        BoxTree::Box& box = boxes[static_cast<std::size_t>(cell)];
+        for (const Index vertex : complex.relation(3, 0)[cell])
+            box.extend(Vector3d(positions[static_cast<std::size_t>(vertex)].data()));
+        box.min().array() -= margin;
+        box.max().array() += margin;
+    }
+    return boxes;
+}
+
+const far::CellComplex& checked(const far::CellComplex& complex,
+                                std::span<const Point3> positions) {
+    if (positions.size() != static_cast<std::size_t>(complex.count(0)))
+        throw Error("got " + std::to_string(positions.size()) + " positions for " +
+                    std::to_string(complex.count(0)) + " vertices");
+    if (complex.dimension() != 3)
+        throw Error("points can be embedded in a lattice only, not in a complex of dimension " +
+                    std::to_string(complex.dimension()));
+    for (Index face = 0; face < complex.count(2); ++face)
+        if (complex.relation(2, 0)[face].size() != 4)
+            throw Error("face " + std::to_string(face) +
+                        " is not a quadrilateral: embedding needs a lattice refined at least once");
+    return complex;
+}
+
+/// The corners of a hexahedron, seen from a point.
+Trilinear mapAround(const std::array<Index, 8>& corners, std::span<const Point3> positions,
+                    const Vector3d& point) {
+    Trilinear::Corners offsets;
+    for (std::size_t i = 0; i < 8; ++i)
+        offsets[i] = Vector3d(positions[static_cast<std::size_t>(corners[i])].data()) - point;
+    return Trilinear(offsets);
+}
+
+}  // namespace
+
+PointLocator::PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
+                           double tolerance)
+    : complex_(checked(complex, positions)),
+      positions_(positions.begin(), positions.end()),
+      tolerance_(tolerance * boundingBox(positions).diagonal().norm()),
+      tree_(cellBoxes(complex, positions,
+                      tolerance_ + kBoxSlack * boundingBox(positions).diagonal().norm())) {}
+
+Vector3d PointLocator::positionOf(const CellPlace& place) const {
+    Vector3d sum = Vector3d::Zero();
+    for (const auto& [vertex, weight] : placeWeights(complex_, place))
+        sum += weight * positionOf(vertex);
+    return sum;
+}
+
+Vector3d PointLocator::centreOf(CellId cell) const {
+    const auto vertices = complex_.relation(3, 0)[cell.value];
+    Vector3d sum = Vector3d::Zero();
+    for (const Index vertex : vertices) sum += positionOf(vertex);
+    return sum / static_cast<double>(vertices.size());
+}
+
+std::optional<CellPlace> PointLocator::findInside(CellId cell, const Vector3d& point,
+                                                  bool thoroughly) const {
+    if (const auto corners = far::hexahedronVertices(complex_, cell)) {
+        const Trilinear map = mapAround(*corners, positions_, point);
+        const auto uvw = thoroughly ? map.findOriginInside(kOnFace) : map.findOrigin();
+        if (!uvw || !isInUnitCube(*uvw, kOnFace)) return std::nullopt;
+        return CellPlace{cell, 0, toArray(*uvw), {}};
+    }
+    if (thoroughly) return std::nullopt;  // The tetrahedra were solved exactly the first time.
+    const Vector3d centre = centreOf(cell);
+    for (Index t = 0; t < tetrahedronCount(complex_, cell); ++t) {
+        Matrix3d edges;
+        const auto base = tetrahedronBase(complex_, cell, t);
+        for (Eigen::Index i = 0; i < 3; ++i)
+            edges.col(i) = positionOf(base[static_cast<std::size_t>(i)]) - centre;
+        const Vector3d uvw = edges.partialPivLu().solve(point - centre);
+        if (uvw.allFinite() && uvw.minCoeff() >= -kOnFace && uvw.sum() <= 1 + kOnFace)
+            return CellPlace{cell, t, toArray(uvw), {}};
+    }
+    return std::nullopt;
+}
+
+CellPlace PointLocator::nearestPlace(CellId cell, const Vector3d& point) const {
+    if (const auto corners = far::hexahedronVertices(complex_, cell)) {
+        const Trilinear map = mapAround(*corners, positions_, point);
+        return {cell, 0, toArray(map.nearestToOrigin()), {}};
+    }
+    CellPlace best{cell, 0, {}, {}};
+    double bestSquared = std::numeric_limits<double>::infinity();
+    for (Index t = 0; t < tetrahedronCount(complex_, cell); ++t) {
+        Triangle triangle;
+        const auto base = tetrahedronBase(complex_, cell, t);
+        for (std::size_t i = 0; i < 3; ++i) triangle[i] = positionOf(base[i]) - point;
+        const Vector3d uvw = nearestToOrigin(triangle);
+        const double squared =
+            (uvw[0] * triangle[0] + uvw[1] * triangle[1] + uvw[2] * triangle[2]).squaredNorm();
+        if (squared >= bestSquared) continue;
+        bestSquared = squared;
+        best.tetrahedron = t;
+        best.uvw = toArray(uvw);
+    }
+    return best;
+}
+
+/// Sets the offset that leads from a place to a point along the tangent of the cell's map.
+/// \return false if the map is singular there
+bool PointLocator::continueTo(const Vector3d& point, CellPlace& place) const {
+    Matrix3d jacobian;
+    Vector3d from;
+    if (const auto corners = far::hexahedronVertices(complex_, place.cell)) {
+        const Trilinear map = mapAround(*corners, positions_, point);
+        jacobian = map.jacobian(Vector3d(place.uvw.data()));
+        from = map.position(Vector3d(place.uvw.data()));
+    } else {
+        const Vector3d centre = centreOf(place.cell);
+        const auto base = tetrahedronBase(complex_, place.cell, place.tetrahedron);
+        for (Eigen::Index i = 0; i < 3; ++i)
+            jacobian.col(i) = positionOf(base[static_cast<std::size_t>(i)]) - centre;
+        from = centre - point + jacobian * Vector3d(place.uvw.data());
+    }
+    const Vector3d offset = jacobian.fullPivLu().solve(-from);
+    // A singular Jacobian gives infinities, or a "solution" that does not solve.
+    constexpr double kSolved = 1e-6;
+    if (!offset.allFinite() || (jacobian * offset + from).norm() > kSolved * from.norm())
+        return false;
+    place.offset = toArray(offset);
+    return true;
+}
+
+/// Whether a place lies on a face, edge or vertex of the boundary of the lattice.
+bool PointLocator::isOnBoundary(const CellPlace& place) const {
+    std::vector<Index> support;
+    for (const auto& [vertex, weight] : placeWeights(complex_, place))
+        if (weight > 0) support.push_back(vertex);
+    const auto faces = complex_.relation(0, 2)[support.front()];
+    return std::any_of(faces.begin(), faces.end(), [&](Index face) {
+        if (complex_.relation(2, 3)[face].size() == 2) return false;
+        const auto loop = complex_.relation(2, 0)[face];
+        return std::all_of(support.begin(), support.end(),
+                           [&](Index vertex) { return far::contains(loop, vertex); });
+    });
+}
+
+LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) const {
+    const Vector3d point(position.data());
+    LocatedPoint result;
+    if (!point.allFinite()) return result;
+
+    std::vector<Index> candidates;
+    tree_.findContaining(point, candidates);
+    std::sort(candidates.begin(), candidates.end());
+    for (const bool thoroughly : {false, true})
+        for (const Index cell : candidates) {
+            result.place = findInside(CellId(cell), point, thoroughly);
+            if (!result.place) continue;
+            result.status = PointStatus::Inside;
+            result.residual = (positionOf(*result.place) - point).norm();
+            return result;
+        }
+    // A gap lies in the hull of the face it is at, and so in the boxes of the cells beside it: a
+    // point in no box is outside.
+    if (candidates.empty() && !seekNearest) {
+        result.status = PointStatus::Outside;
+        return result;
+    }
+    const auto nearest = tree_.findNearest(point, [&](Index cell) {
+        return (positionOf(nearestPlace(CellId(cell), point)) - point).norm();
+    });
+    CellPlace place = nearestPlace(CellId(nearest.index), point);
+    const bool isInside = nearest.distance <= tolerance_ || !isOnBoundary(place);
+    result.status = isInside ? PointStatus::Inside : PointStatus::Outside;
+    if (!isInside && !seekNearest) return result;
+    if (!continueTo(point, place)) {
+        result.status = PointStatus::NotConverged;
+        return result;
+    }
+    result.place = place;
+    result.distance = nearest.distance;
+    result.residual = (positionOf(place) - point).norm();
+    return result;
+}
+
+}  // namespace espalier::stencils

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/box_tree.h>
+#include <espalier/stencils/cell_place.h>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace espalier::stencils {
+
+enum class PointStatus : std::uint8_t {
+    Inside,       ///< in a cell, in the gap between two, or within the tolerance of the region
+    Outside,      ///< of the region that the cells fill
+    NotConverged  ///< no place could be computed: a degenerate cell, or a coordinate not finite
+};
+
+/// Where a point lies in a refined lattice.
+struct LocatedPoint {
+    PointStatus status = PointStatus::NotConverged;
+
+    /// The place that stands for the point; nothing if it was not sought (Outside) or not found
+    /// (NotConverged).
+    std::optional<CellPlace> place;
+
+    /// Distance from the nearest cell, 0 in a cell; not set where there is no place.
+    double distance = 0;
+
+    /// Distance of the point from the position of the place: the rounding of the solve. Not set
+    /// where there is no place.
+    double residual = 0;
+};
+
+/// Finds the cells of a refined lattice that hold given points.
+///
+/// A point belongs to the cell of lowest number that contains it. Faces that are not flat leave
+/// small gaps (a hexahedron has a bilinear face, its type-n neighbour a folded one); a point in a
+/// gap belongs to the nearest cell, by continuing that cell's map along its tangent. Any number of
+/// threads may ask; answers depend on nothing but the point.
+///
+/// \cite MacCracken & Joy 1996, sections 4 to 6
+class PointLocator {
+public:
+    /// \param complex a lattice of level 1 or above; kept (a cheap copy)
+    /// \param positions one a vertex; copied
+    /// \param tolerance how far outside a point still counts as inside, as a fraction of the
+    ///        diagonal of the lattice's bounding box, 0 or more
+    /// \throws Error if `complex` is not a refined lattice or `positions` do not fit it
+    /// \cost O(cells log cells)
+    PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
+                 double tolerance);
+
+    /// \param seekNearest whether to find the place that stands for a point outside
+    LocatedPoint locate(const Point3& point, bool seekNearest) const;
+
+private:
+    std::optional<CellPlace> findInside(far::CellId cell, const Eigen::Vector3d& point,
+                                        bool thoroughly) const;
+    CellPlace nearestPlace(far::CellId cell, const Eigen::Vector3d& point) const;
+    bool continueTo(const Eigen::Vector3d& point, CellPlace& place) const;
+    bool isOnBoundary(const CellPlace& place) const;
+
+    Eigen::Vector3d positionOf(far::Index vertex) const {
+        return Eigen::Vector3d(positions_[static_cast<std::size_t>(vertex)].data());
+    }
+    Eigen::Vector3d positionOf(const CellPlace& place) const;
+    Eigen::Vector3d centreOf(far::CellId cell) const;
+
+    far::CellComplex complex_;
+    std::vector<Point3> positions_;
+    double tolerance_;  ///< as a length
+    BoxTree tree_;
+};
+
+}  // namespace espalier::stencils

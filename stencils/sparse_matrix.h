@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/error.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <Eigen/SparseCore>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace espalier::stencils {
+
+/// A table as Eigen sees it: a compressed row-major sparse matrix, rowCount() × columnCount(),
+/// whose columns and weights are those of the table, not copies. The row offsets are copied, since
+/// Eigen wants them in the width of the columns.
+///
+/// The table must outlive the view.
+template <class Real>
+class SparseView {
+public:
+    using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;
+    using Map = Eigen::Map<const Matrix>;
+
+    /// \throws Error if the table has more entries than an Index counts
+    explicit SparseView(const StencilTable<Real>& table) : table_(&table) {
+        if (table.entryCount() > far::kMaxIndex)
+            throw Error("a table of " + std::to_string(table.entryCount()) +
+                        " entries is too large for a view with 32-bit offsets");
+        offsets_.assign(table.offsets().begin(), table.offsets().end());
+    }
+
+    Map matrix() const {
+        return Map(table_->rowCount(), table_->columnCount(),
+                   static_cast<Eigen::Index>(table_->entryCount()), offsets_.data(),
+                   table_->columns().data(), table_->weights().data());
+    }
+
+private:
+    const StencilTable<Real>* table_;
+    std::vector<Index> offsets_;
+};
+
+/// A table with the entries of any Eigen sparse expression; explicit zeros are kept.
+/// \throws Error if it has more rows or columns than an Index counts
+template <class Derived>
+StencilTable<typename Derived::Scalar> fromEigen(const Eigen::SparseMatrixBase<Derived>& matrix) {
+    using Real = typename Derived::Scalar;
+    if (matrix.rows() > far::kMaxIndex || matrix.cols() > far::kMaxIndex)
+        throw Error("a matrix of " + std::to_string(matrix.rows()) + " × " +
+                    std::to_string(matrix.cols()) + " is too large for a table");
+    Eigen::SparseMatrix<Real, Eigen::RowMajor, Offset> rows = matrix;
+    rows.makeCompressed();
+    const auto entries = static_cast<std::size_t>(rows.nonZeros());
+    const auto rowCount = static_cast<std::size_t>(rows.rows());
+    std::vector<Offset> offsets(rows.outerIndexPtr(), rows.outerIndexPtr() + rowCount + 1);
+    std::vector<Index> columns(entries);
+    for (std::size_t i = 0; i < entries; ++i)
+        columns[i] = static_cast<Index>(rows.innerIndexPtr()[i]);
+    return StencilTable<Real>(static_cast<Index>(rows.cols()), std::move(offsets),
+                              std::move(columns),
+                              std::vector<Real>(rows.valuePtr(), rows.valuePtr() + entries));
+}
+
+}  // namespace espalier::stencils

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/stencils/trilinear.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+
+namespace espalier::stencils {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+/// Where corner i lies in the parameter cube.
+constexpr std::array<std::array<int, 3>, 8> kCorner = {
+    {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
+
+/// The factor of corner i's weight along one axis.
+double factor(std::size_t corner, std::size_t axis, double t) {
+    return kCorner[corner][axis] ? t : 1 - t;
+}
+
+}  // namespace
+
+Trilinear::Weights Trilinear::weights(const Vector3d& uvw) {
+    Weights result;
+    for (std::size_t i = 0; i < 8; ++i)
+        result[i] = factor(i, 0, uvw[0]) * factor(i, 1, uvw[1]) * factor(i, 2, uvw[2]);
+    return result;
+}
+
+std::array<Trilinear::Weights, 3> Trilinear::weightDerivatives(const Vector3d& uvw) {
+    std::array<Weights, 3> result;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t second = (axis + 1) % 3, third = (axis + 2) % 3;
+        for (std::size_t i = 0; i < 8; ++i)
+            result[axis][i] = (kCorner[i][axis] ? 1 : -1) *
+                              factor(i, second, uvw[static_cast<Eigen::Index>(second)]) *
+                              factor(i, third, uvw[static_cast<Eigen::Index>(third)]);
+    }
+    return result;
+}
+
+Vector3d Trilinear::position(const Vector3d& uvw) const {
+    const Weights w = weights(uvw);
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t i = 0; i < 8; ++i) sum += w[i] * corners_[i];
+    return sum;
+}
+
+Matrix3d Trilinear::jacobian(const Vector3d& uvw) const {
+    const auto d = weightDerivatives(uvw);
+    Matrix3d result = Matrix3d::Zero();
+    for (std::size_t i = 0; i < 8; ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            result.col(static_cast<Eigen::Index>(axis)) += d[axis][i] * corners_[i];
+    return result;
+}
+
+std::optional<Vector3d> Trilinear::findOrigin(const Vector3d& start) const {
+    // Quadratic convergence: well-shaped cells take 3 to 6 steps.
+    constexpr int kMostSteps = 25;
+    // Once a step is this short, the next would be about its square: below rounding.
+    constexpr double kSettled = 1e-9;
+    // A place this far outside is of no use, and the way back from there is luck.
+    constexpr double kWanderedOff = 100;
+    Vector3d uvw = start;
+    for (int step = 0; step < kMostSteps; ++step) {
+        const Vector3d move = jacobian(uvw).partialPivLu().solve(position(uvw));
+        if (!move.allFinite()) return std::nullopt;
+        uvw -= move;
+        if (uvw.lpNorm<Eigen::Infinity>() > kWanderedOff) return std::nullopt;
+        if (move.lpNorm<Eigen::Infinity>() < kSettled) return uvw;
+    }
+    return std::nullopt;
+}
+
+std::optional<Vector3d> Trilinear::findOriginInside(double tolerance) const {
+    // 8³ parts at the finest: a cell with two solutions closer than that is all but singular there.
+    constexpr int kDeepest = 3;
+    struct Part {
+        Vector3d low;
+        int depth;
+    };
+    std::array<Part, 8 * kDeepest + 1> stack = {Part{Vector3d::Zero(), 0}};
+    for (std::size_t size = 1; size > 0;) {
+        const Part part = stack[--size];
+        const double side = std::ldexp(1.0, -part.depth);
+        Eigen::AlignedBox<double, 3> box;
+        for (const auto& corner : kCorner)
+            box.extend(position(part.low + side * Vector3d(corner[0], corner[1], corner[2])));
+        // The box may fail to hold a point of its face by the rounding of its corners.
+        const double slack = 1e-12 * box.diagonal().norm();
+        if (box.exteriorDistance(Vector3d(Vector3d::Zero())) > slack) continue;
+        const auto place = findOrigin(part.low + Vector3d::Constant(side / 2));
+        if (place && isInUnitCube(*place, tolerance)) return place;
+        if (part.depth == kDeepest) continue;
+        for (const auto& corner : kCorner)
+            stack[size++] = {part.low + side / 2 * Vector3d(corner[0], corner[1], corner[2]),
+                             part.depth + 1};
+    }
+    return std::nullopt;
+}
+
+Vector3d Trilinear::nearestToOrigin() const {
+    constexpr int kMostSteps = 50;
+    // Far below what tells one place from another; the distance has settled long before.
+    constexpr double kSettled = 1e-12;
+    Vector3d uvw = Vector3d::Constant(0.5);
+    double squared = position(uvw).squaredNorm();
+    for (int step = 0; step < kMostSteps; ++step) {
+        const Vector3d offset = position(uvw);
+        const Matrix3d j = jacobian(uvw);
+        const Vector3d gradient = j.transpose() * offset;
+        // Axes on which the gradient pushes out of the cube are held.
+        Matrix3d normal = j.transpose() * j;
+        Vector3d right = gradient;
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+            const bool isHeld =
+                (uvw[axis] <= 0 && gradient[axis] > 0) || (uvw[axis] >= 1 && gradient[axis] < 0);
+            if (!isHeld) continue;
+            normal.row(axis).setZero();
+            normal.col(axis).setZero();
+            normal(axis, axis) = 1;
+            right[axis] = 0;
+        }
+        Vector3d move = normal.fullPivLu().solve(right);
+        if (!move.allFinite()) return uvw;
+        // Shorten the step until it helps.
+        double length = 0;
+        for (int halving = 0; halving < 30; ++halving, move /= 2) {
+            const Vector3d next = (uvw - move).cwiseMax(0).cwiseMin(1);
+            const double nextSquared = position(next).squaredNorm();
+            if (nextSquared < squared) {
+                length = (next - uvw).lpNorm<Eigen::Infinity>();
+                uvw = next;
+                squared = nextSquared;
+                break;
+            }
+        }
+        if (length < kSettled) return uvw;
+    }
+    return uvw;
+}
+
+bool isInUnitCube(const Vector3d& uvw, double tolerance) {
+    return (uvw.array() >= -tolerance).all() && (uvw.array() <= 1 + tolerance).all();
+}
+
+}  // namespace espalier::stencils
