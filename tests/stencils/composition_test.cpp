@@ -1,4 +1,235 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/complex_builder.h>
+#include <espalier/far/error.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/sparse_matrix.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/zoo.h"
+
+namespace espalier::stencils {
+namespace {
+
+using far::Boundary;
+using far::TopologyRefiner;
+using test::NamedLattice;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr Rules kAllRules[] = {Rules::Siggraph96, Rules::Cse96};
+
+/// Calls check(name, refiner) for each lattice of the zoo, refined `level` times; with open
+/// boundaries too, where enough is left.
+template <class Check>
+void forEachRefined(int level, Check check) {
+    for (const auto& [name, lattice] : test::zoo())
+        for (const Boundary boundary : {Boundary::Sharp, Boundary::Open}) {
+            TopologyRefiner refiner(lattice.complex,
+                                    {.boundary = boundary, .marks = lattice.marks});
+            try {
+                refiner.refineUniform(level);
+            } catch (const far::TopologyError&) {
+                ASSERT_EQ(boundary, Boundary::Open) << name;
+                continue;
+            }
+            check(name + (boundary == Boundary::Open ? ", open" : ""), refiner, lattice);
+        }
+}
+
+TEST(Stencils, RowsSumToOne) {
+    forEachRefined(3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
+        for (const Rules rules : kAllRules)
+            for (int level = 0; level <= 3; ++level) {
+                const auto table = buildStencils(refiner, level, rules);
+                ASSERT_EQ(table.rowCount(), refiner.level(level).complex.count(0));
+                ASSERT_EQ(table.columnCount(), refiner.level(0).complex.count(0));
+                for (Index row = 0; row < table.rowCount(); ++row) {
+                    double sum = 0;
+                    for (const double weight : table.weights(row)) sum += weight;
+                    // The bound that the project promises.
+                    ASSERT_NEAR(sum, 1, 1e-14) << name << " level " << level << " row " << row;
+                }
+            }
+    });
+}
+
+// Refining the image of the points under an affine map gives the image of the refined points.
+TEST(Stencils, AreAffinelyInvariant) {
+    const auto map = [](const Point3& p) {
+        return Point3{2 * p[0] - 3 * p[1] + 0.5 * p[2] + 7, p[0] + p[1] - 4 * p[2] - 2,
+                      0.25 * p[0] + 5 * p[2] + 1};
+    };
+    forEachRefined(2, [&](const std::string& name, const TopologyRefiner& refiner,
+                          const Lattice& lattice) {
+        std::vector<Point3> images;
+        for (const Point3& p : lattice.positions) images.push_back(map(p));
+        const auto refined = test::gathered(
+            refineValues(refiner, 2, Rules::Siggraph96, test::flattened(lattice.positions), 3));
+        const auto refinedImages =
+            test::gathered(refineValues(refiner, 2, Rules::Siggraph96, test::flattened(images), 3));
+        for (std::size_t i = 0; i < refined.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+                // Sums of some 60 products of size up to 50: 60 × 50 × 1e-16.
+                ASSERT_NEAR(refinedImages[i][c], map(refined[i])[c], 3e-13) << name;
+    });
+}
+
+TEST(Stencils, ComposedEqualsAppliedLevelByLevel) {
+    forEachRefined(3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
+        const auto values =
+            test::randomValues(static_cast<std::size_t>(refiner.level(0).complex.count(0)) * 2, 1);
+        for (const Rules rules : kAllRules) {
+            const auto stepwise = refineValues(refiner, 3, rules, values, 2);
+            const auto table = buildStencils(refiner, 3, rules);
+            for (Index row = 0; row < table.rowCount(); ++row)
+                for (std::size_t c = 0; c < 2; ++c) {
+                    double sum = 0;
+                    for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                        sum += table.weights(row)[k] *
+                               values[2 * static_cast<std::size_t>(table.columns(row)[k]) + c];
+                    // Values are below 1, rows have at most a few hundred entries.
+                    ASSERT_NEAR(stepwise[2 * static_cast<std::size_t>(row) + c], sum, 1e-14)
+                        << name;
+                }
+        }
+    });
+}
+
+// The same sums in the same order: equal to the last bit.
+TEST(Stencils, DemandedRowsAreTheRowsOfTheWholeTable) {
+    forEachRefined(3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
+        const auto whole = buildStencils(refiner, 3);
+        auto rows = test::shuffledIndices(whole.rowCount(), 3);
+        rows.resize(std::min<std::size_t>(rows.size(), 20));
+        rows.push_back(rows.front());
+        const auto some = buildStencils(refiner, 3, Rules::Siggraph96, rows);
+        ASSERT_EQ(some.rowCount(), static_cast<Index>(rows.size()));
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            ASSERT_TRUE(std::ranges::equal(some.columns(Index(i)), whole.columns(rows[i]))) << name;
+            ASSERT_TRUE(std::ranges::equal(some.weights(Index(i)), whole.weights(rows[i]))) << name;
+        }
+    });
+}
+
+// Renaming vertices, reordering cells and faces, and rewinding loops permutes the table.
+TEST(Stencils, RelabellingPermutesTheTable) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const auto names = test::shuffledIndices(lattice.complex.count(0), 5);
+        far::Marks marks = lattice.marks;
+        for (auto& edge : marks.edges)
+            for (Index& vertex : edge.vertices) vertex = names[static_cast<std::size_t>(vertex)];
+        for (auto& mark : marks.vertices)
+            mark.vertex = names[static_cast<std::size_t>(mark.vertex)];
+        TopologyRefiner first(lattice.complex, {.marks = lattice.marks});
+        TopologyRefiner second(test::relabelled(lattice.complex, names, 6), {.marks = marks});
+        first.refineUniform(2);
+        second.refineUniform(2);
+        const auto maps = test::matchLevels(first, second, names);
+        const auto a = buildStencils(first, 2), b = buildStencils(second, 2);
+        for (Index row = 0; row < a.rowCount(); ++row) {
+            const Index image = maps[2][static_cast<std::size_t>(row)];
+            std::map<Index, double> expected, got;
+            for (std::size_t k = 0; k < a.columns(row).size(); ++k)
+                expected[names[static_cast<std::size_t>(a.columns(row)[k])]] = a.weights(row)[k];
+            for (std::size_t k = 0; k < b.columns(image).size(); ++k)
+                got[b.columns(image)[k]] = b.weights(image)[k];
+            // A weight that cancels to 0 in one order of summing may not in the other.
+            for (const auto& [column, weight] : expected)
+                ASSERT_NEAR(got[column], weight, 1e-15) << name << " row " << row;
+            for (const auto& [column, weight] : got)
+                ASSERT_NEAR(expected[column], weight, 1e-15) << name << " row " << row;
+        }
+    }
+}
+
+TEST(Stencils, DoNotDependOnTheNumberOfThreads) {
+    const Lattice lattice = shapes::box({.cells = {5, 5, 5}});
+    const auto build = [&](int threads) {
+        const far::ThreadLimit limit(threads);
+        TopologyRefiner refiner(lattice.complex);
+        refiner.refineUniform(2);
+        return buildStencils(refiner, 2);
+    };
+    EXPECT_EQ(build(1), build(2));
+    EXPECT_EQ(build(1), build(5));
+}
+
+TEST(Stencils, FloatTableIsTheDoubleTableRounded) {
+    TopologyRefiner refiner(test::bipyramid(5));
+    refiner.refineUniform(2);
+    EXPECT_EQ(buildStencils<float>(refiner, 2), convertTable<float>(buildStencils(refiner, 2)));
+}
+
+TEST(Stencils, LevelZeroIsTheIdentity) {
+    const TopologyRefiner refiner(test::bipyramid(3));
+    const auto table = buildStencils(refiner, 0);
+    for (Index row = 0; row < 5; ++row) {
+        EXPECT_THAT(table.columns(row), ElementsAre(row));
+        EXPECT_THAT(table.weights(row), ElementsAre(1));
+    }
+}
+
+// Derived by hand from section 2.2 for the cell point of a tetrahedron, and from section 3 for the
+// rest: faces and edges of a single cell are on its surface and its edges, vertices are corners.
+TEST(Stencils, GoldenRowsOfATetrahedron) {
+    TopologyRefiner refiner(test::singleCell(far::StandardCell::Tetrahedron));
+    refiner.refineUniform(1);
+    const auto table = buildLevelTable(refiner, 1);
+    ASSERT_EQ(table.rowCount(), 4 + 6 + 4 + 1);
+    EXPECT_THAT(table.columns(2), ElementsAre(2));
+    EXPECT_THAT(table.weights(2), ElementsAre(1));
+    for (Index edge = 4; edge < 10; ++edge) EXPECT_THAT(table.weights(edge), ElementsAre(.5, .5));
+    for (Index face = 10; face < 14; ++face)
+        EXPECT_THAT(table.weights(face), ElementsAre(1. / 3, 1. / 3, 1. / 3));
+    EXPECT_THAT(table.weights(14), ElementsAre(.25, .25, .25, .25));
+}
+
+// Two pyramids base to base, without marks, under Open they vanish; under Sharp the shared square
+// is interior: its face point is (C0 + 2A + C1)/4 with C = (sum of base + apex)/5. Weights: base
+// vertices (1/5 + 2/4 + 1/5)/4 = 9/40 each, apexes 1/20 each.
+TEST(Stencils, GoldenFacePointBetweenTwoPyramids) {
+    far::ComplexBuilder builder(3, 6);
+    builder.addCell(far::StandardCell::Pyramid, {0, 1, 2, 3, 4});
+    builder.addCell(far::StandardCell::Pyramid, {3, 2, 1, 0, 5});
+    TopologyRefiner refiner(builder.build());
+    refiner.refineUniform(1);
+    const far::CellComplex& base = refiner.level(0).complex;
+    Index between = 0;
+    while (base.relation(2, 3)[between].size() != 2) ++between;
+    const auto table = buildLevelTable(refiner, 1);
+    const Index row = refiner.refinement(1).childOf({{2, between}, {2, between}})->index;
+    const std::vector<double> expected = {.225, .225, .225, .225, .05, .05};
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(table.weights(row)[i], expected[i], 1e-16);
+}
+
+TEST(Multiply, IsTheProductOfMatrices) {
+    const StencilTable<double> left(3, {0, 2, 2, 3}, {0, 2, 1}, {2, 3, 5});
+    const StencilTable<double> right(2, {0, 1, 2, 4}, {1, 0, 0, 1}, {7, 11, 13, 17});
+    // Row 0: 2·(0, 7) + 3·(13, 17); row 1 empty; row 2: 5·(11, 0).
+    EXPECT_EQ(multiply<double>(left, right),
+              StencilTable<double>(2, {0, 2, 2, 3}, {0, 1, 0}, {39, 65, 55}));
+    EXPECT_THROW(multiply<double>(right, left), Error);
+}
+
+TEST(Multiply, CompactColumnsKeepTheProduct) {
+    const StencilTable<double> table(9, {0, 2, 3}, {3, 8, 3}, {.25, .75, 1});
+    const CompactTable compact = compactColumns(table);
+    EXPECT_THAT(compact.columns, ElementsAre(3, 8));
+    EXPECT_EQ(compact.table, StencilTable<double>(2, {0, 2, 3}, {0, 1, 0}, {.25, .75, 1}));
+}
+
+TEST(RefineValues, RefusesAWrongNumberOfValues) {
+    const TopologyRefiner refiner(test::bipyramid(3));
+    const std::vector<double> values(14);
+    try {
+        refineValues(refiner, 0, Rules::Siggraph96, values, 3);
+        FAIL() << "accepted";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("got 14 values; expected 3 for each of 5"));
+    }
+}
+
+}  // namespace
+}  // namespace espalier::stencils

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/stencils/composition.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "support/zoo.h"
+
+namespace espalier::stencils {
+namespace {
+
+using far::Boundary;
+using far::TopologyRefiner;
+
+using Row = std::map<Index, double>;
+using GridPoint = std::array<Index, 3>;
+
+/// The univariate cubic B-spline refined once: rows over the points 0 to n of a polygon, at the
+/// points h = 0 to 2n of the refined one (h/2 in old units). Odd h are edge points, even ones
+/// vertex points: the rows (4 4 0 0)/8 and (1 6 1 0)/8 of the splitting matrix (Joy, bicubic
+/// refinement, "H₁"). The ends interpolate.
+Row splitRow(Index n, Index h) {
+    if (h % 2 == 1) return {{(h - 1) / 2, 0.5}, {(h + 1) / 2, 0.5}};
+    if (h == 0 || h == 2 * n) return {{h / 2, 1}};
+    return {{h / 2 - 1, 0.125}, {h / 2, 0.75}, {h / 2 + 1, 0.125}};
+}
+
+/// A grid as it is refined: how many cells it has along each axis, and which of its points each
+/// vertex is.
+struct RefinedGrid {
+    std::array<Index, 3> cells;
+    std::vector<GridPoint> points;
+};
+
+RefinedGrid baseGrid(const std::array<Index, 3>& n) {
+    RefinedGrid grid{n, {}};
+    for (Index k = 0; k <= n[2]; ++k)
+        for (Index j = 0; j <= n[1]; ++j)
+            for (Index i = 0; i <= n[0]; ++i) grid.points.push_back({i, j, k});
+    return grid;
+}
+
+/// In half units of the parent: twice the middle of the entity that a child vertex comes from.
+GridPoint halfPoint(const TopologyRefiner& refiner, const RefinedGrid& parent, int level,
+                    Index vertex) {
+    const far::Entity entity = refiner.refinement(level).parentOf({0, vertex}).upper;
+    std::vector<Index> vertices = {entity.index};
+    if (entity.dimension > 0) {
+        const auto row =
+            refiner.level(level - 1).complex.relation(entity.dimension, 0)[entity.index];
+        vertices.assign(row.begin(), row.end());
+    }
+    GridPoint half = {};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        Index low = parent.cells[axis], high = 0;
+        for (const Index v : vertices) {
+            const Index at = parent.points[static_cast<std::size_t>(v)][axis];
+            low = std::min(low, at);
+            high = std::max(high, at);
+        }
+        half[axis] = low + high;
+    }
+    return half;
+}
+
+/// Compares R_1 … R_level of a box with the tensor products of the univariate rows.
+void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int levels) {
+    TopologyRefiner refiner(test::grid(n), {.boundary = boundary});
+    refiner.refineUniform(levels);
+    // Without boundary control the outermost points of the refined grid, h = 0 and 2n, are not
+    // there.
+    const Index margin = boundary == Boundary::Open ? 1 : 0;
+    RefinedGrid grid = baseGrid(n);
+    for (int level = 1; level <= levels; ++level) {
+        const auto table = buildLevelTable(refiner, level);
+        std::map<GridPoint, Index> parentVertex;
+        for (std::size_t v = 0; v < grid.points.size(); ++v)
+            parentVertex[grid.points[v]] = static_cast<Index>(v);
+        RefinedGrid next;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            next.cells[axis] = 2 * (grid.cells[axis] - margin);
+        for (Index vertex = 0; vertex < table.rowCount(); ++vertex) {
+            const GridPoint half = halfPoint(refiner, grid, level, vertex);
+            Row expected;
+            for (const auto& [i, a] : splitRow(grid.cells[0], half[0]))
+                for (const auto& [j, b] : splitRow(grid.cells[1], half[1]))
+                    for (const auto& [k, c] : splitRow(grid.cells[2], half[2]))
+                        expected[parentVertex.at({i, j, k})] = a * b * c;
+            Row got;
+            for (std::size_t k = 0; k < table.columns(vertex).size(); ++k)
+                got[table.columns(vertex)[k]] = table.weights(vertex)[k];
+            ASSERT_EQ(got.size(), expected.size()) << "level " << level << " vertex " << vertex;
+            for (const auto& [column, weight] : expected)
+                // The bound that the project promises.
+                ASSERT_NEAR(got[column], weight, 1e-13) << "level " << level;
+            next.points.push_back({half[0] - margin, half[1] - margin, half[2] - margin});
+        }
+        grid = next;
+    }
+}
+
+// CSE-96-1 section 5: without boundary control, an i×j×k lattice is the tricubic uniform B-spline.
+TEST(BSpline, OpenGridIsTheTricubicSpline) {
+    expectTensorProduct({3, 3, 3}, Boundary::Open, 2);
+    expectTensorProduct({3, 4, 5}, Boundary::Open, 2);
+    expectTensorProduct({2, 3, 4}, Boundary::Open, 1);
+}
+
+// DESIGN section 3: under `single-cell`, a box lattice of any size is the tricubic B-spline with a
+// phantom layer 2P₀ − P₁ around it: (P₋ + 6P₀ + P₁)/8 = P₀ with P₋ = 2P₀ − P₁, which is the end
+// row.
+TEST(BSpline, SharpBoxIsTheSplineWithAPhantomLayer) {
+    expectTensorProduct({1, 1, 1}, Boundary::Sharp, 3);
+    expectTensorProduct({4, 1, 2}, Boundary::Sharp, 2);
+    expectTensorProduct({3, 3, 3}, Boundary::Sharp, 2);
+}
+
+/// B-spline coefficient, for knots of spacing h, of a cubic a + bx + cx² + dx³ at the point x: its
+/// polar form at (x − h, x, x + h).
+double coefficient(const std::array<double, 4>& cubic, double x, double h) {
+    return cubic[0] + cubic[1] * x + cubic[2] * (x * x - h * h / 3) +
+           cubic[3] * (x * x * x - h * h * x);
+}
+
+// A cubic polynomial, given by its B-spline coefficients, stays that polynomial. This is sharper
+// than affine invariance: rules that are wrong in their second moments fail here only.
+TEST(BSpline, CubicPolynomialsStayExact) {
+    const std::array<Index, 3> n = {4, 3, 5};
+    const std::array<std::array<double, 4>, 3> cubics = {
+        {{0.3, -1.1, 0.7, 0.4}, {1.2, 0.5, -0.6, 0.2}, {-0.8, 0.9, 0.3, -0.1}}};
+    const int levels = 2;
+    TopologyRefiner refiner(test::grid(n), {.boundary = Boundary::Open});
+    refiner.refineUniform(levels);
+    RefinedGrid grid = baseGrid(n);
+    std::array<double, 3> origin = {};
+    double spacing = 1;
+    const auto valueAt = [&](const GridPoint& point) {
+        double product = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            product *= coefficient(cubics[axis], origin[axis] + spacing * point[axis], spacing);
+        return product;
+    };
+    std::vector<double> values;
+    for (const GridPoint& point : grid.points) values.push_back(valueAt(point));
+    for (int level = 1; level <= levels; ++level) {
+        RefinedGrid next{
+            {2 * (grid.cells[0] - 1), 2 * (grid.cells[1] - 1), 2 * (grid.cells[2] - 1)}, {}};
+        for (Index v = 0; v < refiner.level(level).complex.count(0); ++v) {
+            const GridPoint half = halfPoint(refiner, grid, level, v);
+            next.points.push_back({half[0] - 1, half[1] - 1, half[2] - 1});
+        }
+        grid = next;
+        spacing /= 2;
+        for (double& x : origin) x += spacing;
+        const auto refined = refineValues(refiner, level, Rules::Siggraph96, values, 1);
+        for (std::size_t v = 0; v < grid.points.size(); ++v)
+            // Values reach some 2000 at the far corner: 64 products of that size.
+            ASSERT_NEAR(refined[v], valueAt(grid.points[v]), 2e-11) << "level " << level;
+    }
+}
+
+}  // namespace
+}  // namespace espalier::stencils
