@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/stencils/composition.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "support/zoo.h"
+
+namespace espalier::stencils {
+namespace {
+
+using far::CellComplex;
+using far::Strata;
+using far::TopologyRefiner;
+
+/// The boundary faces of a lattice as a mesh of its own, on renumbered vertices.
+struct BoundaryMesh {
+    CellComplex complex;
+    std::vector<Index> latticeVertex;  ///< per vertex of the mesh
+};
+
+BoundaryMesh boundaryOf(const CellComplex& lattice) {
+    BoundaryMesh mesh;
+    std::map<Index, Index> names;
+    test::Loops loops;
+    for (Index face = 0; face < lattice.count(2); ++face) {
+        if (lattice.relation(2, 3)[face].size() != 1) continue;
+        const auto row = lattice.relation(2, 0)[face];
+        std::vector<Index> loop;
+        for (const Index vertex : row) {
+            if (names.emplace(vertex, static_cast<Index>(names.size())).second)
+                mesh.latticeVertex.push_back(vertex);
+            loop.push_back(names[vertex]);
+        }
+        loops.push_back(loop);
+    }
+    mesh.complex = far::buildMesh(static_cast<Index>(names.size()), loops);
+    return mesh;
+}
+
+/// The sharp edges and corners of a lattice's boundary as marks on the mesh.
+far::Marks marksOf(const CellComplex& lattice, const Strata& strata, const BoundaryMesh& mesh) {
+    far::Marks marks;
+    std::set<std::vector<Index>> sharp;
+    for (Index edge = 0; edge < lattice.count(1); ++edge)
+        if (strata.of({1, edge}) == 1) {
+            const auto ends = lattice.relation(1, 0)[edge];
+            sharp.insert({std::min(ends[0], ends[1]), std::max(ends[0], ends[1])});
+        }
+    for (Index edge = 0; edge < mesh.complex.count(1); ++edge) {
+        const auto ends = mesh.complex.relation(1, 0)[edge];
+        const Index a = mesh.latticeVertex[static_cast<std::size_t>(ends[0])];
+        const Index b = mesh.latticeVertex[static_cast<std::size_t>(ends[1])];
+        if (sharp.count({std::min(a, b), std::max(a, b)}) > 0)
+            marks.edges.push_back({{ends[0], ends[1]}, far::kInfinitelySharp});
+    }
+    for (Index v = 0; v < mesh.complex.count(0); ++v)
+        if (strata.of({0, mesh.latticeVertex[static_cast<std::size_t>(v)]}) == 0)
+            marks.vertices.push_back({v, far::kInfinitelySharp});
+    return marks;
+}
+
+// MacCracken & Joy 1996, section 3: the boundary of the refined lattice is the Catmull-Clark
+// refinement of the boundary mesh with the same strata, row by row, for every lattice of the zoo.
+TEST(Boundary, RefinesAsItsMeshDoes) {
+    const int levels = 2;
+    for (const auto& [name, lattice] : test::zoo()) {
+        TopologyRefiner solid(lattice.complex, {.marks = lattice.marks});
+        const Strata& strata = solid.level(0).strata;
+        // A feature that leaves the surface for the inside has no counterpart on the mesh.
+        if (name == "marked box") continue;
+        const BoundaryMesh mesh = boundaryOf(lattice.complex);
+        TopologyRefiner surface(mesh.complex, {.marks = marksOf(lattice.complex, strata, mesh)});
+        solid.refineUniform(levels);
+        surface.refineUniform(levels);
+        const auto maps = test::matchLevels(surface, solid, mesh.latticeVertex);
+        for (int level = 1; level <= levels; ++level) {
+            const auto meshTable = buildStencils(surface, level);
+            const auto solidTable = buildStencils(solid, level, Rules::Siggraph96,
+                                                  maps[static_cast<std::size_t>(level)]);
+            for (Index row = 0; row < meshTable.rowCount(); ++row) {
+                std::map<Index, double> expected;
+                for (std::size_t k = 0; k < meshTable.columns(row).size(); ++k)
+                    expected[mesh.latticeVertex[static_cast<std::size_t>(
+                        meshTable.columns(row)[k])]] = meshTable.weights(row)[k];
+                // Equal rules, summed in another order.
+                double difference = 0;
+                for (std::size_t k = 0; k < solidTable.columns(row).size(); ++k)
+                    expected[solidTable.columns(row)[k]] -= solidTable.weights(row)[k];
+                for (const auto& [column, weight] : expected)
+                    difference = std::max(difference, std::abs(weight));
+                ASSERT_LE(difference, 1e-15) << name << " level " << level << " row " << row;
+            }
+            // The strata agree as well.
+            for (Index v = 0; v < surface.level(level).complex.count(0); ++v)
+                ASSERT_EQ(
+                    surface.level(level).strata.of({0, v}),
+                    solid.level(level).strata.of(
+                        {0, maps[static_cast<std::size_t>(level)][static_cast<std::size_t>(v)]}))
+                    << name;
+        }
+    }
+}
+
+std::vector<Point3> refined(const TopologyRefiner& refiner, int level, const Lattice& lattice) {
+    return test::gathered(
+        refineValues(refiner, level, Rules::Siggraph96, test::flattened(lattice.positions), 3));
+}
+
+// Section 3: "given a lattice based on a cube, these methods will generate a region of space that
+// is the cube": vertex (i, j, k) of level n is at (i, j, k)/2ⁿ on the sides, edges and corners.
+TEST(Boundary, CubeStaysTheCube) {
+    const Lattice cube = shapes::box();
+    TopologyRefiner refiner(cube.complex);
+    refiner.refineUniform(4);
+    for (int level = 1; level <= 4; ++level) {
+        const auto positions = refined(refiner, level, cube);
+        const double n = std::ldexp(1.0, level);
+        std::set<std::array<double, 3>> distinct;
+        for (const Point3& p : positions) {
+            for (const double x : p) {
+                // Dyadic numbers of few bits: exact.
+                ASSERT_EQ(x * n, std::round(x * n));
+                ASSERT_GE(x, 0);
+                ASSERT_LE(x, 1);
+            }
+            distinct.insert(p);
+        }
+        EXPECT_EQ(distinct.size(), static_cast<std::size_t>((n + 1) * (n + 1) * (n + 1)));
+    }
+}
+
+// Figure 5: the region is flat at either end of the cylinder and rounded along its length, whatever
+// the number of layers: each layer of level n is the same curve, the cubic B-spline of the hexagon.
+TEST(Boundary, CylinderIsFlatAtItsEndsAndRoundAlongItsLength) {
+    const int sectors = 6, level = 3;
+    for (const int layers : {1, 2, 4}) {
+        const Lattice cylinder = shapes::cylinder({.sectors = sectors, .layers = layers});
+        TopologyRefiner refiner(cylinder.complex);
+        refiner.refineUniform(level);
+        const auto positions = refined(refiner, level, cylinder);
+        const auto& [complex, strata] = refiner.level(level);
+        double low = 2, high = 0;
+        Index rim = 0;
+        for (Index v = 0; v < complex.count(0); ++v) {
+            const Point3& p = positions[static_cast<std::size_t>(v)];
+            const double radius = std::hypot(p[0], p[1]);
+            // A few roundings of weights that sum to 1.
+            const double slack = 1e-15;
+            ASSERT_GE(p[2], -slack);
+            ASSERT_LE(p[2], 1 + slack);
+            const int stratum = strata.of({0, v});
+            const bool isAtEnd = p[2] < slack || p[2] > 1 - slack;
+            // The rims, and the side between them.
+            if (stratum != (isAtEnd ? 1 : 2)) continue;
+            low = std::min(low, radius);
+            high = std::max(high, radius);
+            rim += isAtEnd;
+        }
+        EXPECT_EQ(rim, 2 * (sectors << level)) << layers;
+        // The hexagon's radius goes from cos 30° = 0.866 to 1, a factor of 1.155. Its cubic
+        // B-spline passes its corners at (1/6)·2·cos 60° + 4/6 = 5/6 and its sides at (cos 30°·46 +
+        // 0·2)/48 = 0.829935: a factor of 1.0041. Level 3 is not yet the limit.
+        EXPECT_NEAR(high, 5. / 6, 4e-3) << layers;
+        EXPECT_NEAR(low, 0.829935, 4e-3) << layers;
+        EXPECT_LT(high / low, 1.01) << layers;
+    }
+}
+
+// The ends of a thick and a thin cylinder are the same disk.
+TEST(Boundary, RimDoesNotDependOnTheNumberOfLayers) {
+    const auto rimOf = [](int layers) {
+        const Lattice cylinder = shapes::cylinder({.sectors = 5, .layers = layers});
+        TopologyRefiner refiner(cylinder.complex);
+        refiner.refineUniform(2);
+        std::set<std::array<long, 2>> rim;
+        const auto positions = refined(refiner, 2, cylinder);
+        for (const Point3& p : positions)
+            if (p[2] < 1e-15) rim.insert({std::lround(p[0] * 1e12), std::lround(p[1] * 1e12)});
+        return rim;
+    };
+    EXPECT_EQ(rimOf(1), rimOf(3));
+}
+
+}  // namespace
+}  // namespace espalier::stencils

@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/hexahedron.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/embedding.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "support/zoo.h"
+
+namespace espalier::stencils {
+namespace {
+
+using far::CellId;
+using far::TopologyRefiner;
+using ::testing::HasSubstr;
+
+/// A lattice refined, with the positions of its level.
+struct Refined {
+    TopologyRefiner refiner;
+    int level;
+    std::vector<Point3> base;
+    std::vector<Point3> positions;
+
+    Refined(const Lattice& lattice, int levels)
+        : refiner(lattice.complex, {.marks = lattice.marks}),
+          level(levels),
+          base(lattice.positions) {
+        refiner.refineUniform(levels);
+        positions = pose(base);
+    }
+    const far::CellComplex& complex() const { return refiner.level(level).complex; }
+    std::vector<Point3> pose(const std::vector<Point3>& points) const {
+        return test::gathered(
+            refineValues(refiner, level, Rules::Siggraph96, test::flattened(points), 3));
+    }
+    Embedding embed(const std::vector<Point3>& points, const EmbeddingOptions& options = {}) const {
+        return embedPoints(complex(), positions, points, options);
+    }
+};
+
+Eigen::Vector3d vec(const Point3& p) {
+    return Eigen::Vector3d(p.data());
+}
+
+/// Table times points.
+std::vector<Point3> times(const StencilTable<double>& table, const std::vector<Point3>& points) {
+    std::vector<Point3> result;
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+            sum += table.weights(row)[k] *
+                   vec(points[static_cast<std::size_t>(table.columns(row)[k])]);
+        result.push_back({sum[0], sum[1], sum[2]});
+    }
+    return result;
+}
+
+double largestDistance(const std::vector<Point3>& a, const std::vector<Point3>& b) {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        largest = std::max(largest, (vec(a[i]) - vec(b[i])).norm());
+    return largest;
+}
+
+/// Random convex combinations of the vertices of random cells; most lie in their cell.
+std::vector<Point3> pointsIn(const Refined& refined, std::size_t count, unsigned seed) {
+    std::mt19937 random(seed);
+    std::exponential_distribution<double> weight;
+    std::vector<Point3> points;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Index cell =
+            static_cast<Index>(random() % static_cast<unsigned>(refined.complex().count(3)));
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        double total = 0;
+        for (const Index vertex : refined.complex().relation(3, 0)[cell]) {
+            const double w = weight(random);
+            total += w;
+            sum += w * vec(refined.positions[static_cast<std::size_t>(vertex)]);
+        }
+        sum /= total;
+        points.push_back({sum[0], sum[1], sum[2]});
+    }
+    return points;
+}
+
+// An undeformed lattice gives the model back, within 1e-12 of its size (what the project promises);
+// an affine map of the lattice is that map of the model, for points outside too.
+TEST(Embedding, ReproducesAffineMaps) {
+    Eigen::Matrix3d linear;
+    linear << 2, -1, 0.5, 0.3, 1.5, -0.2, 0, 0.7, -1;
+    const Eigen::Vector3d shift(3, -2, 5);
+    for (const auto& [name, lattice] : test::zoo()) {
+        const Refined refined(lattice, 2);
+        auto points = pointsIn(refined, 200, 1);
+        for (const double x : {-2.0, 3.5}) points.push_back({x, 0.3, 0.2});
+        const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
+        EXPECT_EQ(embedding.count(PointStatus::NotConverged), 0) << name;
+        EXPECT_LT(embedding.largestResidual(), 1e-13) << name;
+        const auto table = buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, embedding);
+        EXPECT_LT(largestDistance(times(table, refined.base), points), 4e-12) << name;
+        std::vector<Point3> movedBase, movedPoints;
+        const auto move = [&](const std::vector<Point3>& from, std::vector<Point3>& to) {
+            for (const Point3& p : from) {
+                const Eigen::Vector3d q = linear * vec(p) + shift;
+                to.push_back({q[0], q[1], q[2]});
+            }
+        };
+        move(refined.base, movedBase);
+        move(points, movedPoints);
+        EXPECT_LT(largestDistance(times(table, movedBase), movedPoints), 1e-11) << name;
+    }
+}
+
+// D = W · S: the deformed points are those of their places in the refined pose.
+TEST(Embedding, DeformationTableIsPlaceInTheRefinedPose) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const Refined refined(lattice, 2);
+        const auto points = pointsIn(refined, 50, 2);
+        const Embedding embedding = refined.embed(points);
+        auto pose = refined.base;
+        const auto noise = test::randomValues(3 * pose.size(), 3);
+        for (std::size_t i = 0; i < pose.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c) pose[i][c] += 0.3 * noise[3 * i + c];
+        const auto level = refined.pose(pose);
+        const auto direct = times(buildEmbeddingTable(refined.complex(), embedding), level);
+        const auto composed =
+            times(buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, embedding), pose);
+        // Sums of products of size 1 to 4.
+        EXPECT_LT(largestDistance(direct, composed), 1e-13) << name;
+    }
+}
+
+// Every vertex, edge midpoint, face point and centroid of the refined lattice lies in the lattice,
+// and in the lowest cell that it belongs to.
+TEST(Embedding, PointsOnVerticesEdgesAndFacesBelongToTheLowestCell) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const Refined refined(lattice, 1);
+        const far::CellComplex& complex = refined.complex();
+        for (int d = 0; d <= 2; ++d) {
+            std::vector<Point3> points;
+            for (Index i = 0; i < complex.count(d); ++i) {
+                std::vector<Index> vertices = {i};
+                if (d == 1) vertices = {complex.relation(1, 0)[i][0], complex.relation(1, 0)[i][1]};
+                // A face that is not flat is bilinear for a hexahedron, and folded along its cut
+                // for a type-n cell: take the middle of what the lowest cell has.
+                if (d == 2) {
+                    const auto loop = complex.relation(2, 0)[i];
+                    const CellId lowest(complex.relation(2, 3)[i].front());
+                    vertices = {loop[0], loop[2]};
+                    if (far::hexahedronVertices(complex, lowest))
+                        vertices.assign(loop.begin(), loop.end());
+                }
+                Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+                for (const Index v : vertices)
+                    sum += vec(refined.positions[static_cast<std::size_t>(v)]);
+                sum /= static_cast<double>(vertices.size());
+                points.push_back({sum[0], sum[1], sum[2]});
+            }
+            const Embedding embedding = refined.embed(points);
+            for (Index i = 0; i < complex.count(d); ++i) {
+                const LocatedPoint& located = embedding.points[static_cast<std::size_t>(i)];
+                ASSERT_EQ(located.status, PointStatus::Inside) << name << " " << d << " " << i;
+                if (d == 2)
+                    continue;  // Where a face is not flat, its cut is not in the hexahedron.
+                ASSERT_EQ(located.place->cell.value, complex.relation(d, 3)[i].front())
+                    << name << " " << d << " " << i;
+            }
+        }
+    }
+}
+
+TEST(Embedding, TrilinearPlacesInACube) {
+    const Refined refined(shapes::box(), 1);
+    // Eight cells of side 1/2; (0.3, 0.2, 0.1) is in the one at the origin, 3/5, 2/5 and 1/5 along.
+    const Embedding embedding = refined.embed({{0.3, 0.2, 0.1}});
+    const CellPlace& place = *embedding.points[0].place;
+    const auto corners = *far::hexahedronVertices(refined.complex(), place.cell);
+    const Eigen::Vector3d origin = vec(refined.positions[static_cast<std::size_t>(corners[0])]);
+    Eigen::Matrix3d axes;
+    for (const auto& [column, corner] : {std::pair{0, 1}, {1, 3}, {2, 4}})
+        axes.col(column) = vec(refined.positions[static_cast<std::size_t>(
+                               corners[static_cast<std::size_t>(corner)])]) -
+                           origin;
+    EXPECT_LT((origin + axes * vec(place.uvw) - Eigen::Vector3d(0.3, 0.2, 0.1)).norm(), 1e-15);
+    EXPECT_GT(axes.determinant(), 0) << "right-handed";
+    EXPECT_EQ(place.offset, (std::array<double, 3>{}));
+}
+
+// Figure 6: a type-n cell is cut into 4n tetrahedra about its cell point, which fill it.
+TEST(Embedding, TypeNCellIsFilledByFourNTetrahedra) {
+    for (const int n : {4, 5, 6}) {
+        const Refined refined(shapes::bipyramid({.sides = n}), 1);
+        const far::CellComplex& complex = refined.complex();
+        for (Index cell = 0; cell < complex.count(3); ++cell) {
+            if (far::hexahedronVertices(complex, CellId(cell))) continue;
+            const Index count = tetrahedronCount(complex, CellId(cell));
+            const auto vertices = complex.relation(3, 0)[cell];
+            EXPECT_EQ(count, 2 * static_cast<Index>(vertices.size()) - 4);  // 4n of 2n + 2
+            for (Index t = 0; t < count; ++t) {
+                const CellPlace place{CellId(cell), t, {0.2, 0.3, 0.1}, {}};
+                Eigen::Vector3d position = Eigen::Vector3d::Zero();
+                for (const auto& [vertex, weight] : placeWeights(complex, place))
+                    position += weight * vec(refined.positions[static_cast<std::size_t>(vertex)]);
+                const Embedding found = refined.embed({{position[0], position[1], position[2]}});
+                ASSERT_TRUE(found.points[0].place);
+                EXPECT_EQ(found.points[0].place->cell.value, cell);
+                EXPECT_EQ(found.points[0].place->tetrahedron, t);
+                EXPECT_LT((vec(found.points[0].place->uvw) - vec(place.uvw)).norm(), 1e-14);
+            }
+        }
+    }
+}
+
+TEST(Embedding, PointsOutside) {
+    const Refined refined(shapes::box(), 2);
+    const std::vector<Point3> points = {
+        {2, 0.5, 0.5}, {0.5, 0.5, 0.5}, {1 + 1e-7, 0.5, 0.5}, {1 + 1e-5, 0.5, 0.5}};
+    // Kept: no place, and an empty row.
+    const Embedding kept = refined.embed(points);
+    const auto statusOf = [&](const Embedding& e, std::size_t i) { return e.points[i].status; };
+    EXPECT_EQ(statusOf(kept, 0), PointStatus::Outside);
+    EXPECT_EQ(statusOf(kept, 1), PointStatus::Inside);
+    EXPECT_EQ(statusOf(kept, 2), PointStatus::Inside) << "within the tolerance of 1e-6 × √3";
+    EXPECT_EQ(statusOf(kept, 3), PointStatus::Outside);
+    EXPECT_FALSE(kept.points[0].place);
+    EXPECT_TRUE(
+        buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, kept).columns(0).empty());
+    // Carried by the nearest cell: at distance 1 from the middle of the side x = 1.
+    const Embedding nearest = refined.embed(points, {.outside = OutsidePolicy::Nearest});
+    EXPECT_EQ(statusOf(nearest, 0), PointStatus::Outside);
+    EXPECT_NEAR(nearest.points[0].distance, 1, 1e-14);
+    ASSERT_TRUE(nearest.points[0].place);
+    // Refused.
+    try {
+        refined.embed(points, {.outside = OutsidePolicy::Error});
+        FAIL() << "accepted";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("point 0 at (2.0"));
+        EXPECT_THAT(error.what(), HasSubstr("outside the lattice"));
+    }
+}
+
+TEST(Embedding, NearestCellMatchesBruteForce) {
+    const Refined refined(shapes::cylinder({.sectors = 5, .layers = 2}), 1);
+    const far::CellComplex& complex = refined.complex();
+    const auto values = test::randomValues(3 * 60, 4);
+    for (std::size_t i = 0; i < 60; ++i) {
+        const Point3 point = {3 * values[3 * i], 3 * values[3 * i + 1], 3 * values[3 * i + 2]};
+        const Embedding found = refined.embed({point}, {.outside = OutsidePolicy::Nearest});
+        if (found.points[0].status == PointStatus::Inside) continue;
+        // The lattice is convex but for rounding, so the nearest point of its boundary, sampled
+        // finely, is hardly nearer and not much farther.
+        double sampled = 1e9;
+        for (Index face = 0; face < complex.count(2); ++face) {
+            if (complex.relation(2, 3)[face].size() != 1) continue;
+            const auto loop = complex.relation(2, 0)[face];
+            for (int a = 0; a <= 20; ++a)
+                for (int b = 0; b <= 20; ++b) {
+                    const double u = a / 20., v = b / 20.;
+                    const auto at = [&](std::size_t k) {
+                        return vec(refined.positions[static_cast<std::size_t>(loop[k])]);
+                    };
+                    const Eigen::Vector3d q = (1 - u) * (1 - v) * at(0) + u * (1 - v) * at(1) +
+                                              u * v * at(2) + (1 - u) * v * at(3);
+                    sampled = std::min(sampled, (q - vec(point)).norm());
+                }
+        }
+        // Samples are up to half of a fortieth of a face's diagonal, some 0.03, away from the
+        // nearest point; across that the distance grows by less than the sample's own distance.
+        EXPECT_NEAR(found.points[0].distance, sampled, 0.02);
+    }
+}
+
+// Where a bilinear face of a hexahedron meets the folded face of a type-n cell there is a gap;
+// points in it are inside, and come back to where they were.
+TEST(Embedding, PointsInGapsAreInside) {
+    const Refined refined(test::mixedCells(), 1);
+    const far::CellComplex& complex = refined.complex();
+    std::vector<Point3> points;
+    for (Index face = 0; face < complex.count(2); ++face) {
+        const auto cells = complex.relation(2, 3)[face];
+        if (cells.size() != 2) continue;
+        const bool first = far::hexahedronVertices(complex, CellId(cells[0])).has_value();
+        const bool second = far::hexahedronVertices(complex, CellId(cells[1])).has_value();
+        if (first == second) continue;
+        // Halfway between the bilinear centre and the middle of the cut.
+        const auto loop = complex.relation(2, 0)[face];
+        Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+        for (const Index v : loop)
+            centre += vec(refined.positions[static_cast<std::size_t>(v)]) / 4;
+        const Eigen::Vector3d cut = (vec(refined.positions[static_cast<std::size_t>(loop[0])]) +
+                                     vec(refined.positions[static_cast<std::size_t>(loop[2])])) /
+                                    2;
+        const Eigen::Vector3d between = (centre + cut) / 2;
+        points.push_back({between[0], between[1], between[2]});
+    }
+    ASSERT_GE(points.size(), 4u);
+    const Embedding embedding = refined.embed(points);
+    Index inGap = 0;
+    for (const LocatedPoint& located : embedding.points) {
+        EXPECT_EQ(located.status, PointStatus::Inside);
+        inGap += located.distance > 1e-6;
+    }
+    EXPECT_GT(inGap, 0) << "the test is about gaps, so there must be one";
+    const auto table = buildDeformationTable(refined.refiner, 1, Rules::Siggraph96, embedding);
+    EXPECT_LT(largestDistance(times(table, refined.base), points), 1e-13);
+}
+
+TEST(Embedding, DoesNotDependOnTheNumberOfThreads) {
+    const Refined refined(shapes::torus(), 2);
+    const auto points = pointsIn(refined, 5000, 7);
+    const auto bind = [&](int threads) {
+        const far::ThreadLimit limit(threads);
+        return buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, refined.embed(points));
+    };
+    const auto one = bind(1);
+    EXPECT_EQ(one, bind(2));
+    EXPECT_EQ(one, bind(7));
+}
+
+TEST(Embedding, PointsThatAreNotFiniteDoNotConverge) {
+    const Refined refined(shapes::box(), 1);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const double infinity = std::numeric_limits<double>::infinity();
+    const Embedding embedding =
+        refined.embed({{nan, 0, 0}, {0.5, infinity, 0.5}}, {.outside = OutsidePolicy::Nearest});
+    EXPECT_EQ(embedding.count(PointStatus::NotConverged), 2);
+}
+
+// A lattice squashed flat has no volume. A point on it may be given a place, one beside it cannot.
+TEST(Embedding, FlatLatticeGivesAStatus) {
+    Lattice flat = shapes::box();
+    for (Point3& p : flat.positions) p[2] = 0;
+    const Refined refined(flat, 1);
+    const Embedding embedding =
+        refined.embed({{0.5, 0.5, 1}, {0.3, 0.6, 0}}, {.outside = OutsidePolicy::Nearest});
+    EXPECT_EQ(embedding.points[0].status, PointStatus::NotConverged);
+    EXPECT_FALSE(embedding.points[0].place);
+    if (embedding.points[1].place) {
+        EXPECT_LT(embedding.points[1].residual, 1e-14);
+    }
+}
+
+TEST(Embedding, NeedsARefinedLattice) {
+    const Lattice box = shapes::bipyramid({.sides = 5});
+    const auto embedAtBase = [&] {
+        embedPoints(box.complex, box.positions, std::vector<Point3>{{0, 0, 0}});
+    };
+    EXPECT_THROW(embedAtBase(), Error);
+    const Refined refined(box, 1);
+    EXPECT_THROW(embedPoints(refined.complex(), box.positions, std::vector<Point3>{}), Error);
+}
+
+}  // namespace
+}  // namespace espalier::stencils
