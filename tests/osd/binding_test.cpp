@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/reference_evaluator.h>
+#include <espalier/stencils/composition.h>
+#include <gtest/gtest.h>
+
+#include "support/zoo.h"
+
+namespace espalier::osd {
+namespace {
+
+using far::TopologyRefiner;
+using stencils::Rules;
+
+template <class Real>
+stencils::Binding<Real> bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
+                               const stencils::EmbeddingOptions& options = {}) {
+    TopologyRefiner refiner(lattice.complex);
+    refiner.refineUniform(level);
+    const auto positions = test::gathered(stencils::refineValues(
+        refiner, level, Rules::Siggraph96, test::flattened(lattice.positions), 3));
+    const auto embedding =
+        stencils::embedPoints(refiner.level(level).complex, positions, points, options);
+    return stencils::makeBinding<Real>(refiner, level, Rules::Siggraph96, embedding, points);
+}
+
+// A cube sheared: points inside follow, the point outside is kept.
+TEST(Binding, MovesWhatIsInsideAndKeepsTheRest) {
+    const Lattice cube = shapes::box();
+    const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3, 3}, {1, 1, 1}};
+    const auto binding = bindTo<double>(cube, 2, points);
+    EXPECT_EQ(binding.kept, std::vector<Index>{1});
+    std::vector<Point3> pose = cube.positions;
+    for (Point3& p : pose) p[0] += 2 * p[2];
+    const auto moved = evaluateBinding(binding, pose);
+    const std::vector<Point3> expected = {{0.5 + 1.5, 0.25, 0.75}, {3, 3, 3}, {3, 1, 1}};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(moved[i][c], expected[i][c], 1e-14);
+}
+
+TEST(Binding, FloatIsDoubleWithinItsPrecision) {
+    const Lattice torus = shapes::torus();
+    std::vector<Point3> points;
+    for (const double angle : {0.1, 1.0, 2.0, 4.0, 5.5})
+        points.push_back({std::cos(angle), std::sin(angle), 0.1});
+    const auto single = bindTo<float>(torus, 2, points);
+    const auto exact = bindTo<double>(torus, 2, points);
+    auto pose = torus.positions;
+    for (Point3& p : pose) p[2] += p[0] * p[1];
+    const auto a = evaluateBinding(single, pose), b = evaluateBinding(exact, pose);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            // 64 products of size 1 in single precision.
+            EXPECT_NEAR(a[i][c], b[i][c], 64 * 6e-8);
+}
+
+// Section 8 of the paper: "as the lattice is deformed, the texture would be deformed along with the
+// object". A solid texture on the lattice vertices goes through the table that positions go
+// through.
+TEST(Binding, TableCarriesAnyAttribute) {
+    const Lattice cube = shapes::box({.cells = {2, 2, 2}});
+    const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {0.1, 0.9, 0.3}};
+    const auto binding = bindTo<double>(cube, 2, points);
+    // Affine in space, so known everywhere: s = x + 2y, t = 1 − z.
+    std::vector<double> texture, values(4);
+    for (const Point3& p : cube.positions) {
+        texture.push_back(p[0] + 2 * p[1]);
+        texture.push_back(1 - p[2]);
+    }
+    ReferenceEvaluator::evaluate(binding.table, texture, BufferDescriptor::packed(2), values,
+                                 BufferDescriptor::packed(2), {0, 2});
+    const std::vector<double> expected = {1, 0.25, 1.9, 0.7};
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(values[i], expected[i], 1e-14);
+}
+
+TEST(Binding, RefusesAPoseOfAnotherSize) {
+    const Lattice cube = shapes::box();
+    const auto binding = bindTo<double>(cube, 1, {{0.5, 0.5, 0.5}});
+    EXPECT_THROW(evaluateBinding(binding, shapes::octahedron().positions), Error);
+}
+
+}  // namespace
+}  // namespace espalier::osd

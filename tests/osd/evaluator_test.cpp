@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/parallel.h>
+#include <espalier/osd/cpu_evaluator.h>
+#include <espalier/osd/reference_evaluator.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace espalier::osd {
+namespace {
+
+using stencils::StencilTable;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// One suite for every evaluator: instantiate it with another pair to test another back end.
+template <class E, class R>
+struct Case {
+    using Evaluator = E;
+    using Real = R;
+};
+using Cases = ::testing::Types<Case<ReferenceEvaluator, float>, Case<ReferenceEvaluator, double>,
+                               Case<CpuEvaluator, float>, Case<CpuEvaluator, double>>;
+
+template <class C>
+class EvaluatorTest : public ::testing::Test {
+protected:
+    using Real = typename C::Real;
+    using Evaluator = typename C::Evaluator;
+
+    /// Rows: 2·x₁ + 3·x₃, none, −x₀.
+    const StencilTable<Real> small{4, {0, 2, 2, 3}, {1, 3, 0}, {2, 3, -1}};
+
+    static StencilTable<Real> randomTable(Index rowCount, Index columnCount, unsigned seed) {
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<Real> weight(-1, 1);
+        std::vector<Offset> offsets = {0};
+        std::vector<Index> columns;
+        std::vector<Real> weights;
+        for (Index row = 0; row < rowCount; ++row) {
+            for (Index column = static_cast<Index>(random() % 5); column < columnCount;
+                 column += 1 + static_cast<Index>(random() % 9)) {
+                columns.push_back(column);
+                weights.push_back(weight(random));
+            }
+            offsets.push_back(static_cast<Offset>(columns.size()));
+        }
+        return StencilTable<Real>(columnCount, offsets, columns, weights);
+    }
+
+    static std::vector<Real> randomValues(std::size_t count, unsigned seed) {
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<Real> value(-1, 1);
+        std::vector<Real> values(count);
+        for (Real& v : values) v = value(random);
+        return values;
+    }
+};
+TYPED_TEST_SUITE(EvaluatorTest, Cases);
+
+TYPED_TEST(EvaluatorTest, ByHand) {
+    const std::vector<typename TestFixture::Real> source = {1, 10, 2, 20, 3, 30, 4, 40};
+    std::vector<typename TestFixture::Real> destination(6, 99);
+    TestFixture::Evaluator::evaluate(this->small, source, {0, 2, 2}, destination, {0, 2, 2},
+                                     {0, 3});
+    EXPECT_THAT(destination, ElementsAre(16, 160, 0, 0, -1, -10));
+}
+
+// What lies between entries, before the offset and behind the last row stays as it was.
+TYPED_TEST(EvaluatorTest, OffsetsAndStrides) {
+    using R = typename TestFixture::Real;
+    const std::vector<R> source = {-7, 1, 10, -7, 2, 20, -7, 3, 30, -7, 4, 40};
+    std::vector<R> destination(2 + 3 * 4, 99);
+    TestFixture::Evaluator::evaluate(this->small, source, {1, 2, 3}, destination, {2, 2, 4},
+                                     {0, 3});
+    EXPECT_THAT(destination, ElementsAre(99, 99, 16, 160, 99, 99, 0, 0, 99, 99, -1, -10, 99, 99));
+}
+
+TYPED_TEST(EvaluatorTest, SubRangeWritesItsRowsOnly) {
+    using R = typename TestFixture::Real;
+    const std::vector<R> source = {1, 2, 3, 4};
+    std::vector<R> destination(3, 99);
+    TestFixture::Evaluator::evaluate(this->small, source, {0, 1, 1}, destination, {0, 1, 1},
+                                     {2, 3});
+    EXPECT_THAT(destination, ElementsAre(99, 99, -1));
+    TestFixture::Evaluator::evaluate(this->small, source, {0, 1, 1}, destination, {0, 1, 1},
+                                     {1, 1});
+    EXPECT_THAT(destination, ElementsAre(99, 99, -1));
+    // The destination need not reach beyond the range.
+    std::vector<R> first(1, 99);
+    TestFixture::Evaluator::evaluate(this->small, source, {0, 1, 1}, first, {0, 1, 1}, {0, 1});
+    EXPECT_THAT(first, ElementsAre(16));
+}
+
+// Against sums in long double, for several numbers of components; deterministic in any number of
+// threads, to the last bit.
+TYPED_TEST(EvaluatorTest, RandomTables) {
+    using R = typename TestFixture::Real;
+    const auto table = TestFixture::randomTable(5000, 60, 1);
+    for (const Offset length : {1, 2, 3, 4, 5, 12}) {
+        const BufferDescriptor layout = BufferDescriptor::packed(length);
+        const auto source = TestFixture::randomValues(static_cast<std::size_t>(60 * length), 2);
+        std::vector<R> destination(static_cast<std::size_t>(5000 * length));
+        TestFixture::Evaluator::evaluate(table, source, layout, destination, layout, {0, 5000});
+        for (Index row = 0; row < 5000; ++row)
+            for (Offset c = 0; c < length; ++c) {
+                long double sum = 0, size = 0;
+                for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
+                    const long double product =
+                        static_cast<long double>(table.weights(row)[k]) *
+                        source[static_cast<std::size_t>(table.columns(row)[k] * length + c)];
+                    sum += product;
+                    size += std::abs(product);
+                }
+                // One rounding a product and a sum; rows have at most 60 entries.
+                const long double bound = 61 * std::numeric_limits<R>::epsilon() * size;
+                ASSERT_LE(std::abs(destination[static_cast<std::size_t>(row * length + c)] - sum),
+                          bound);
+            }
+        for (const int threads : {1, 2, 5}) {
+            const far::ThreadLimit limit(threads);
+            std::vector<R> again(destination.size());
+            TestFixture::Evaluator::evaluate(table, source, layout, again, layout, {0, 5000});
+            ASSERT_EQ(again, destination);
+        }
+    }
+}
+
+TYPED_TEST(EvaluatorTest, RefusesWhatDoesNotFitAndWritesNothing) {
+    using R = typename TestFixture::Real;
+    const std::vector<R> source(8, 1);
+    std::vector<R> destination(6, 99);
+    const auto expectRefused = [&](const char* why, std::span<const R> from,
+                                   const BufferDescriptor& fromLayout, std::span<R> to,
+                                   const BufferDescriptor& toLayout, RowRange rows) {
+        try {
+            TestFixture::Evaluator::evaluate(this->small, from, fromLayout, to, toLayout, rows);
+            FAIL() << "accepted; expected: " << why;
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), HasSubstr(why));
+        }
+        EXPECT_THAT(destination, ::testing::Each(99));
+    };
+    const BufferDescriptor pairs{0, 2, 2};
+    const std::span<const R> from(source);
+    const std::span<R> to(destination);
+    expectRefused("rows 0 to 4", from, pairs, to, pairs, {0, 4});
+    expectRefused("rows -1 to 3", from, pairs, to, pairs, {-1, 3});
+    expectRefused("rows 2 to 1", from, pairs, to, pairs, {2, 1});
+    expectRefused("the source buffer holds 7", from.first(7), pairs, to, pairs, {0, 3});
+    expectRefused("the destination buffer holds 5", from, pairs, to.first(5), pairs, {0, 3});
+    expectRefused("the source buffer holds 8", from, {1, 2, 2}, to, pairs, {0, 3});
+    expectRefused("stride 1", from, {0, 2, 1}, to, pairs, {0, 3});
+    expectRefused("length 0", from, {0, 0, 2}, to, pairs, {0, 3});
+    expectRefused("offset -1", from, {-1, 2, 2}, to, pairs, {0, 3});
+    expectRefused("2 components, destination entries 1", from, pairs, to, {0, 1, 2}, {0, 3});
+    // A stride whose product with the number of entries overflows.
+    expectRefused("too few", from, {0, 2, Offset{1} << 62}, to, pairs, {0, 3});
+}
+
+}  // namespace
+}  // namespace espalier::osd

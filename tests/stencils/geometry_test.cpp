@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/stencils/box_tree.h>
+#include <espalier/stencils/simplex.h>
+#include <espalier/stencils/trilinear.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace espalier::stencils {
+namespace {
+
+using Eigen::Vector3d;
+using far::Index;
+
+/// A unit cube with its corners moved by up to `amount` in each coordinate.
+Trilinear::Corners shakenCube(double amount, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> shake(-amount, amount);
+    Trilinear::Corners corners = {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(1, 1, 0),
+                                  Vector3d(0, 1, 0), Vector3d(0, 0, 1), Vector3d(1, 0, 1),
+                                  Vector3d(1, 1, 1), Vector3d(0, 1, 1)};
+    for (Vector3d& corner : corners)
+        for (Eigen::Index axis = 0; axis < 3; ++axis) corner[axis] += shake(random);
+    return corners;
+}
+
+Trilinear seenFrom(Trilinear::Corners corners, const Vector3d& point) {
+    for (Vector3d& corner : corners) corner -= point;
+    return Trilinear(corners);
+}
+
+TEST(TrilinearMap, CornersAreAtTheirPlaces) {
+    const auto corners = shakenCube(0.3, 1);
+    const Trilinear map(corners);
+    const Vector3d places[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                               {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(map.position(places[i]), corners[i]);
+}
+
+// MacCracken & Joy 1996, section 6, interpolates the Jacobians of the corners trilinearly; that is
+// the exact derivative, here checked against a difference quotient.
+TEST(TrilinearMap, JacobianIsTheDerivative) {
+    const Trilinear map(shakenCube(0.3, 2));
+    const Vector3d place(0.3, 0.8, 0.4);
+    const double h = 1e-5;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const Vector3d step = h * Vector3d::Unit(axis);
+        const Vector3d quotient =
+            (map.position(place + step) - map.position(place - step)) / (2 * h);
+        // Linear in each variable: the central difference is exact but for rounding, 1e-16 / h.
+        EXPECT_LT((map.jacobian(place).col(axis) - quotient).norm(), 1e-10);
+    }
+}
+
+TEST(TrilinearMap, FindsThePlaceOfAPosition) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (unsigned seed = 0; seed < 500; ++seed) {
+        const auto corners = shakenCube(0.2, seed);
+        const Vector3d place(uniform(random), uniform(random), uniform(random));
+        const auto found = seenFrom(corners, Trilinear(corners).position(place)).findOrigin();
+        ASSERT_TRUE(found);
+        // Rounding of positions, 1e-16, times the condition of a well-shaped cell.
+        EXPECT_LT((*found - place).norm(), 1e-14);
+    }
+}
+
+TEST(TrilinearMap, FlatCellIsNotSolved) {
+    Trilinear::Corners corners = shakenCube(0, 0);
+    for (Vector3d& corner : corners) corner[2] = 0;
+    EXPECT_FALSE(seenFrom(corners, {0.3, 0.4, 0.5}).findOrigin());
+    EXPECT_FALSE(seenFrom(corners, {0.3, 0.4, 0.5}).findOriginInside(1e-10));
+}
+
+// A cell twisted by 100 degrees over its height: Newton from the centre loses its way for some
+// points; the search does not.
+TEST(TrilinearMap, SearchFindsPlacesInATwistedCell) {
+    Trilinear::Corners corners = shakenCube(0, 0);
+    const double angle = 100 * std::acos(-1.0) / 180;
+    for (std::size_t i = 4; i < 8; ++i) {
+        const Vector3d from = corners[i] - Vector3d(0.5, 0.5, 0);
+        corners[i] = Vector3d(0.5 + std::cos(angle) * from[0] - std::sin(angle) * from[1],
+                              0.5 + std::sin(angle) * from[0] + std::cos(angle) * from[1], 1);
+    }
+    for (int i = 0; i <= 10; ++i)
+        for (int j = 0; j <= 10; ++j)
+            for (int k = 0; k <= 10; ++k) {
+                const Vector3d place(i / 10., j / 10., k / 10.);
+                const Vector3d point = Trilinear(corners).position(place);
+                const auto found = seenFrom(corners, point).findOriginInside(1e-10);
+                ASSERT_TRUE(found) << place.transpose();
+                EXPECT_LT((Trilinear(corners).position(*found) - point).norm(), 1e-12);
+            }
+}
+
+TEST(TrilinearMap, NearestPlaceOfACubeIsTheClampedPoint) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-2, 3);
+    const auto corners = shakenCube(0, 0);
+    for (int i = 0; i < 500; ++i) {
+        const Vector3d point(uniform(random), uniform(random), uniform(random));
+        const Vector3d expected = point.cwiseMax(0).cwiseMin(1);
+        EXPECT_LT((seenFrom(corners, point).nearestToOrigin() - expected).norm(), 1e-12);
+    }
+}
+
+TEST(TrilinearMap, NearestPlaceIsNoFartherThanAnySample) {
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> uniform(-1, 2);
+    for (unsigned seed = 0; seed < 50; ++seed) {
+        const auto corners = shakenCube(0.15, seed);
+        const Vector3d point(uniform(random), uniform(random), uniform(random));
+        const Trilinear map = seenFrom(corners, point);
+        const double nearest = map.position(map.nearestToOrigin()).norm();
+        for (int i = 0; i <= 8; ++i)
+            for (int j = 0; j <= 8; ++j)
+                for (int k = 0; k <= 8; ++k)
+                    EXPECT_LE(nearest, map.position({i / 8., j / 8., k / 8.}).norm() + 1e-9);
+    }
+}
+
+TEST(NearestOnTriangle, ByHand) {
+    // In the plane z = 1, the foot of the origin inside, beyond an edge, and beyond a corner.
+    const auto nearest = [](Vector3d a, Vector3d b, Vector3d c) {
+        return nearestToOrigin(Triangle{a, b, c});
+    };
+    EXPECT_LT((nearest({-1, -1, 1}, {2, -1, 1}, {-1, 2, 1}) - Vector3d(1, 1, 1) / 3).norm(), 1e-15);
+    EXPECT_EQ(nearest({1, -1, 1}, {1, 1, 1}, {3, 0, 1}), Vector3d(0.5, 0.5, 0));
+    EXPECT_EQ(nearest({1, 1, 1}, {2, 1, 1}, {1, 2, 1}), Vector3d(1, 0, 0));
+    // Without area: a segment, and a point.
+    EXPECT_EQ(nearest({-1, 0, 1}, {3, 0, 1}, {1, 0, 1}), Vector3d(0.75, 0.25, 0));
+    EXPECT_EQ(nearest({1, 0, 1}, {1, 0, 1}, {1, 0, 1}).sum(), 1);
+}
+
+TEST(Boxes, TreeMatchesBruteForce) {
+    std::mt19937 random(8);
+    std::uniform_real_distribution<double> at(0, 10), size(0, 1);
+    for (const std::size_t count : {0u, 1u, 4u, 5u, 1000u, 30000u}) {
+        std::vector<BoxTree::Box> boxes;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vector3d low(at(random), at(random), at(random));
+            boxes.emplace_back(low, low + Vector3d(size(random), size(random), size(random)));
+        }
+        const BoxTree tree(boxes);
+        for (int query = 0; query < 50; ++query) {
+            const Vector3d point(at(random), at(random), at(random));
+            std::vector<Index> found, expected;
+            tree.findContaining(point, found);
+            std::sort(found.begin(), found.end());
+            for (std::size_t i = 0; i < count; ++i)
+                if (boxes[i].contains(point)) expected.push_back(static_cast<Index>(i));
+            ASSERT_EQ(found, expected);
+            if (count == 0) continue;
+            const auto distance = [&](Index i) {
+                return boxes[static_cast<std::size_t>(i)].exteriorDistance(point);
+            };
+            Index best = 0;
+            for (Index i = 1; i < static_cast<Index>(count); ++i)
+                if (distance(i) < distance(best)) best = i;
+            const auto nearest = tree.findNearest(point, distance);
+            ASSERT_EQ(nearest.index, best);  // of several, the lowest
+            ASSERT_EQ(nearest.distance, distance(best));
+        }
+    }
+}
+
+}  // namespace
+}  // namespace espalier::stencils

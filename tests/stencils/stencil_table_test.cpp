@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/stencils/sparse_matrix.h>
+#include <espalier/stencils/stencil_table.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace espalier::stencils {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+template <class Real>
+class StencilTableTest : public ::testing::Test {};
+using Reals = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(StencilTableTest, Reals);
+
+TYPED_TEST(StencilTableTest, GivesItsRows) {
+    const StencilTable<TypeParam> table(4, {0, 2, 2, 3}, {1, 3, 0}, {.25, .75, 1});
+    EXPECT_EQ(table.rowCount(), 3);
+    EXPECT_EQ(table.columnCount(), 4);
+    EXPECT_EQ(table.entryCount(), 3);
+    EXPECT_THAT(table.columns(0), ElementsAre(1, 3));
+    EXPECT_THAT(table.weights(0), ElementsAre(.25, .75));
+    EXPECT_THAT(table.columns(1), IsEmpty());
+    EXPECT_THAT(table.weights(2), ElementsAre(1));
+    EXPECT_EQ(StencilTable<TypeParam>().rowCount(), 0);
+}
+
+TYPED_TEST(StencilTableTest, RefusesWhatIsNoTable) {
+    const auto expectRefused = [](const char* why, Index columnCount, std::vector<Offset> offsets,
+                                  std::vector<Index> columns, std::size_t weights) {
+        try {
+            StencilTable<TypeParam>(columnCount, offsets, columns,
+                                    std::vector<TypeParam>(weights, 1));
+            FAIL() << "accepted; expected: " << why;
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), HasSubstr(why));
+        }
+    };
+    expectRefused("0 offsets", 4, {}, {}, 0);
+    expectRefused("compressed sparse rows", 4, {1, 2}, {0, 1}, 2);
+    expectRefused("compressed sparse rows", 4, {0, 3}, {0, 1}, 2);
+    expectRefused("2 columns and 3 weights", 4, {0, 2}, {0, 1}, 3);
+    expectRefused("row 1 of the table has offsets out of order", 4, {0, 2, 1, 2}, {0, 1}, 2);
+    expectRefused("row 0 of the table has offsets out of order", 4, {0, 9, 2}, {0, 1}, 2);
+    expectRefused("row 0 of the table names a column that does not exist", 4, {0, 2}, {0, 4}, 2);
+    expectRefused("row 0 of the table names a column that does not exist", 4, {0, 1}, {-1}, 1);
+    expectRefused("row 1 of the table has columns that do not ascend", 4, {0, 1, 3}, {0, 2, 2}, 3);
+}
+
+// Rows 0 and 2 of a 3 × 4 matrix, by hand.
+TYPED_TEST(StencilTableTest, EigenSeesTheMatrix) {
+    const StencilTable<TypeParam> table(4, {0, 2, 2, 3}, {1, 3, 0}, {.25, .75, 1});
+    const SparseView<TypeParam> view(table);
+    EXPECT_EQ(view.matrix().rows(), 3);
+    EXPECT_EQ(view.matrix().cols(), 4);
+    const Eigen::Vector4<TypeParam> x(1, 2, 3, 4);
+    EXPECT_EQ((view.matrix() * x).eval(), Eigen::Vector3<TypeParam>(.25 * 2 + .75 * 4, 0, 1));
+    EXPECT_EQ(view.matrix().valuePtr(), table.weights().data()) << "not a copy";
+    EXPECT_EQ(view.matrix().innerIndexPtr(), table.columns().data());
+}
+
+TYPED_TEST(StencilTableTest, ComesBackFromEigen) {
+    const StencilTable<TypeParam> table(4, {0, 2, 2, 3}, {1, 3, 0}, {.25, .75, 1});
+    EXPECT_EQ(fromEigen(SparseView<TypeParam>(table).matrix()), table);
+    // From the other storage order, and from an expression: twice the transpose, transposed.
+    const Eigen::SparseMatrix<TypeParam> columnMajor = SparseView<TypeParam>(table).matrix();
+    EXPECT_EQ(fromEigen(columnMajor), table);
+    EXPECT_EQ(fromEigen(columnMajor * TypeParam{2}).weights(2)[0], 2);
+}
+
+TEST(StencilTable, ConvertsBetweenPrecisions) {
+    const StencilTable<double> table(2, {0, 2}, {0, 1}, {1. / 3, 2. / 3});
+    const auto rounded = convertTable<float>(table);
+    EXPECT_THAT(rounded.weights(0), ElementsAre(float(1. / 3), float(2. / 3)));
+    EXPECT_EQ(convertTable<double>(rounded).weights(0)[0], double(float(1. / 3)));
+}
+
+}  // namespace
+}  // namespace espalier::stencils
