@@ -177,6 +177,26 @@ Strata classifySharp(const CellComplex& complex, SharpEdges rule, const Marks& m
     return strata;
 }
 
+Marks marksFor(const CellComplex& complex, const Strata& strata) {
+    Marks marks;
+    if (complex.dimension() >= 2) {
+        const Strata automatic = classifySharp(complex, SharpEdges::SingleCell, {});
+        for (Index edge = 0; edge < complex.count(1); ++edge) {
+            const bool isSharp = strata.of({1, edge}) <= 1;
+            if (isSharp == (automatic.of({1, edge}) <= 1)) continue;
+            const auto ends = complex.relation(1, 0)[edge];
+            marks.edges.push_back({{ends[0], ends[1]}, isSharp ? kInfinitelySharp : kSmooth});
+        }
+    }
+    const Strata withEdges = classifySharp(complex, SharpEdges::SingleCell, marks);
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
+        const bool isCorner = strata.of({0, vertex}) == 0;
+        if (isCorner != (withEdges.of({0, vertex}) == 0))
+            marks.vertices.push_back({vertex, isCorner ? kInfinitelySharp : kSmooth});
+    }
+    return marks;
+}
+
 Strata classifyOpen(const CellComplex& complex) {
     Strata strata(complex, complex.dimension());
     lowerBoundary(complex, strata);

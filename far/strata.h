@@ -102,6 +102,11 @@ private:
 /// \cite MacCracken & Joy 1996, section 3; the counting rule of vertices is OpenSubdiv's
 Strata classifySharp(const CellComplex& complex, SharpEdges rule, const Marks& marks);
 
+/// Marks with which classifySharp(complex, SharpEdges::SingleCell, marks) gives back `strata`: none
+/// on what is so without a mark. They keep the features of a refined lattice that is written to a
+/// file. \param strata under boundary control, of `complex` or inherited by it
+Marks marksFor(const CellComplex& complex, const Strata& strata);
+
 /// Strata without boundary control: an entity is on the boundary (dimension of the complex − 1) or
 /// interior (dimension of the complex).
 Strata classifyOpen(const CellComplex& complex);

@@ -211,6 +211,33 @@ TEST(Strata, MeshesAndCurves) {
     EXPECT_EQ(strataOf(bowTie).of({0, 0}), 0);
 }
 
+// Marks on the refined complex keep what its base had by rule or by hand.
+TEST(Strata, MarksForARefinedComplexGiveItsStrataBack) {
+    const Index middle = gridVertex({2, 2, 2}, 1, 1, 0);
+    const auto expectKept = [](const CellComplex& base, SharpEdges rule, const Marks& marks) {
+        TopologyRefiner refiner(base, {.sharpEdges = rule, .marks = marks});
+        refiner.refineUniform(2);
+        for (int level = 0; level <= 2; ++level) {
+            const auto& [complex, strata] = refiner.level(level);
+            const Marks kept = marksFor(complex, strata);
+            const Strata again = classifySharp(complex, SharpEdges::SingleCell, kept);
+            for (int d = 0; d <= base.dimension(); ++d)
+                for (Index i = 0; i < complex.count(d); ++i)
+                    ASSERT_EQ(again.of({d, i}), strata.of({d, i})) << level << " " << d << " " << i;
+            if (rule == SharpEdges::SingleCell && marks.empty()) {
+                EXPECT_TRUE(kept.empty());
+            }
+        }
+    };
+    expectKept(grid({2, 1, 3}), SharpEdges::SingleCell, {});
+    expectKept(cylinder(5, 1), SharpEdges::Literal, {});
+    expectKept(grid({2, 2, 2}), SharpEdges::SingleCell,
+               {.edges = {{{0, 1}, kSmooth}, {{1, middle}, kInfinitelySharp}},
+                .vertices = {{0, kSmooth}, {26, kInfinitelySharp}, {middle, kInfinitelySharp}}});
+    expectKept(test::gridMesh(3, 2), SharpEdges::SingleCell, {.vertices = {{0, kSmooth}}});
+    expectKept(buildCurve(5, false), SharpEdges::SingleCell, {.vertices = {{2, kInfinitelySharp}}});
+}
+
 TEST(Strata, OpenKnowsBoundaryAndInteriorOnly) {
     const Strata strata =
         TopologyRefiner(grid({2, 2, 2}), {.boundary = Boundary::Open}).level(0).strata;
