@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/shapes/attach.h>
+#include <espalier/shapes/cell_loops.h>
+#include <espalier/shapes/checks.h>
+#include <espalier/shapes/vector3.h>
+
+#include <numeric>
+#include <string>
+
+namespace espalier::shapes {
+namespace {
+
+using far::Index;
+
+/// The old vertices under their own numbers, and the new ones after them.
+Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices) {
+    Lattice result = lattice;
+    for (const NewVertex& vertex : newVertices) result.positions.push_back(vertex.position);
+    for (VertexAttribute& attribute : result.attributes) {
+        const auto components = static_cast<std::size_t>(attribute.components);
+        for (const NewVertex& vertex : newVertices)
+            for (std::size_t component = 0; component < components; ++component) {
+                double total = 0;
+                for (const Index from : vertex.attributesFrom)
+                    total +=
+                        attribute.values[static_cast<std::size_t>(from) * components + component];
+                const auto count = static_cast<double>(vertex.attributesFrom.size());
+                attribute.values.push_back(count > 0 ? total / count : 0);
+            }
+    }
+    return result;
+}
+
+void check(const Lattice& lattice, std::span<const NewVertex> newVertices) {
+    requireConsistent("attach", "the lattice", lattice, 3);
+    const Index count = lattice.complex.count(0);
+    requireCountable("attach", {count + static_cast<far::Offset>(newVertices.size())});
+    for (const NewVertex& vertex : newVertices) {
+        requireFinite("attach", "the position of a new vertex", vertex.position);
+        for (const Index from : vertex.attributesFrom)
+            if (from < 0 || from >= count)
+                refuseField("attach", "attributesFrom", std::to_string(from),
+                            "vertices 0 to " + std::to_string(count - 1));
+    }
+}
+
+/// A boundary face as the cell that is put on it sees it.
+struct Site {
+    Loop loop;  ///< anticlockwise seen from outside the lattice
+    std::vector<Point3> positions;
+
+    Site(const std::string& who, const Lattice& lattice, far::FaceId face) {
+        requireConsistent(who, "the lattice", lattice, 3);
+        const far::CellComplex& complex = lattice.complex;
+        if (face.value < 0 || face.value >= complex.count(2))
+            refuseField(who, "face", std::to_string(face.value),
+                        "faces 0 to " + std::to_string(complex.count(2) - 1));
+        const auto cells = complex.relation(2, 3)[face.value];
+        if (cells.size() != 1)
+            throw Error(who + ": face " + std::to_string(face.value) + " is between cells " +
+                        std::to_string(cells[0]) + " and " + std::to_string(cells[1]) +
+                        "; expected a boundary face");
+        const auto faces = complex.relation(3, 2)[cells[0]];
+        for (std::size_t i = 0; i < faces.size(); ++i)
+            if (faces[i] == face.value) loop = outwardLoops(complex, cells[0])[i];
+        for (const Index vertex : loop)
+            positions.push_back(lattice.positions[static_cast<std::size_t>(vertex)]);
+    }
+
+    /// That a vector from the face leads to the outside.
+    void requireOutward(const std::string& who, const std::string& field, const Point3& vector,
+                        const Point3& value) const {
+        requireFinite(who, field, value);
+        if (!(dot(areaVector(positions), vector) > 0))
+            refuseField(who, field, textOf(value),
+                        "those on the outer side of the face; the cell would have no volume, or a "
+                        "negative one");
+    }
+
+    Loop reversed() const { return Loop(loop.rbegin(), loop.rend()); }
+};
+
+}  // namespace
+
+Lattice attachPrism(const Lattice& lattice, far::FaceId face, const Point3& offset) {
+    const Site site("attachPrism", lattice, face);
+    site.requireOutward("attachPrism", "offset", offset, offset);
+    const std::size_t n = site.loop.size();
+    const Index firstNew = lattice.complex.count(0);
+    std::vector<NewVertex> newVertices;
+    std::vector<Loop> loops = {site.reversed(), {}};
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto top = [&](std::size_t corner) {
+            return firstNew + static_cast<Index>(corner % n);
+        };
+        newVertices.push_back({sum(site.positions[i], offset), {site.loop[i]}});
+        loops[1].push_back(top(i));
+        loops.push_back({site.loop[i], site.loop[(i + 1) % n], top(i + 1), top(i)});
+    }
+    return attachCell(lattice, loops, newVertices);
+}
+
+Lattice attachPyramid(const Lattice& lattice, far::FaceId face, const Point3& apex) {
+    const Site site("attachPyramid", lattice, face);
+    site.requireOutward("attachPyramid", "apex", difference(apex, mean(site.positions)), apex);
+    const std::size_t n = site.loop.size();
+    const Index newVertex = lattice.complex.count(0);
+    std::vector<Loop> loops = {site.reversed()};
+    for (std::size_t i = 0; i < n; ++i)
+        loops.push_back({site.loop[i], site.loop[(i + 1) % n], newVertex});
+    const NewVertex newVertices[] = {{apex, site.loop}};
+    return attachCell(lattice, loops, newVertices);
+}
+
+Lattice attachCell(const Lattice& lattice, std::span<const std::vector<Index>> loops,
+                   std::span<const NewVertex> newVertices) {
+    check(lattice, newVertices);
+    Lattice result = extended(lattice, newVertices);
+    std::vector<Index> sameNumber(lattice.positions.size());
+    std::iota(sameNumber.begin(), sameNumber.end(), Index{0});
+    far::ComplexBuilder builder(3, static_cast<Index>(result.positions.size()));
+    addAll(lattice.complex, sameNumber, builder);
+    builder.addCell(loops);
+    result.complex = builder.build();
+    return result;
+}
+
+Lattice attachCell(const Lattice& lattice, far::StandardCell cell, std::span<const Index> vertices,
+                   std::span<const NewVertex> newVertices) {
+    if (vertices.size() != static_cast<std::size_t>(far::vertexCount(cell)))
+        refuseField("attach", "the number of vertices", std::to_string(vertices.size()),
+                    std::to_string(far::vertexCount(cell)));
+    std::vector<Loop> loops = far::faceLoops(cell);
+    for (Loop& loop : loops)
+        for (Index& vertex : loop) vertex = vertices[static_cast<std::size_t>(vertex)];
+    return attachCell(lattice, loops, newVertices);
+}
+
+}  // namespace espalier::shapes

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/complex_builder.h>
+#include <espalier/shapes/cell_loops.h>
+#include <espalier/shapes/checks.h>
+#include <espalier/shapes/extrude.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/vector3.h>
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace espalier::shapes {
+namespace {
+
+using far::Index;
+
+void check(const BarbellOptions& options) {
+    requireAtLeast("barbell", "endSegments", options.endSegments, 3);
+    requireAtLeast("barbell", "barSegments", options.barSegments, 1);
+    requireAtLeast("barbell", "barAcross", options.barAcross, 1);
+    requireAtLeast("barbell", "rings", options.pattern.rings, 1);
+    requireAtLeast("barbell", "layers", options.layers, 1);
+    requirePositive("barbell", "endRadius", options.endRadius);
+    requirePositive("barbell", "barLength", options.barLength);
+    requirePositive("barbell", "barHalfWidth", options.barHalfWidth);
+    requirePositive("barbell", "height", options.height);
+    if (!(options.roundness >= 0 && options.roundness <= 1))
+        refuseField("barbell", "roundness", textOf(options.roundness), "numbers from 0 to 1");
+    // Where a round end is as wide as the bar, its centre would lie on the edge of the bar.
+    const bool fits = options.roundness < 1 ? options.barHalfWidth <= options.endRadius
+                                            : options.barHalfWidth < options.endRadius;
+    if (!fits)
+        refuseField(
+            "barbell", "barHalfWidth", textOf(options.barHalfWidth),
+            (options.roundness < 1 ? "numbers up to endRadius, which is "
+                                   : "with roundness 1, numbers below endRadius, which is ") +
+                textOf(options.endRadius));
+    const far::Offset sides = options.endSegments + far::Offset{options.barAcross};
+    requireCountable("barbell", {sides, options.pattern.rings, options.layers, 12});
+    requireCountable("barbell", {options.barSegments, options.barAcross, options.layers, 24});
+}
+
+/// The x coordinate at which the bar meets an end that is centred at the origin.
+double neck(const BarbellOptions& options) {
+    const double round = std::sqrt(options.endRadius * options.endRadius -
+                                   options.barHalfWidth * options.barHalfWidth);
+    return std::lerp(options.endRadius, round, options.roundness);
+}
+
+/// The point of a square's three far sides at a fraction of their length, from (1, 1) by way of
+/// (-1, 1) and (-1, -1) to (1, -1).
+Point3 onSquare(double fraction) {
+    const double along = 6 * fraction;
+    if (along <= 2) return {1 - along, 1, 0};
+    if (along <= 4) return {-1, 3 - along, 0};
+    return {along - 5, -1, 0};
+}
+
+/// The outline of the end to the left of the bar, about the origin: vertex 0 at the upper side of
+/// the bar, vertex endSegments at the lower one, those between them round the end, then those
+/// across the bar, upwards.
+std::vector<Point3> endOutline(const BarbellOptions& options) {
+    const double half = options.barHalfWidth;
+    const double x = neck(options);
+    const double start = std::asin(half / options.endRadius);
+    std::vector<Point3> outline = {{x, half, 0}};
+    for (int i = 1; i < options.endSegments; ++i) {
+        const double fraction = static_cast<double>(i) / options.endSegments;
+        const double angle = std::lerp(start, 2 * std::numbers::pi - start, fraction);
+        const Point3 round = {std::cos(angle), std::sin(angle), 0};
+        outline.push_back(
+            scaled(between(onSquare(fraction), round, options.roundness), options.endRadius));
+    }
+    for (int row = 0; row < options.barAcross; ++row)
+        outline.push_back({x, half * (2.0 * row / options.barAcross - 1), 0});
+    return outline;
+}
+
+/// The flat mesh: the left end, the right end (the left one turned by half a circle), the bar.
+Lattice barbellMesh(const BarbellOptions& options) {
+    const std::vector<Point3> outline = endOutline(options);
+    const Lattice end = diskMesh(outline, {0, 0, 0}, options.pattern);
+    const Index endCount = end.complex.count(0);
+    const auto sides = static_cast<Index>(outline.size());
+    const Point3 centre = {-(options.barLength / 2 + neck(options)), 0, 0};
+
+    std::vector<Point3> positions;
+    for (const Point3& point : end.positions) positions.push_back(sum(point, centre));
+    for (std::size_t i = 0; i < end.positions.size(); ++i)
+        positions.push_back(scaled(positions[i], -1));
+
+    // Rows across the bar go upwards, columns to the right. The first and last columns are vertices
+    // of the outlines, which are the last ones of their ends.
+    const auto onOutline = [&](Index row) {
+        return endCount - sides + (options.endSegments + row) % sides;
+    };
+    const auto vertex = [&](Index column, Index row) {
+        if (column == 0) return onOutline(row);
+        if (column == options.barSegments) return endCount + onOutline(options.barAcross - row);
+        return 2 * endCount + (column - 1) * (options.barAcross + 1) + row;
+    };
+    const auto at = [&](Index index) { return positions[static_cast<std::size_t>(index)]; };
+    for (Index column = 1; column < options.barSegments; ++column)
+        for (Index row = 0; row <= options.barAcross; ++row)
+            positions.push_back(between(at(vertex(0, row)), at(vertex(options.barSegments, row)),
+                                        static_cast<double>(column) / options.barSegments));
+
+    std::vector<Loop> loops;
+    for (const Index first : {Index{0}, endCount})
+        for (Index face = 0; face < end.complex.count(2); ++face) {
+            Loop& loop = loops.emplace_back();
+            for (const Index v : end.complex.relation(2, 0)[face]) loop.push_back(first + v);
+        }
+    for (Index column = 0; column < options.barSegments; ++column)
+        for (Index row = 0; row < options.barAcross; ++row)
+            loops.push_back({vertex(column, row), vertex(column + 1, row),
+                             vertex(column + 1, row + 1), vertex(column, row + 1)});
+    return {far::buildMesh(static_cast<Index>(positions.size()), loops), positions, {}, {}};
+}
+
+}  // namespace
+
+Lattice barbell(const BarbellOptions& options) {
+    check(options);
+    const double half = options.height / 2;
+    return sweep(barbellMesh(options),
+                 stationsBetween({0, 0, -half}, {0, 0, half}, options.layers));
+}
+
+}  // namespace espalier::shapes

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/cell_loops.h>
+
+namespace espalier::shapes {
+namespace {
+
+Loop renamed(std::span<const far::Index> loop, std::span<const far::Index> newVertex) {
+    Loop result;
+    result.reserve(loop.size());
+    for (const far::Index vertex : loop)
+        result.push_back(newVertex[static_cast<std::size_t>(vertex)]);
+    return result;
+}
+
+}  // namespace
+
+std::vector<Loop> outwardLoops(const far::CellComplex& lattice, far::Index cell) {
+    const auto faces = lattice.boundary(3)[cell];
+    const auto signs = lattice.boundary(3).signs(cell);
+    std::vector<Loop> loops;
+    loops.reserve(faces.size());
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        const auto loop = lattice.relation(2, 0)[faces[i]];
+        if (signs[i] > 0)
+            loops.emplace_back(loop.begin(), loop.end());
+        else
+            loops.emplace_back(loop.rbegin(), loop.rend());
+    }
+    return loops;
+}
+
+void addAll(const far::CellComplex& complex, std::span<const far::Index> newVertex,
+            far::ComplexBuilder& builder) {
+    const int dimension = complex.dimension();
+    for (far::Index top = 0; top < complex.count(dimension); ++top) {
+        if (dimension == 3) {
+            std::vector<Loop> loops = outwardLoops(complex, top);
+            for (Loop& loop : loops) loop = renamed(loop, newVertex);
+            builder.addCell(loops);
+        } else {
+            const Loop loop = renamed(complex.relation(dimension, 0)[top], newVertex);
+            if (dimension == 2)
+                builder.addFace(loop);
+            else
+                builder.addEdge(loop[0], loop[1]);
+        }
+    }
+}
+
+}  // namespace espalier::shapes

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/shapes/checks.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace espalier::shapes {
+namespace {
+
+bool isFinite(const Point3& point) {
+    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
+
+const char* complexName(int dimension) {
+    constexpr const char* kNames[] = {"curve", "mesh", "lattice"};
+    return dimension >= 1 && dimension <= 3 ? kNames[dimension - 1] : "empty complex";
+}
+
+}  // namespace
+
+std::string textOf(double value) {
+    char buffer[32];
+    const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value).ptr;
+    return std::string(buffer, end);
+}
+
+std::string textOf(const Point3& point) {
+    std::string text = "(";
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        text.append(axis == 0 ? "" : ", ").append(textOf(point[axis]));
+    return text.append(")");
+}
+
+void refuseField(const std::string& shape, const std::string& field, const std::string& value,
+                 const std::string& allowed) {
+    throw Error(shape + ": " + field + " is " + value + "; allowed: " + allowed);
+}
+
+void requireAtLeast(const std::string& shape, const std::string& field, int value, int least) {
+    if (value < least)
+        refuseField(shape, field, std::to_string(value), std::to_string(least) + " or more");
+}
+
+void requireFinite(const std::string& shape, const std::string& field, double value) {
+    if (!std::isfinite(value)) refuseField(shape, field, textOf(value), "finite numbers");
+}
+
+void requireFinite(const std::string& shape, const std::string& field, const Point3& value) {
+    if (!isFinite(value)) refuseField(shape, field, textOf(value), "finite numbers");
+}
+
+void requirePositive(const std::string& shape, const std::string& field, double value) {
+    if (!(value > 0) || !std::isfinite(value))
+        refuseField(shape, field, textOf(value), "finite numbers above 0");
+}
+
+std::string indexed(const std::string& field, std::size_t index) {
+    std::string name = field;
+    name += '[';
+    name += std::to_string(index);
+    name += ']';
+    return name;
+}
+
+void requireInterval(const std::string& shape, std::size_t index, double min, double max) {
+    requireFinite(shape, indexed("min", index), min);
+    requireFinite(shape, indexed("max", index), max);
+    if (!(max > min))
+        refuseField(shape, indexed("max", index), textOf(max),
+                    "numbers above " + indexed("min", index) + ", which is " + textOf(min));
+}
+
+void requireCountable(const std::string& shape, std::initializer_list<far::Offset> factors) {
+    far::Offset count = 1;
+    for (const far::Offset factor : factors) {
+        // Below 2^31 before each product, so that none overflows.
+        if (factor <= far::kMaxIndex / count) {
+            count *= factor;
+            continue;
+        }
+        std::string product;
+        for (const far::Offset each : factors)
+            product += (product.empty() ? "" : " x ") + std::to_string(each);
+        throw far::TopologyError(far::TopologyCause::TooManyEntities, {0, far::kMaxIndex},
+                                 shape + ": would take " + product + " entries; the most is " +
+                                     std::to_string(far::kMaxIndex));
+    }
+}
+
+void requireConsistent(const std::string& who, const std::string& name, const Lattice& lattice,
+                       int dimension) {
+    if (lattice.complex.dimension() != dimension)
+        throw Error(who + ": " + name + " is a " + complexName(lattice.complex.dimension()) +
+                    "; expected a " + complexName(dimension));
+    const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
+    if (lattice.positions.size() != vertexCount)
+        throw Error(who + ": " + name + " has " + std::to_string(lattice.positions.size()) +
+                    " positions; expected " + std::to_string(vertexCount) + ", one a vertex");
+    for (std::size_t vertex = 0; vertex < vertexCount; ++vertex)
+        if (!isFinite(lattice.positions[vertex]))
+            throw Error(who + ": vertex " + std::to_string(vertex) + " of " + name + " is at " +
+                        textOf(lattice.positions[vertex]) + "; expected finite numbers");
+    for (const VertexAttribute& attribute : lattice.attributes) {
+        if (attribute.components < 1)
+            throw Error(who + ": attribute '" + attribute.name + "' of " + name + " has " +
+                        std::to_string(attribute.components) + " components; expected 1 or more");
+        const std::size_t expected = vertexCount * static_cast<std::size_t>(attribute.components);
+        if (attribute.values.size() != expected)
+            throw Error(who + ": attribute '" + attribute.name + "' of " + name + " has " +
+                        std::to_string(attribute.values.size()) + " values; expected " +
+                        std::to_string(expected));
+    }
+    const auto checkMark = [&](far::Index vertex) {
+        if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertexCount)
+            throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {0, vertex},
+                                     who + ": a mark of " + name + " names vertex " +
+                                         std::to_string(vertex) + "; there are " +
+                                         std::to_string(vertexCount));
+    };
+    for (const far::Marks::Edge& mark : lattice.marks.edges)
+        for (const far::Index vertex : mark.vertices) checkMark(vertex);
+    for (const far::Marks::Vertex& mark : lattice.marks.vertices) checkMark(mark.vertex);
+}
+
+}  // namespace espalier::shapes

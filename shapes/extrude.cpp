@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/complex_builder.h>
+#include <espalier/far/error.h>
+#include <espalier/shapes/cell_loops.h>
+#include <espalier/shapes/checks.h>
+#include <espalier/shapes/extrude.h>
+#include <espalier/shapes/vector3.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace espalier::shapes {
+namespace {
+
+using far::Index;
+
+/// What a sweep makes of one mesh, whatever its positions.
+class Sweep {
+public:
+    Sweep(const Lattice& mesh, std::size_t layerCount, SweepEnds ends)
+        : mesh_(mesh),
+          layerCount_(static_cast<Index>(layerCount)),
+          rowCount_(static_cast<Index>(layerCount) - (ends == SweepEnds::Open ? 1 : 0)),
+          ends_(ends) {}
+
+    /// \param reversed per face of the mesh: whether it runs clockwise seen from the next layer
+    far::CellComplex complex(const std::vector<bool>& reversed) const {
+        far::ComplexBuilder builder(3, layerCount_ * mesh_.complex.count(0));
+        std::vector<Loop> loops;
+        for (Index row = 0; row < rowCount_; ++row)
+            for (Index face = 0; face < mesh_.complex.count(2); ++face) {
+                const auto base = mesh_.complex.relation(2, 0)[face];
+                Loop loop(base.begin(), base.end());
+                if (reversed[static_cast<std::size_t>(face)])
+                    std::reverse(loop.begin() + 1, loop.end());
+                prism(loop, row, loops);
+                builder.addCell(loops);
+            }
+        return builder.build();
+    }
+
+    far::Marks marks() const {
+        far::Marks marks;
+        if (ends_ == SweepEnds::Open) {
+            copyTo(0, marks);
+            copyTo(layerCount_ - 1, marks);
+        }
+        for (const far::Marks::Vertex& mark : mesh_.marks.vertices)
+            for (Index row = 0; row < rowCount_; ++row)
+                marks.edges.push_back(
+                    {{vertex(row, mark.vertex), vertex(row + 1, mark.vertex)}, mark.sharpness});
+        return marks;
+    }
+
+    std::vector<VertexAttribute> attributes() const {
+        std::vector<VertexAttribute> attributes = mesh_.attributes;
+        for (VertexAttribute& attribute : attributes) {
+            const std::vector<double> values = attribute.values;
+            for (Index layer = 1; layer < layerCount_; ++layer)
+                attribute.values.insert(attribute.values.end(), values.begin(), values.end());
+        }
+        return attributes;
+    }
+
+private:
+    Index vertex(Index layer, Index meshVertex) const {
+        return layer % layerCount_ * mesh_.complex.count(0) + meshVertex;
+    }
+
+    void prism(const Loop& loop, Index row, std::vector<Loop>& loops) const {
+        const std::size_t n = loop.size();
+        loops.assign(n + 2, {});
+        for (std::size_t i = 0; i < n; ++i) {
+            const Index a = loop[i];
+            const Index b = loop[(i + 1) % n];
+            loops[0].push_back(vertex(row, loop[(n - i) % n]));
+            loops[1].push_back(vertex(row + 1, a));
+            loops[i + 2] = {vertex(row, a), vertex(row, b), vertex(row + 1, b), vertex(row + 1, a)};
+        }
+    }
+
+    void copyTo(Index layer, far::Marks& marks) const {
+        for (far::Marks::Edge mark : mesh_.marks.edges) {
+            for (Index& end : mark.vertices) end = vertex(layer, end);
+            marks.edges.push_back(mark);
+        }
+        for (far::Marks::Vertex mark : mesh_.marks.vertices) {
+            mark.vertex = vertex(layer, mark.vertex);
+            marks.vertices.push_back(mark);
+        }
+    }
+
+    const Lattice& mesh_;
+    Index layerCount_;
+    Index rowCount_;  ///< of cells between layers
+    SweepEnds ends_;
+};
+
+/// That each edge of the mesh has at most two faces, since a face has at most two cells.
+void requireManifold(const std::string& who, const far::CellComplex& mesh) {
+    for (Index edge = 0; edge < mesh.count(1); ++edge) {
+        const std::size_t faceCount = mesh.relation(1, 2)[edge].size();
+        if (faceCount <= 2) continue;
+        const auto ends = mesh.relation(1, 0)[edge];
+        throw Error(who + ": edge (" + std::to_string(ends[0]) + ", " + std::to_string(ends[1]) +
+                    ") of the mesh lies in " + std::to_string(faceCount) +
+                    " faces; expected 1 or 2");
+    }
+}
+
+/// That the cells can be counted: each corner of the mesh is in 6 corners of loops a row of cells.
+void requireCountableRows(const std::string& who, const far::CellComplex& mesh,
+                          std::size_t layerCount) {
+    const auto layers = static_cast<far::Offset>(std::min<std::size_t>(layerCount, far::kMaxIndex));
+    const auto corners = static_cast<far::Offset>(mesh.relation(2, 0).values().size());
+    requireCountable(who, {layers, corners, 6});
+}
+
+std::vector<std::vector<Point3>> imagesOf(const Lattice& mesh, std::span<const Affine> stations) {
+    std::vector<std::vector<Point3>> layers(stations.size(), mesh.positions);
+    for (std::size_t layer = 0; layer < layers.size(); ++layer)
+        for (Point3& position : layers[layer]) position = stations[layer](position);
+    return layers;
+}
+
+std::vector<Point3> joined(std::span<const std::vector<Point3>> layers) {
+    std::vector<Point3> positions;
+    for (const auto& layer : layers) positions.insert(positions.end(), layer.begin(), layer.end());
+    return positions;
+}
+
+Lattice assembled(const Sweep& sweep, const std::vector<bool>& reversed,
+                  std::span<const std::vector<Point3>> layers) {
+    return {sweep.complex(reversed), joined(layers), sweep.marks(), sweep.attributes()};
+}
+
+std::vector<Point3> loopPositions(const Loop& loop, const std::vector<Point3>& positions) {
+    std::vector<Point3> result;
+    for (const Index vertex : loop) result.push_back(positions[static_cast<std::size_t>(vertex)]);
+    return result;
+}
+
+/// The cosine of the angle between a vector and the area vector of a loop; 0 for a loop without
+/// area.
+double facing(const std::vector<Point3>& loop, const Point3& direction) {
+    const Point3 area = areaVector(loop);
+    const double scale = length(area) * length(direction);
+    return scale > 0 ? dot(area, direction) / scale : 0;
+}
+
+/// That the first row of cells of a straight extrusion has volume; the others are copies of it.
+void requireVolumes(const Lattice& mesh, const Lattice& lattice, const Point3& direction) {
+    // A few roundings of the cross products, and far below any angle that is meant.
+    constexpr double kAlong = 1e-12;
+    for (Index face = 0; face < mesh.complex.count(2); ++face) {
+        const Loop bottom = outwardLoops(lattice.complex, face).front();
+        const double cosine = -facing(loopPositions(bottom, lattice.positions), direction);
+        if (cosine > kAlong) continue;
+        const std::string name = "extrude: face " + std::to_string(face) + " of the mesh ";
+        if (cosine < -kAlong)
+            throw Error(name + "looks against the direction " + textOf(direction) +
+                        ", other than its neighbours; its cells would have a negative volume");
+        throw Error(name + "lies along the direction " + textOf(direction) +
+                    " or has no area; its cells would have no volume");
+    }
+}
+
+}  // namespace
+
+Lattice sweep(const Lattice& mesh, std::span<const std::vector<Point3>> layers, SweepEnds ends) {
+    requireConsistent("sweep", "the mesh", mesh, 2);
+    requireManifold("sweep", mesh.complex);
+    const std::size_t least = ends == SweepEnds::Closed ? 3 : 2;
+    if (layers.size() < least)
+        refuseField("sweep", "the number of layers", std::to_string(layers.size()),
+                    std::to_string(least) + " or more");
+    for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+        if (layers[layer].size() != mesh.positions.size())
+            throw Error("sweep: layer " + std::to_string(layer) + " has " +
+                        std::to_string(layers[layer].size()) + " positions; expected " +
+                        std::to_string(mesh.positions.size()) + ", one a vertex of the mesh");
+        for (std::size_t vertex = 0; vertex < layers[layer].size(); ++vertex)
+            requireFinite("sweep",
+                          "vertex " + std::to_string(vertex) + " of layer " + std::to_string(layer),
+                          layers[layer][vertex]);
+    }
+    requireCountableRows("sweep", mesh.complex, layers.size());
+    const std::vector<bool> reversed(static_cast<std::size_t>(mesh.complex.count(2)), false);
+    return assembled(Sweep(mesh, layers.size(), ends), reversed, layers);
+}
+
+Lattice sweep(const Lattice& mesh, std::span<const Affine> stations, SweepEnds ends) {
+    return sweep(mesh, imagesOf(mesh, stations), ends);
+}
+
+std::vector<Affine> stationsBetween(const Point3& from, const Point3& to, int layers) {
+    requireAtLeast("stationsBetween", "layers", layers, 1);
+    std::vector<Affine> stations;
+    for (int layer = 0; layer <= layers; ++layer)
+        stations.push_back(translation(between(from, to, static_cast<double>(layer) / layers)));
+    return stations;
+}
+
+Lattice extrude(const Lattice& mesh, const ExtrudeOptions& options) {
+    requireConsistent("extrude", "the mesh", mesh, 2);
+    requireManifold("extrude", mesh.complex);
+    requireAtLeast("extrude", "layers", options.layers, 1);
+    requireFinite("extrude", "direction", options.direction);
+    if (!(length(options.direction) > 0))
+        refuseField("extrude", "direction", textOf(options.direction), "non-zero vectors");
+    const auto layerCount = static_cast<std::size_t>(options.layers) + 1;
+    requireCountableRows("extrude", mesh.complex, layerCount);
+
+    const auto layers =
+        imagesOf(mesh, stationsBetween({0, 0, 0}, options.direction, options.layers));
+    std::vector<bool> reversed;
+    for (Index face = 0; face < mesh.complex.count(2); ++face) {
+        const auto loop = mesh.complex.relation(2, 0)[face];
+        const auto positions = loopPositions(Loop(loop.begin(), loop.end()), mesh.positions);
+        reversed.push_back(facing(positions, options.direction) < 0);
+    }
+    Lattice lattice = assembled(Sweep(mesh, layerCount, SweepEnds::Open), reversed, layers);
+    requireVolumes(mesh, lattice, options.direction);
+    return lattice;
+}
+
+}  // namespace espalier::shapes

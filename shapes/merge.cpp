@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/complex_builder.h>
+#include <espalier/far/error.h>
+#include <espalier/shapes/cell_loops.h>
+#include <espalier/shapes/checks.h>
+#include <espalier/shapes/merge.h>
+#include <espalier/shapes/weld.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace espalier::shapes {
+namespace {
+
+using far::Index;
+
+std::string latticeName(std::size_t number) {
+    return "lattice " + std::to_string(number);
+}
+
+const VertexAttribute* findAttribute(const Lattice& lattice, const std::string& name) {
+    for (const VertexAttribute& attribute : lattice.attributes)
+        if (attribute.name == name) return &attribute;
+    return nullptr;
+}
+
+void requireAttribute(const VertexAttribute& wanted, std::size_t owner, const Lattice& lattice,
+                      std::size_t number) {
+    const VertexAttribute* found = findAttribute(lattice, wanted.name);
+    if (found == nullptr)
+        throw Error("merge: " + latticeName(number) + " lacks attribute '" + wanted.name +
+                    "', which " + latticeName(owner) + " has");
+    if (found->components != wanted.components)
+        throw Error("merge: attribute '" + wanted.name + "' has " +
+                    std::to_string(found->components) + " components in " + latticeName(number) +
+                    ", but " + std::to_string(wanted.components) + " in " + latticeName(owner));
+}
+
+void check(std::span<const Lattice> lattices, const MergeOptions& options) {
+    if (lattices.empty()) throw Error("merge: there is no lattice; expected 1 or more");
+    if (!(options.tolerance >= 0 && options.tolerance < 1))
+        refuseField("merge", "tolerance", textOf(options.tolerance),
+                    "numbers from 0 to below 1, a fraction of the whole size");
+    for (std::size_t number = 0; number < lattices.size(); ++number) {
+        requireConsistent("merge", latticeName(number), lattices[number],
+                          lattices[0].complex.dimension());
+        for (const VertexAttribute& attribute : lattices[0].attributes)
+            requireAttribute(attribute, 0, lattices[number], number);
+        for (const VertexAttribute& attribute : lattices[number].attributes)
+            requireAttribute(attribute, number, lattices[0], 0);
+    }
+}
+
+/// That no cell loses a vertex.
+void requireCellsKept(const far::CellComplex& complex, std::span<const Index> newVertex,
+                      const std::string& name, double distance) {
+    const int dimension = complex.dimension();
+    std::vector<std::pair<Index, Index>> welded;  // new vertex, old vertex
+    for (Index cell = 0; cell < complex.count(dimension); ++cell) {
+        welded.clear();
+        for (const Index vertex : complex.relation(dimension, 0)[cell])
+            welded.emplace_back(newVertex[static_cast<std::size_t>(vertex)], vertex);
+        std::sort(welded.begin(), welded.end());
+        const auto twice =
+            std::adjacent_find(welded.begin(), welded.end(),
+                               [](const auto& a, const auto& b) { return a.first == b.first; });
+        if (twice == welded.end()) continue;
+        throw far::TopologyError(far::TopologyCause::RepeatedVertex, {dimension, cell},
+                                 "merge: vertices " + std::to_string(twice->second) + " and " +
+                                     std::to_string((twice + 1)->second) + " of " +
+                                     far::dimensionName(dimension) + " " + std::to_string(cell) +
+                                     " of " + name +
+                                     " would become one; they are within the distance of " +
+                                     textOf(distance) + " that the tolerance allows");
+    }
+}
+
+void appendMarks(const far::Marks& from, std::span<const Index> newVertex, far::Marks& to) {
+    const auto renamed = [&](Index vertex) { return newVertex[static_cast<std::size_t>(vertex)]; };
+    for (const far::Marks::Edge& mark : from.edges)
+        to.edges.push_back(
+            {{renamed(mark.vertices[0]), renamed(mark.vertices[1])}, mark.sharpness});
+    for (const far::Marks::Vertex& mark : from.vertices)
+        to.vertices.push_back({renamed(mark.vertex), mark.sharpness});
+}
+
+/// Writes the values of vertices that first appear in `from`: those numbered `firstNew` and above.
+void appendValues(const VertexAttribute& from, std::span<const Index> newVertex,
+                  VertexAttribute& to) {
+    const auto components = static_cast<std::size_t>(to.components);
+    for (std::size_t vertex = 0; vertex < newVertex.size(); ++vertex) {
+        // Numbers are given in the order of appearance, so a new vertex is the next one.
+        if (static_cast<std::size_t>(newVertex[vertex]) * components != to.values.size()) continue;
+        const auto first = from.values.begin() + static_cast<std::ptrdiff_t>(vertex * components);
+        to.values.insert(to.values.end(), first, first + to.components);
+    }
+}
+
+}  // namespace
+
+Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
+    check(lattices, options);
+    std::vector<Point3> points;
+    for (const Lattice& lattice : lattices)
+        points.insert(points.end(), lattice.positions.begin(), lattice.positions.end());
+    requireCountable("merge", {static_cast<far::Offset>(points.size())});
+    const double distance = options.tolerance * diagonal(points);
+    Welding welding = weld(points, distance);
+
+    Lattice result;
+    for (VertexAttribute attribute : lattices[0].attributes) {
+        attribute.values.clear();
+        result.attributes.push_back(std::move(attribute));
+    }
+    far::ComplexBuilder builder(lattices[0].complex.dimension(),
+                                static_cast<Index>(welding.positions.size()));
+    std::span<const Index> remaining = welding.newIndex;
+    for (std::size_t number = 0; number < lattices.size(); ++number) {
+        const Lattice& lattice = lattices[number];
+        const auto newVertex = remaining.first(lattice.positions.size());
+        remaining = remaining.subspan(lattice.positions.size());
+        requireCellsKept(lattice.complex, newVertex, latticeName(number), distance);
+        addAll(lattice.complex, newVertex, builder);
+        appendMarks(lattice.marks, newVertex, result.marks);
+        for (VertexAttribute& attribute : result.attributes)
+            appendValues(*findAttribute(lattice, attribute.name), newVertex, attribute);
+    }
+    result.complex = builder.build();
+    result.positions = std::move(welding.positions);
+    return result;
+}
+
+Lattice merge(const Lattice& first, const Lattice& second, const MergeOptions& options) {
+    const Lattice lattices[] = {first, second};
+    return merge(lattices, options);
+}
+
+}  // namespace espalier::shapes

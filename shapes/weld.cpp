@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/vector3.h>
+#include <espalier/shapes/weld.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+namespace espalier::shapes {
+namespace {
+
+std::pair<Point3, Point3> bounds(std::span<const Point3> points) {
+    Point3 low = points.front();
+    Point3 high = points.front();
+    for (const Point3& point : points)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], point[axis]);
+            high[axis] = std::max(high[axis], point[axis]);
+        }
+    return {low, high};
+}
+
+/// Kept points, in boxes of a grid that are looked up by a hash.
+class PointGrid {
+public:
+    /// \param origin at most as large as any point, in each coordinate
+    PointGrid(const Point3& origin, double boxSize) : origin_(origin), boxSize_(boxSize) {}
+
+    void insert(far::Index index, const Point3& point) {
+        boxes_[boxOf(point)].push_back({index, point});
+    }
+
+    /// The point nearest to `point` within `distance`; of several, the one inserted first.
+    std::optional<far::Index> nearest(const Point3& point, double distance) const {
+        const Point3 reach = {distance, distance, distance};
+        const Box low = boxOf(difference(point, reach));
+        const Box high = boxOf(sum(point, reach));
+        std::optional<far::Index> best;
+        double bestDistance = std::numeric_limits<double>::infinity();
+        for (std::int64_t x = low[0]; x <= high[0]; ++x)
+            for (std::int64_t y = low[1]; y <= high[1]; ++y)
+                for (std::int64_t z = low[2]; z <= high[2]; ++z) {
+                    const auto box = boxes_.find({x, y, z});
+                    if (box == boxes_.end()) continue;
+                    for (const auto& [index, position] : box->second) {
+                        const double apart = length(difference(position, point));
+                        if (apart > distance || apart > bestDistance) continue;
+                        if (apart == bestDistance && index > *best) continue;
+                        best = index;
+                        bestDistance = apart;
+                    }
+                }
+        return best;
+    }
+
+private:
+    using Box = std::array<std::int64_t, 3>;
+
+    struct Hash {
+        std::size_t operator()(const Box& box) const {
+            // Odd multipliers spread neighbouring boxes over the table.
+            std::uint64_t hash = 0;
+            for (const std::int64_t coordinate : box)
+                hash = (hash ^ static_cast<std::uint64_t>(coordinate)) * 0x9E3779B97F4A7C15U;
+            return static_cast<std::size_t>(hash ^ (hash >> 32U));
+        }
+    };
+
+    Box boxOf(const Point3& point) const {
+        Box box;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            box[axis] =
+                static_cast<std::int64_t>(std::floor((point[axis] - origin_[axis]) / boxSize_));
+        return box;
+    }
+
+    Point3 origin_;
+    double boxSize_;
+    std::unordered_map<Box, std::vector<std::pair<far::Index, Point3>>, Hash> boxes_;
+};
+
+}  // namespace
+
+double diagonal(std::span<const Point3> points) {
+    if (points.empty()) return 0;
+    const auto [low, high] = bounds(points);
+    return length(difference(high, low));
+}
+
+Welding weld(std::span<const Point3> points, double distance) {
+    Welding welding;
+    if (points.empty()) return welding;
+    // Boxes a few times as large as the distance, so that most searches look into one; and not so
+    // small against the whole that their numbers overflow.
+    constexpr double kFinest = 1.0 / (1 << 20);
+    const double extent = diagonal(points);
+    const double boxSize = extent > 0 ? std::max(4 * distance, extent * kFinest) : 1;
+    PointGrid grid(bounds(points).first, boxSize);
+    for (const Point3& point : points) {
+        std::optional<far::Index> same = grid.nearest(point, distance);
+        if (!same) {
+            same = static_cast<far::Index>(welding.positions.size());
+            welding.positions.push_back(point);
+            grid.insert(*same, point);
+        }
+        welding.newIndex.push_back(*same);
+    }
+    return welding;
+}
+
+}  // namespace espalier::shapes

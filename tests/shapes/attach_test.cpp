@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/attach.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/merge.h>
+#include <espalier/shapes/solids.h>
+#include <gtest/gtest.h>
+
+#include "lattice_checks.h"
+
+namespace espalier::shapes {
+namespace {
+
+using namespace espalier::test;
+using far::FaceId;
+
+/// Rounding of sums of a hundred terms of size 1.
+constexpr double kRounding = 1e-12;
+
+/// The outward normal of an axis-parallel boundary face of a box about the point `centre`.
+Point3 outward(const Lattice& lattice, Index face, const Point3& centre) {
+    Point3 mean = {0, 0, 0};
+    for (const Index vertex : lattice.complex.relation(2, 0)[face])
+        for (std::size_t axis = 0; axis < 3; ++axis) mean[axis] += at(lattice, vertex)[axis] / 4;
+    const Point3 normal = minus(mean, centre);
+    const double size = norm(normal);
+    return {normal[0] / size, normal[1] / size, normal[2] / size};
+}
+
+TEST(Attach, growsACrossFromACube) {
+    Lattice lattice = box();
+    for (Index side = 0; side < 6; ++side) {
+        const FaceId face = lattice.complex.faces(far::CellId(0))[static_cast<std::size_t>(side)];
+        lattice = attachPrism(lattice, face, outward(lattice, face.value, {0.5, 0.5, 0.5}));
+    }
+    // Each prism adds 4 vertices, 8 edges, 5 faces and a cell to the 8, 12, 6 and 1 of the cube.
+    EXPECT_EQ(countsOf(lattice.complex), (Counts{32, 60, 36, 7}));
+    EXPECT_EQ(lattice.complex.eulerCharacteristic(), 1);
+    EXPECT_NEAR(totalVolume(lattice), 7, kRounding);
+    expectSound(lattice);
+}
+
+TEST(Attach, buildsAColumnPrismByPrism) {
+    Lattice lattice = prism({5, 1, 1});
+    for (int i = 0; i < 3; ++i) {
+        // The second face of a prism is the one opposite to the one it stands on.
+        const far::CellId last(lattice.complex.count(3) - 1);
+        lattice = attachPrism(lattice, lattice.complex.faces(last)[1], {0, 0, 1});
+    }
+    const Lattice expected = cylinder({5, {1, Core::Polygon}, 4, 1, {0, 0, -0.5}, {0, 0, 3.5}});
+    EXPECT_EQ(countsOf(lattice.complex), countsOf(expected.complex));
+    EXPECT_EQ(lattice.complex.eulerCharacteristic(), 1);
+    ASSERT_EQ(lattice.positions.size(), expected.positions.size());
+    for (std::size_t v = 0; v < expected.positions.size(); ++v)
+        EXPECT_NEAR(norm(minus(lattice.positions[v], expected.positions[v])), 0, kRounding);
+    expectSound(lattice);
+}
+
+TEST(Attach, keepsTheNumbersOfWhatIsThere) {
+    const Lattice before = cylinder({6, {2}, 2});
+    Index boundary = 0;
+    while (before.complex.relation(2, 3)[boundary].size() != 1) ++boundary;
+    const Lattice after = attachPyramid(before, FaceId(boundary), {0.3, 0.1, -1});
+    EXPECT_EQ(after.complex.count(3), before.complex.count(3) + 1);
+    for (int d = 1; d <= 3; ++d)
+        for (Index index = 0; index < before.complex.count(d); ++index) {
+            const auto rowA = before.complex.boundary(d)[index];
+            const auto rowB = after.complex.boundary(d)[index];
+            EXPECT_TRUE(std::equal(rowA.begin(), rowA.end(), rowB.begin(), rowB.end()));
+        }
+    EXPECT_EQ(at(after, before.complex.count(0)), (Point3{0.3, 0.1, -1}));
+    expectSound(after);
+}
+
+TEST(Attach, putsPyramidsOnAnyFace) {
+    const Lattice start = prism({5, 1, 1});
+    for (Index face = 0; face < 7; ++face) {
+        const bool pentagon = face < 2;
+        const Index n = pentagon ? 5 : 4;
+        Point3 apex = {0, 0, face == 0 ? -2.0 : 2.0};
+        if (!pentagon) {
+            apex = {0, 0, 0};
+            for (const Index vertex : start.complex.relation(2, 0)[face])
+                for (std::size_t axis = 0; axis < 3; ++axis) apex[axis] += at(start, vertex)[axis];
+        }
+        const Lattice lattice = attachPyramid(start, FaceId(face), apex);
+        EXPECT_EQ(countsOf(lattice.complex), (Counts{11, 15 + n, 7 + n, 2}));
+        EXPECT_EQ(valenceInCell(lattice.complex, 1, 10), static_cast<std::size_t>(n));
+        expectSound(lattice);
+    }
+}
+
+TEST(Attach, takesAnyCell) {
+    // A wedge on the top of a cube: a roof whose ridge is two new vertices.
+    const NewVertex ridge[] = {{{0.5, 0, 2}, {4, 5}}, {{0.5, 1, 2}, {6, 7}}};
+    const Lattice lattice =
+        attachCell(box(), far::StandardCell::Wedge, std::array<Index, 6>{4, 8, 5, 6, 9, 7}, ridge);
+    EXPECT_EQ(countsOf(lattice.complex), (Counts{10, 17, 10, 2}));
+    EXPECT_NEAR(totalVolume(lattice), 1.5, kRounding);
+    expectSound(lattice);
+}
+
+TEST(Attach, closesAGapWithoutNewVertices) {
+    // Two boxes that share an edge, and a wedge between them that uses only vertices that exist.
+    const Lattice boxes = merge(box(), box({{1, 1, 1}, {1, 0, 1}, {2, 1, 2}}));
+    EXPECT_EQ(at(boxes, 5), (Point3{1, 0, 1}));
+    EXPECT_EQ(at(boxes, 7), (Point3{1, 1, 1}));
+    EXPECT_EQ(at(boxes, 8), (Point3{2, 0, 1}));
+    EXPECT_EQ(at(boxes, 9), (Point3{2, 1, 1}));
+    const Lattice lattice =
+        attachCell(boxes, far::StandardCell::Wedge, std::array<Index, 6>{1, 5, 8, 3, 7, 9}, {});
+    EXPECT_EQ(lattice.complex.count(0), boxes.complex.count(0));
+    EXPECT_NEAR(totalVolume(lattice), 2.5, kRounding);
+    expectSound(lattice);
+}
+
+TEST(Attach, givesNewVerticesTheAttributesTheyComeFrom) {
+    Lattice lattice = box();
+    lattice.attributes.push_back({"x", 1, {}});
+    for (const Point3& position : lattice.positions)
+        lattice.attributes[0].values.push_back(position[0]);
+    const FaceId top = lattice.complex.faces(far::CellId(0))[1];
+    const Lattice onTop = attachPrism(lattice, top, {0, 0, 1});
+    for (std::size_t v = 0; v < onTop.positions.size(); ++v)
+        EXPECT_EQ(onTop.attributes[0].values[v], onTop.positions[v][0]);
+    const Lattice pointed = attachPyramid(lattice, top, {0.5, 0.5, 2});
+    EXPECT_EQ(pointed.attributes[0].values[8], 0.5);
+}
+
+TEST(Attach, carriesMarks) {
+    Lattice lattice = box();
+    lattice.marks.vertices.push_back({0, far::kSmooth});
+    const Lattice grown = attachPrism(lattice, lattice.complex.faces(far::CellId(0))[1], {0, 0, 1});
+    EXPECT_EQ(grown.marks, lattice.marks);
+}
+
+TEST(Attach, refusesWhatDoesNotFit) {
+    const Lattice two = box({{2, 1, 1}});
+    Index inner = 0;
+    while (two.complex.relation(2, 3)[inner].size() != 2) ++inner;
+    EXPECT_EQ(errorOf([&] {
+                  attachPrism(two, FaceId(inner), {0, 0, 1});
+              }),
+              "attachPrism: face " + std::to_string(inner) +
+                  " is between cells 0 and 1; expected a boundary face");
+    EXPECT_EQ(errorOf([&] {
+                  attachPrism(two, FaceId(11), {0, 0, 1});
+              }),
+              "attachPrism: face is 11; allowed: faces 0 to 10");
+    const FaceId bottom = two.complex.faces(far::CellId(0))[0];
+    for (const Point3& offset : {Point3{0, 0, 1}, Point3{1, 0, 0}})
+        EXPECT_EQ(errorOf([&] { attachPrism(two, bottom, offset); }).substr(0, 25),
+                  "attachPrism: offset is (" + std::to_string(static_cast<int>(offset[0])));
+    EXPECT_EQ(errorOf([&] {
+                  attachPyramid(two, bottom, {0.5, 0.5, 1});
+              }),
+              "attachPyramid: apex is (0.5, 0.5, 1); allowed: those on the outer side of the face; "
+              "the cell would have no volume, or a negative one");
+    EXPECT_EQ(errorOf([&] {
+                  attachPrism(gridMesh(), FaceId(0), {0, 0, 1});
+              }),
+              "attachPrism: the lattice is a mesh; expected a lattice");
+    const NewVertex unused[] = {{{9, 9, 9}, {}}};
+    EXPECT_EQ(causeOf([&] {
+                  attachCell(two, far::StandardCell::Tetrahedron, std::array<Index, 4>{0, 1, 3, 6},
+                             unused);
+              }),
+              far::TopologyCause::UnusedEntity);
+    const NewVertex lost[] = {{{9, 9, 9}, {12}}};
+    EXPECT_EQ(errorOf([&] {
+                  attachCell(two, far::StandardCell::Tetrahedron, std::array<Index, 4>{0, 1, 3, 12},
+                             lost);
+              }),
+              "attach: attributesFrom is 12; allowed: vertices 0 to 11");
+    EXPECT_EQ(errorOf([&] {
+                  attachCell(two, far::StandardCell::Wedge, std::array<Index, 4>{0, 1, 3, 6}, {});
+              }),
+              "attach: the number of vertices is 4; allowed: 6");
+}
+
+}  // namespace
+}  // namespace espalier::shapes

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/error.h>
+#include <espalier/far/topology_refiner.h>
+#include <espalier/shapes/lattice.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace espalier::test {
+
+using far::CellComplex;
+using far::Index;
+
+/// Numbers of vertices, edges, faces and cells.
+using Counts = std::array<Index, 4>;
+
+inline Counts countsOf(const CellComplex& complex) {
+    return {complex.count(0), complex.count(1), complex.count(2), complex.count(3)};
+}
+
+/// What sweeping a mesh of the given vertices and faces through `layers` rows of cells makes: each
+/// entity of the mesh is copied to each layer, and sweeps one of the next dimension in each row.
+inline Counts sweptCounts(Index vertices, Index edges, Index faces, Index rows, bool closed) {
+    const Index layers = closed ? rows : rows + 1;
+    return {layers * vertices, layers * edges + rows * vertices, layers * faces + rows * edges,
+            rows * faces};
+}
+
+/// The same for a mesh that is a disk: V - E + F = 1.
+inline Counts sweptDiskCounts(Index vertices, Index faces, Index rows, bool closed = false) {
+    return sweptCounts(vertices, vertices + faces - 1, faces, rows, closed);
+}
+
+inline Point3 at(const Lattice& lattice, Index vertex) {
+    return lattice.positions[static_cast<std::size_t>(vertex)];
+}
+
+inline Point3 minus(const Point3& a, const Point3& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+inline double triple(const Point3& a, const Point3& b, const Point3& c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+inline double norm(const Point3& a) {
+    return std::hypot(a[0], a[1], a[2]);
+}
+
+/// The volume of a cell by the divergence theorem, each face being triangles about its centroid;
+/// negative if its faces run clockwise seen from outside.
+inline double signedVolume(const Lattice& lattice, Index cell) {
+    const CellComplex& complex = lattice.complex;
+    const auto faces = complex.boundary(3)[cell];
+    const auto signs = complex.boundary(3).signs(cell);
+    const Point3 origin = at(lattice, complex.relation(3, 0)[cell][0]);
+    double volume = 0;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const auto loop = complex.relation(2, 0)[faces[f]];
+        Point3 centre = {0, 0, 0};
+        for (const Index vertex : loop)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                centre[axis] += at(lattice, vertex)[axis] / static_cast<double>(loop.size());
+        for (std::size_t i = 0; i < loop.size(); ++i)
+            volume += signs[f] *
+                      triple(minus(centre, origin), minus(at(lattice, loop[i]), origin),
+                             minus(at(lattice, loop[(i + 1) % loop.size()]), origin)) /
+                      6;
+    }
+    return volume;
+}
+
+inline double totalVolume(const Lattice& lattice) {
+    double volume = 0;
+    for (Index cell = 0; cell < lattice.complex.count(3); ++cell)
+        volume += signedVolume(lattice, cell);
+    return volume;
+}
+
+/// What every lattice of the inventory must be: valid at levels 0 to 2 with its marks, without
+/// duplicate vertices, and with cells of positive volume.
+inline void expectSound(const Lattice& lattice) {
+    ASSERT_EQ(lattice.positions.size(), static_cast<std::size_t>(lattice.complex.count(0)));
+    std::vector<Point3> sorted = lattice.positions;
+    std::sort(sorted.begin(), sorted.end());
+    EXPECT_EQ(std::adjacent_find(sorted.begin(), sorted.end()), sorted.end());
+    for (Index cell = 0; cell < lattice.complex.count(3); ++cell)
+        EXPECT_GT(signedVolume(lattice, cell), 0) << "cell " << cell;
+    far::RefinerOptions options;
+    options.marks = lattice.marks;
+    far::TopologyRefiner refiner(lattice.complex, options);
+    refiner.refineUniform(2);
+    for (int level = 0; level <= 2; ++level) {
+        EXPECT_NO_THROW(far::validate(refiner.level(level).complex)) << "level " << level;
+        EXPECT_EQ(refiner.level(level).complex.eulerCharacteristic(),
+                  lattice.complex.eulerCharacteristic());
+    }
+}
+
+/// Whether two complexes are the same, entity by entity.
+inline bool sameTopology(const CellComplex& a, const CellComplex& b) {
+    if (a.dimension() != b.dimension() || a.count(0) != b.count(0)) return false;
+    for (int d = 1; d <= a.dimension(); ++d) {
+        if (a.count(d) != b.count(d)) return false;
+        for (Index index = 0; index < a.count(d); ++index) {
+            const auto rowA = a.boundary(d)[index];
+            const auto rowB = b.boundary(d)[index];
+            const auto signsA = a.boundary(d).signs(index);
+            const auto signsB = b.boundary(d).signs(index);
+            if (!std::equal(rowA.begin(), rowA.end(), rowB.begin(), rowB.end()) ||
+                !std::equal(signsA.begin(), signsA.end(), signsB.begin(), signsB.end()))
+                return false;
+        }
+    }
+    return true;
+}
+
+/// The edge that joins two vertices, which must exist.
+inline Index edgeBetween(const CellComplex& complex, Index a, Index b) {
+    for (const Index edge : complex.relation(0, 1)[a])
+        if (far::contains(complex.relation(1, 0)[edge], b)) return edge;
+    ADD_FAILURE() << "no edge (" << a << ", " << b << ")";
+    return 0;
+}
+
+/// Number of edges of a cell at one of its vertices: the n of the type-n cell it becomes there.
+inline std::size_t valenceInCell(const CellComplex& complex, Index cell, Index vertex) {
+    std::size_t valence = 0;
+    for (const Index edge : complex.relation(3, 1)[cell])
+        valence += far::contains(complex.relation(1, 0)[edge], vertex) ? 1 : 0;
+    return valence;
+}
+
+/// The message of the Error that a call throws; empty, with a failure, if it throws none.
+template <class Call>
+std::string errorOf(Call call) {
+    try {
+        call();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    ADD_FAILURE() << "no Error was thrown";
+    return {};
+}
+
+/// The cause of the TopologyError that a call throws.
+template <class Call>
+far::TopologyCause causeOf(Call call) {
+    try {
+        call();
+    } catch (const far::TopologyError& error) {
+        return error.cause();
+    }
+    ADD_FAILURE() << "no TopologyError was thrown";
+    return {};
+}
+
+}  // namespace espalier::test

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/extrude.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/merge.h>
+#include <espalier/shapes/transform.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "lattice_checks.h"
+
+namespace espalier::shapes {
+namespace {
+
+using namespace espalier::test;
+
+Lattice boxFrom(double x, int cells, double length) {
+    return box({{cells, 2, 1}, {x, 0, 0}, {x + length, 1, 1}});
+}
+
+/// The cells of a lattice as sets of positions, so that lattices can be compared whatever the
+/// numbers of their vertices.
+std::multiset<std::set<Point3>> cellsByPosition(const Lattice& lattice) {
+    std::multiset<std::set<Point3>> cells;
+    for (Index cell = 0; cell < lattice.complex.count(3); ++cell) {
+        std::set<Point3> positions;
+        for (const Index vertex : lattice.complex.relation(3, 0)[cell])
+            positions.insert(at(lattice, vertex));
+        cells.insert(positions);
+    }
+    return cells;
+}
+
+TEST(Merge, makesOneBoxOfTwo) {
+    const Lattice left = boxFrom(0, 2, 2);
+    const Lattice merged = merge(left, boxFrom(2, 3, 3));
+    const Lattice whole = boxFrom(0, 5, 5);
+    EXPECT_EQ(countsOf(merged.complex), countsOf(whole.complex));
+    EXPECT_EQ(cellsByPosition(merged), cellsByPosition(whole));
+    EXPECT_EQ(merged.complex.eulerCharacteristic(), 1);
+    expectSound(merged);
+    // Vertices and cells in the order of first appearance: those of the first box come first.
+    for (std::size_t v = 0; v < left.positions.size(); ++v)
+        EXPECT_EQ(merged.positions[v], left.positions[v]);
+    EXPECT_EQ(merged.complex.relation(3, 0)[3][0], left.complex.relation(3, 0)[3][0]);
+}
+
+TEST(Merge, weldsWhatRoundingSetApart) {
+    // Boxes of a length with no exact binary form: 5 · 0.1 + 0.1 is not 6 · 0.1.
+    std::vector<Lattice> boxes;
+    for (int i = 0; i < 11; ++i) boxes.push_back(boxFrom(i * 0.1, 1, 0.1));
+    EXPECT_NE(boxes[5].positions[1], boxes[6].positions[0]);
+    const Lattice merged = merge(boxes);
+    EXPECT_EQ(countsOf(merged.complex), countsOf(boxFrom(0, 11, 1.1).complex));
+    expectSound(merged);
+}
+
+TEST(Merge, closesARing) {
+    std::vector<Lattice> quarters;
+    const Lattice quarter = box({{2, 1, 1}, {-1, 1, 0}, {1, 2, 1}});
+    for (int i = 0; i < 4; ++i) {
+        Lattice turned = quarter;
+        for (Point3& p : turned.positions) p[0] *= p[1];  // slant the sides by 45°
+        quarters.push_back(transformed(turned, rotation({0, 0, 1}, i * 1.5707963267948966)));
+    }
+    const Lattice ring = merge(quarters);
+    EXPECT_EQ(countsOf(ring.complex), sweptCounts(4, 4, 1, 8, true));
+    EXPECT_EQ(ring.complex.eulerCharacteristic(), 0);
+    expectSound(ring);
+}
+
+TEST(Merge, obeysTheTolerance) {
+    const Lattice left = boxFrom(0, 1, 1);
+    Lattice right = boxFrom(1, 1, 1);
+    for (Point3& position : right.positions) position[0] += 1e-7;
+    EXPECT_EQ(merge(left, right).complex.count(0), 24);
+    EXPECT_EQ(merge(left, right, {1e-6}).complex.count(0), 18);
+    EXPECT_EQ(merge(left, boxFrom(1, 1, 1), {0}).complex.count(0), 18);
+    EXPECT_EQ(errorOf([&] { merge(left, right, {-1}); }),
+              "merge: tolerance is -1; allowed: numbers from 0 to below 1, a fraction of the whole "
+              "size");
+}
+
+TEST(Merge, keepsSeparatePieces) {
+    const Lattice apart = merge(boxFrom(0, 1, 1), boxFrom(5, 1, 1));
+    EXPECT_EQ(apart.complex.eulerCharacteristic(), 2);
+    expectSound(apart);
+}
+
+TEST(Merge, weldsTheVerticesOfOneLattice) {
+    const Lattice apart = merge(boxFrom(0, 1, 1), boxFrom(1.001, 1, 1));
+    EXPECT_EQ(apart.complex.count(0), 24);
+    EXPECT_EQ(merge(std::span(&apart, 1), {1e-2}).complex.count(0), 18);
+}
+
+TEST(Merge, joinsMeshes) {
+    const Lattice mesh =
+        merge(gridMesh({{2, 2}, {0, 0}, {1, 1}}), gridMesh({{2, 2}, {1, 0}, {2, 1}}));
+    EXPECT_EQ(countsOf(mesh.complex), (Counts{15, 22, 8, 0}));
+    expectSound(extrude(mesh));
+}
+
+TEST(Merge, refusesACellThatWouldCollapse) {
+    const Lattice thin = box({{1, 1, 2}, {0, 0, 0}, {100, 1, 1e-6}});
+    EXPECT_EQ(errorOf([&] { merge(box(), thin, {1e-6}); }).substr(0, 63),
+              "merge: vertices 0 and 4 of cell 0 of lattice 1 would become one");
+    EXPECT_EQ(causeOf([&] { merge(box(), thin, {1e-6}); }), far::TopologyCause::RepeatedVertex);
+}
+
+TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
+    EXPECT_EQ(causeOf([] { merge(box(), box()); }), far::TopologyCause::RepeatedCell);
+    // A third cell at the face x = 1, in the place of the first but for its far end.
+    Lattice other = box();
+    for (const Index vertex : {0, 2, 4, 6})
+        other.positions[static_cast<std::size_t>(vertex)][0] = 0.5;
+    const Lattice all[] = {box(), box({{1, 1, 1}, {1, 0, 0}, {2, 1, 1}}), other};
+    EXPECT_EQ(causeOf([&] { merge(all); }), far::TopologyCause::CrowdedFace);
+}
+
+TEST(Merge, refusesNothingAndMixedDimensions) {
+    EXPECT_EQ(errorOf([] { merge(std::span<const Lattice>{}); }),
+              "merge: there is no lattice; expected 1 or more");
+    EXPECT_EQ(errorOf([] { merge(box(), gridMesh()); }),
+              "merge: lattice 1 is a mesh; expected a lattice");
+}
+
+TEST(Merge, carriesMarks) {
+    Lattice left = boxFrom(0, 1, 1);
+    Lattice right = boxFrom(1, 1, 1);
+    left.marks.edges.push_back({{0, 2}, far::kSmooth});
+    left.marks.vertices.push_back({0, far::kSmooth});
+    right.marks.edges.push_back({{0, 1}, far::kInfinitelySharp});
+    right.marks.vertices.push_back({1, far::kInfinitelySharp});
+    const Lattice merged = merge(left, right);
+    // Vertex 0 of the right box is vertex 1 of the left; its vertex 1 is the first new one, 12.
+    const far::Marks expected = {{{{0, 2}, far::kSmooth}, {{1, 12}, far::kInfinitelySharp}},
+                                 {{0, far::kSmooth}, {12, far::kInfinitelySharp}}};
+    EXPECT_EQ(merged.marks, expected);
+    expectSound(merged);
+}
+
+/// The attribute "uv" whose values are the x and y of each vertex, less `offset`.
+void addAttribute(Lattice& lattice, double offset) {
+    VertexAttribute uv = {"uv", 2, {}};
+    for (const Point3& position : lattice.positions) {
+        uv.values.push_back(position[0] - offset);
+        uv.values.push_back(position[1] - offset);
+    }
+    lattice.attributes.push_back(uv);
+}
+
+TEST(Merge, carriesAttributesByName) {
+    Lattice left = boxFrom(0, 1, 1);
+    Lattice right = boxFrom(1, 1, 1);
+    addAttribute(left, 0);
+    left.attributes.push_back({"heat", 1, std::vector<double>(12, 1.0)});
+    right.attributes.push_back({"heat", 1, std::vector<double>(12, 2.0)});
+    addAttribute(right, 10);
+    const Lattice merged = merge(left, right);
+    ASSERT_EQ(merged.attributes.size(), 2U);
+    EXPECT_EQ(merged.attributes[0].name, "uv");
+    EXPECT_EQ(merged.attributes[1].name, "heat");
+    for (std::size_t v = 0; v < merged.positions.size(); ++v) {
+        // Welded vertices take the values of the left box, which has them first.
+        const bool isLeft = v < 12;
+        EXPECT_EQ(merged.attributes[1].values[v], isLeft ? 1 : 2);
+        EXPECT_EQ(merged.attributes[0].values[2 * v + 1],
+                  merged.positions[v][1] - (isLeft ? 0 : 10));
+    }
+}
+
+TEST(Merge, refusesAttributesThatDoNotMatch) {
+    Lattice left = boxFrom(0, 1, 1);
+    Lattice right = boxFrom(1, 1, 1);
+    addAttribute(left, 0);
+    EXPECT_EQ(errorOf([&] { merge(left, right); }),
+              "merge: lattice 1 lacks attribute 'uv', which lattice 0 has");
+    EXPECT_EQ(errorOf([&] { merge(right, left); }),
+              "merge: lattice 0 lacks attribute 'uv', which lattice 1 has");
+    right.attributes.push_back({"uv", 1, std::vector<double>(12)});
+    EXPECT_EQ(errorOf([&] { merge(left, right); }),
+              "merge: attribute 'uv' has 1 components in lattice 1, but 2 in lattice 0");
+}
+
+}  // namespace
+}  // namespace espalier::shapes

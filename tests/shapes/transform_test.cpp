@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/transform.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "lattice_checks.h"
+
+namespace espalier::shapes {
+namespace {
+
+using namespace espalier::test;
+using std::numbers::pi;
+
+/// A few roundings of numbers of size 1.
+constexpr double kRounding = 1e-14;
+
+void expectNear(const Point3& a, const Point3& b) {
+    EXPECT_NEAR(norm(minus(a, b)), 0, kRounding);
+}
+
+TEST(Affine, turnsAnticlockwise) {
+    expectNear(rotation({0, 0, 2}, pi / 2)({1, 0, 0}), {0, 1, 0});
+    expectNear(rotation({1, 0, 0}, pi / 2)({0, 1, 0}), {0, 0, 1});
+    expectNear(rotation({1, 1, 1}, 2 * pi / 3)({1, 2, 3}), {3, 1, 2});
+}
+
+TEST(Affine, composesFromRightToLeft) {
+    const Affine both = translation({1, 0, 0}) * rotation({0, 0, 1}, pi / 2);
+    expectNear(both({1, 0, 0}), {1, 1, 0});
+    const Affine other = rotation({0, 0, 1}, pi / 2) * translation({1, 0, 0});
+    expectNear(other({1, 0, 0}), {0, 2, 0});
+}
+
+TEST(Affine, turnsOneDirectionIntoAnother) {
+    const Point3 directions[] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},        {-1, 0, 0},
+                                 {0, -1, 0}, {0, 0, -1}, {0.6, -0.8, 0.0}, {0.48, 0.6, -0.64}};
+    for (const Point3& from : directions)
+        for (const Point3& to : directions) {
+            const Affine turn = rotationBetween({3 * from[0], 3 * from[1], 3 * from[2]}, to);
+            expectNear(turn(from), to);
+            EXPECT_NEAR(turn.determinant(), 1, kRounding);
+            // The smallest rotation leaves alone what is perpendicular to both.
+            const Point3 axis = {from[1] * to[2] - from[2] * to[1],
+                                 from[2] * to[0] - from[0] * to[2],
+                                 from[0] * to[1] - from[1] * to[0]};
+            expectNear(turn(axis), axis);
+        }
+}
+
+TEST(Affine, refusesDirectionsWithoutLength) {
+    EXPECT_EQ(errorOf([] {
+                  rotation({0, 0, 0}, 1);
+              }),
+              "rotation: axis is (0, 0, 0); allowed: non-zero vectors");
+    EXPECT_EQ(errorOf([] {
+                  rotationBetween({1, 0, 0}, {0, 0, 0});
+              }),
+              "rotation: to is (0, 0, 0); allowed: non-zero vectors");
+}
+
+TEST(Transformed, scalesVolumesByTheDeterminant) {
+    const Lattice lattice = cylinder({5, {2}, 2});
+    const Affine map = translation({3, 2, 1}) * rotation({1, 2, 3}, 1) * scaling({1, 2, 3});
+    const Lattice image = transformed(lattice, map);
+    EXPECT_NEAR(totalVolume(image), 6 * totalVolume(lattice), 1e-12);  // sums of 30 terms of size 1
+    EXPECT_TRUE(sameTopology(image.complex, lattice.complex));
+    expectSound(image);
+}
+
+TEST(Transformed, keepsVolumesPositiveInAMirror) {
+    const Lattice lattice = torus();
+    const Lattice image = transformed(lattice, scaling({-1, 1, 1}));
+    EXPECT_NEAR(totalVolume(image), totalVolume(lattice), 1e-12);  // sums of 8 terms of size 1
+    EXPECT_EQ(image.positions[0][0], -lattice.positions[0][0]);
+    expectSound(image);
+}
+
+TEST(Transformed, refusesASingularMap) {
+    EXPECT_EQ(errorOf([] {
+                  transformed(box(), scaling({1, 0, 1}));
+              }),
+              "transformed: the determinant of the map is 0; allowed: finite numbers other than 0");
+}
+
+}  // namespace
+}  // namespace espalier::shapes
