@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/parallel.h>
+#include <espalier/io/lattice_file.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "lattice_report.h"
+#include "pipeline.h"
+
+namespace espalier::cli {
+namespace {
+
+struct Options {
+    CommonOptions common;
+    std::string lattice;
+    int level = 2;
+    bool json = false;
+};
+
+constexpr const char* kDimensions[] = {"vertices", "edges", "faces", "cells"};
+constexpr const char* kStrata[] = {"corner", "sharp", "boundary", "interior"};
+
+nlohmann::json toJson(const Histogram& histogram) {
+    nlohmann::json object = nlohmann::json::object();
+    for (const auto& [value, count] : histogram) object[std::to_string(value)] = count;
+    return object;
+}
+
+nlohmann::json toJson(const LevelReport& level) {
+    nlohmann::json counts, strata;
+    for (std::size_t d = 0; d < 4; ++d) {
+        counts[kDimensions[d]] = level.counts[d];
+        for (std::size_t s = 0; s < 4; ++s) strata[kDimensions[d]][kStrata[s]] = level.strata[d][s];
+    }
+    return {{"counts", counts},
+            {"euler_characteristic", level.eulerCharacteristic},
+            {"strata", strata},
+            {"vertex_valences", toJson(level.vertexValences)},
+            {"interior_edge_valences", toJson(level.edgeValences)},
+            {"cell_types", toJson(level.cellTypes)},
+            {"smallest_cell_volume", level.smallestVolume},
+            {"largest_cell_volume", level.largestVolume},
+            {"inverted_cells", level.invertedCells},
+            {"smallest_scaled_jacobian", level.smallestScaledJacobian}};
+}
+
+nlohmann::json toJson(const LatticeReport& report, const std::string& name) {
+    nlohmann::json levels = nlohmann::json::array();
+    for (const LevelReport& level : report.levels) levels.push_back(toJson(level));
+    return {{"lattice", name},
+            {"bounds", {report.boundsMin, report.boundsMax}},
+            {"marks", report.marks},
+            {"attributes", report.attributes},
+            {"interior_edges_of_two_faces", report.edgesOfTwoFaces},
+            {"levels", levels}};
+}
+
+/// "3: 8, 4: 12": values and how many there are of each.
+std::string toText(const Histogram& histogram, const char* prefix = "") {
+    std::string text;
+    for (const auto& [value, count] : histogram)
+        text += fmt::format("{}{}{}: {}", text.empty() ? "" : ", ", prefix, value, count);
+    return text.empty() ? "none" : text;
+}
+
+void printLevel(std::size_t number, const LevelReport& level) {
+    fmt::print("\nlevel {}\n", number);
+    for (std::size_t d = 0; d < 4; ++d) {
+        fmt::print("  {:<9} {:>9}   ", kDimensions[d], level.counts[d]);
+        for (std::size_t s = d; s < 4; ++s) fmt::print(" {} {:<8}", kStrata[s], level.strata[d][s]);
+        fmt::print("\n");
+    }
+    fmt::print("  Euler characteristic      {}\n", level.eulerCharacteristic);
+    fmt::print("  edges at a vertex         {}\n", toText(level.vertexValences));
+    fmt::print("  faces at an interior edge {}\n", toText(level.edgeValences));
+    fmt::print("  {} {}\n", number == 0 ? "valences within cells    " : "cell types               ",
+               toText(level.cellTypes, number == 0 ? "" : "type-"));
+    fmt::print("  cell volumes              {:.4g} to {:.4g}, {} not positive\n",
+               level.smallestVolume, level.largestVolume, level.invertedCells);
+    fmt::print("  least scaled Jacobian     {:.3f}\n", level.smallestScaledJacobian);
+}
+
+void printText(const LatticeReport& report, const std::string& name) {
+    fmt::print("{}\n", name);
+    fmt::print("bounds      ({:.4g}) to ({:.4g})\n", fmt::join(report.boundsMin, ", "),
+               fmt::join(report.boundsMax, ", "));
+    fmt::print("marks       {}\n", report.marks);
+    fmt::print("attributes  {}\n", report.attributes.empty()
+                                       ? "none"
+                                       : fmt::format("{}", fmt::join(report.attributes, ", ")));
+    if (report.edgesOfTwoFaces > 0)
+        fmt::print(
+            "note        {} interior edges have two faces: their midpoint has a negative "
+            "weight, and the region may leave the convex hull there\n",
+            report.edgesOfTwoFaces);
+    for (std::size_t level = 0; level < report.levels.size(); ++level)
+        printLevel(level, report.levels[level]);
+}
+
+void run(const Options& options) {
+    const far::ThreadLimit limit(options.common.threads);
+    const Lattice lattice = io::readLattice(options.lattice);
+    const auto refiner = refineLattice(options.lattice, lattice, options.common, options.level);
+    std::vector<std::vector<Point3>> positions;
+    for (int level = 0; level <= options.level; ++level)
+        positions.push_back(refinePositions(refiner, level, options.common, lattice.positions));
+    const LatticeReport report = reportLattice(lattice, refiner, positions);
+    if (options.json)
+        fmt::print("{}\n", toJson(report, options.lattice).dump(2));
+    else if (!options.common.quiet)
+        printText(report, options.lattice);
+}
+
+}  // namespace
+
+void addInfoCommand(CLI::App& program) {
+    auto options = std::make_shared<Options>();
+    CLI::App& command = *program.add_subcommand(
+        "info", "Counts per level, valences, types of cells, strata and quality of a lattice");
+    command.add_option("LATTICE", options->lattice, "The lattice: .ovm, .vtu or .vtk")->required();
+    addLevelOption(command, options->level, 0);
+    command.add_flag("--json", options->json, "Print JSON");
+    addRefinementOptions(command, options->common);
+    addRunOptions(command, options->common);
+    command.callback([options] { run(*options); });
+}
+
+}  // namespace espalier::cli

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options.h"
+
+#include <map>
+#include <string>
+
+namespace espalier::cli {
+namespace {
+
+/// An option that takes one of a few words; the help shows them and the default.
+template <class Choice>
+void addChoice(CLI::App& command, const std::string& name, Choice& value,
+               const std::map<std::string, Choice>& words, const std::string& help) {
+    std::string names, fallback;
+    for (const auto& [word, choice] : words) {
+        names += (names.empty() ? "" : "|") + word;
+        if (choice == value) fallback = word;
+    }
+    // CLI11 reads an enumerator as its number.
+    const CLI::Validator toNumber(
+        [words, names](std::string& text) {
+            const auto at = words.find(text);
+            if (at == words.end()) return "expected " + names + ", got " + text;
+            text = std::to_string(static_cast<int>(at->second));
+            return std::string();
+        },
+        "");
+    command.add_option(name, value, help)
+        ->transform(toNumber)
+        ->type_name("")
+        ->default_str(fallback);
+}
+
+}  // namespace
+
+void addRefinementOptions(CLI::App& command, CommonOptions& options) {
+    addChoice<far::Boundary>(
+        command, "--boundary", options.boundary,
+        {{"sharp", far::Boundary::Sharp}, {"open", far::Boundary::Open}},
+        "Corners, sharp edges and boundary surfaces by their own rules, or a region that shrinks");
+    addChoice<far::SharpEdges>(
+        command, "--sharp-edges", options.sharpEdges,
+        {{"single-cell", far::SharpEdges::SingleCell}, {"literal", far::SharpEdges::Literal}},
+        "Sharp are boundary edges in one cell, or those between vertices of at most two cells");
+    addChoice<stencils::Rules>(
+        command, "--rules", options.rules,
+        {{"siggraph96", stencils::Rules::Siggraph96}, {"cse96", stencils::Rules::Cse96}},
+        "Edition of the rules");
+}
+
+void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
+    addChoice<stencils::OutsidePolicy>(command, "--outside", options.embedding.outside,
+                                       {{"keep", stencils::OutsidePolicy::Keep},
+                                        {"nearest", stencils::OutsidePolicy::Nearest},
+                                        {"error", stencils::OutsidePolicy::Error}},
+                                       "Points outside the lattice stay in place, go with the "
+                                       "nearest cell, or are an error");
+    command
+        .add_option("--tolerance", options.embedding.tolerance,
+                    "How far outside still counts as inside, as a fraction of the lattice's size")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+}
+
+void addRunOptions(CLI::App& command, CommonOptions& options) {
+    command.add_flag("--quiet", options.quiet, "Print nothing but errors");
+    command.add_option("--threads", options.threads, "Threads at most; 0 is one a core")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+}
+
+void addLevelOption(CLI::App& command, int& level, int least) {
+    // Level 15 of a single cell would have 8¹⁵ cells, far more than an index counts.
+    constexpr int kMost = 15;
+    command.add_option("-n,--level", level, "Refinement level")
+        ->check(CLI::Range(least, kMost))
+        ->capture_default_str();
+}
+
+}  // namespace espalier::cli

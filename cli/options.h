@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/strata.h>
+#include <espalier/stencils/embedding.h>
+#include <espalier/stencils/masks.h>
+
+#include <CLI/CLI.hpp>
+
+namespace espalier::cli {
+
+/// What every command takes.
+struct CommonOptions {
+    far::Boundary boundary = far::Boundary::Sharp;
+    far::SharpEdges sharpEdges = far::SharpEdges::SingleCell;
+    stencils::Rules rules = stencils::Rules::Siggraph96;
+    stencils::EmbeddingOptions embedding;
+    bool quiet = false;
+    int threads = 0;
+};
+
+/// Adds --boundary, --sharp-edges and --rules to a command.
+void addRefinementOptions(CLI::App& command, CommonOptions& options);
+
+/// Adds --outside and --tolerance to a command.
+void addEmbeddingOptions(CLI::App& command, CommonOptions& options);
+
+/// Adds --quiet and --threads to a command.
+void addRunOptions(CLI::App& command, CommonOptions& options);
+
+/// Adds -n to a command.
+void addLevelOption(CLI::App& command, int& level, int least);
+
+}  // namespace espalier::cli

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline.h"
+
+#include <espalier/far/error.h>
+#include <espalier/far/topology_match.h>
+#include <espalier/io/file.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/stencils/composition.h>
+
+namespace espalier::cli {
+
+far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
+                                   const CommonOptions& options, int level) {
+    try {
+        far::TopologyRefiner refiner(lattice.complex, {.boundary = options.boundary,
+                                                       .sharpEdges = options.sharpEdges,
+                                                       .marks = lattice.marks});
+        refiner.refineUniform(level);
+        return refiner;
+    } catch (const far::TopologyError& error) {
+        throw io::FileError(path, error.what());
+    }
+}
+
+std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,
+                                    const CommonOptions& options,
+                                    const std::vector<Point3>& positions) {
+    std::vector<double> values;
+    values.reserve(3 * positions.size());
+    for (const Point3& position : positions)
+        values.insert(values.end(), position.begin(), position.end());
+    values = stencils::refineValues(refiner, level, options.rules, values, 3);
+    std::vector<Point3> refined(values.size() / 3);
+    for (std::size_t i = 0; i < refined.size(); ++i)
+        refined[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    return refined;
+}
+
+Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
+                       const Lattice& base) {
+    const auto& [complex, strata] = refiner.level(level);
+    Lattice refined{complex, refinePositions(refiner, level, options, base.positions), {}, {}};
+    if (refiner.boundary() == far::Boundary::Sharp) refined.marks = far::marksFor(complex, strata);
+    for (const VertexAttribute& attribute : base.attributes)
+        refined.attributes.push_back(
+            {attribute.name, attribute.components,
+             stencils::refineValues(refiner, level, options.rules, attribute.values,
+                                    attribute.components)});
+    return refined;
+}
+
+std::vector<Point3> readPose(const std::filesystem::path& path, const Lattice& rest,
+                             const std::filesystem::path& restPath) {
+    Lattice pose = io::readLattice(path);
+    if (const auto difference = far::topologyDifference(rest.complex, pose.complex))
+        throw io::FileError(path, "is not a pose of " + restPath.string() + ": " + *difference);
+    return std::move(pose.positions);
+}
+
+}  // namespace espalier::cli

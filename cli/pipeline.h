@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/topology_refiner.h>
+#include <espalier/shapes/lattice.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "options.h"
+#include "run.h"
+
+namespace espalier::cli {
+
+/// Refines a lattice that was read from `path`. Errors name the file.
+far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
+                                   const CommonOptions& options, int level);
+
+/// The positions of the vertices of a level.
+std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,
+                                    const CommonOptions& options,
+                                    const std::vector<Point3>& positions);
+
+/// The refined lattice as one of its own: with positions, attributes, and marks that keep its
+/// strata.
+Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
+                       const Lattice& base);
+
+/// Reads a pose of the lattice `rest` that was read from `restPath`.
+/// \throws Error saying what differs if its topology is another
+std::vector<Point3> readPose(const std::filesystem::path& path, const Lattice& rest,
+                             const std::filesystem::path& restPath);
+
+}  // namespace espalier::cli

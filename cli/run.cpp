@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace espalier::cli {
+
+Stages::Stages(bool quiet) : isShown_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
+
+Stages::~Stages() {
+    clearLine();
+}
+
+void Stages::begin(const std::string& name) {
+    name_ = name;
+    start_ = std::chrono::steady_clock::now();
+    if (isShown_) fmt::print(stderr, "\r\033[K{} ...", name_);
+}
+
+void Stages::end() {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+    // A stage that comes again, for the next file or pose, adds to the first.
+    const auto same = std::find_if(finished_.begin(), finished_.end(),
+                                   [&](const Finished& stage) { return stage.name == name_; });
+    if (same != finished_.end())
+        same->seconds += elapsed.count();
+    else
+        finished_.push_back({name_, elapsed.count()});
+    clearLine();
+}
+
+void Stages::showProgress(std::size_t done, std::size_t total) {
+    if (isShown_ && total > 0) fmt::print(stderr, "\r\033[K{} ... {} %", name_, 100 * done / total);
+}
+
+void Stages::clearLine() const {
+    if (isShown_) fmt::print(stderr, "\r\033[K");
+}
+
+std::size_t peakMemory() {
+    ::rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string formatBytes(std::size_t bytes) {
+    constexpr std::array<const char*, 5> kUnits = {"B", "kB", "MB", "GB", "TB"};
+    double amount = static_cast<double>(bytes);
+    std::size_t unit = 0;
+    for (; amount >= 1000 && unit + 1 < kUnits.size(); ++unit) amount /= 1000;
+    return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{:.1f} {}", amount, kUnits[unit]);
+}
+
+}  // namespace espalier::cli

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/text_reader.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/merge.h>
+#include <espalier/shapes/solids.h>
+#include <fmt/format.h>
+
+#include <functional>
+#include <memory>
+#include <numbers>
+
+#include "commands.h"
+#include "options.h"
+
+namespace espalier::cli {
+namespace {
+
+/// Adds the command of one shape: its options are filled in by `addOptions`, the lattice made of
+/// them by `make`.
+template <class Options>
+void addShape(CLI::App& parent, const std::string& name, const std::string& help,
+              const std::function<void(CLI::App&, Options&)>& addOptions,
+              const std::function<Lattice(const Options&)>& make) {
+    struct State {
+        Options shape;
+        std::string output;
+        CommonOptions common;
+    };
+    auto state = std::make_shared<State>();
+    CLI::App& command = *parent.add_subcommand(name, help);
+    addOptions(command, state->shape);
+    command.add_option("-o,--output", state->output, "The lattice: .ovm, .vtu or .vtk")->required();
+    command.add_flag("--quiet", state->common.quiet, "Print nothing but errors");
+    command.callback([state, make] {
+        io::checkLatticeTarget(state->output);
+        const Lattice lattice = make(state->shape);
+        io::writeLattice(state->output, lattice);
+        if (!state->common.quiet)
+            fmt::print("{}: {} vertices, {} cells\n", state->output, lattice.complex.count(0),
+                       lattice.complex.count(3));
+    });
+}
+
+/// An option that shows its default in the help.
+template <class Value>
+void add(CLI::App& command, const std::string& name, Value& value, const std::string& help) {
+    command.add_option(name, value, help)->capture_default_str();
+}
+
+void addPattern(CLI::App& command, shapes::DiskPattern& pattern) {
+    add(command, "--rings", pattern.rings, "Rings of cells in the disk, the core counted");
+    command.add_flag_callback(
+        "--polygon-core", [&pattern] { pattern.core = shapes::Core::Polygon; },
+        "One prism in the middle of the disk, instead of wedges round a vertex");
+}
+
+/// Reads "x,y,z,radius" or "x,y,z,radius,twist" (degrees).
+shapes::ArmJoint parseJoint(const std::string& text) {
+    std::vector<double> numbers;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        double number = 0;
+        if (!io::parseNumber(std::string_view(text).substr(begin, end - begin), number))
+            throw CLI::ValidationError("--joint", text + ": expected numbers x,y,z,radius[,twist]");
+        numbers.push_back(number);
+        begin = end + 1;
+    }
+    if (numbers.size() != 4 && numbers.size() != 5)
+        throw CLI::ValidationError("--joint", text + ": expected x,y,z,radius[,twist]");
+    const double degrees = numbers.size() == 5 ? numbers[4] : 0;
+    return {{numbers[0], numbers[1], numbers[2]}, numbers[3], degrees * std::numbers::pi / 180};
+}
+
+void addRoundShapes(CLI::App& shape) {
+    addShape<shapes::CylinderOptions>(
+        shape, "cylinder", "A disk extruded along an axis (Figures 1 and 5)",
+        [](CLI::App& command, shapes::CylinderOptions& options) {
+            add(command, "--sectors", options.sectors, "Sides of the disk");
+            addPattern(command, options.pattern);
+            add(command, "--layers", options.layers, "Layers of cells");
+            add(command, "--radius", options.radius, "Of the outermost vertices");
+            add(command, "--from", options.from, "Centre of the first end");
+            add(command, "--to", options.to, "Centre of the last end");
+        },
+        shapes::cylinder);
+    addShape<shapes::TorusOptions>(
+        shape, "torus", "A cross-section swept round the z axis",
+        [](CLI::App& command, shapes::TorusOptions& options) {
+            add(command, "--segments", options.segments, "Cells round the ring");
+            command.add_flag_callback(
+                "--round", [&options] { options.section = shapes::TorusSection::Disk; },
+                "A disk as cross-section, instead of a square");
+            add(command, "--grid", options.gridCells, "Cells along each side of the square");
+            add(command, "--sides", options.sides, "Sides of the disk");
+            addPattern(command, options.pattern);
+            add(command, "--major-radius", options.majorRadius, "Of the ring");
+            add(command, "--minor-radius", options.minorRadius, "Of the cross-section");
+        },
+        shapes::torus);
+    addShape<shapes::StarOptions>(
+        shape, "star", "A flat star; with equal radii its round rest pose (Figure 7)",
+        [](CLI::App& command, shapes::StarOptions& options) {
+            add(command, "--points", options.points, "Points of the star");
+            addPattern(command, options.pattern);
+            add(command, "--layers", options.layers, "Layers of cells");
+            add(command, "--inner-radius", options.innerRadius, "Of the notches");
+            add(command, "--outer-radius", options.outerRadius, "Of the points");
+            add(command, "--height", options.height, "Thickness");
+        },
+        shapes::star);
+}
+
+void addJointedShapes(CLI::App& shape) {
+    addShape<shapes::BarbellOptions>(
+        shape, "barbell", "Two ends joined by a bar (Figure 8)",
+        [](CLI::App& command, shapes::BarbellOptions& options) {
+            add(command, "--end-segments", options.endSegments, "Edges round an end");
+            add(command, "--bar-segments", options.barSegments, "Cells along the bar");
+            add(command, "--bar-across", options.barAcross, "Cells across the bar");
+            addPattern(command, options.pattern);
+            add(command, "--layers", options.layers, "Layers of cells");
+            add(command, "--end-radius", options.endRadius, "Of an end");
+            add(command, "--bar-length", options.barLength, "From end to end");
+            add(command, "--bar-half-width", options.barHalfWidth, "Half the width of the bar");
+            add(command, "--roundness", options.roundness, "Of the ends: 0 square to 1 round");
+            add(command, "--height", options.height, "Thickness");
+        },
+        shapes::barbell);
+    struct Arm {
+        shapes::ArmOptions options;
+        std::vector<std::string> joints;
+    };
+    addShape<Arm>(
+        shape, "arm", "A tube round a limb (Figure 9)",
+        [](CLI::App& command, Arm& arm) {
+            command.add_option("--joint", arm.joints,
+                               "x,y,z,radius[,twist in degrees] of a joint; repeat from the "
+                               "shoulder to the hand");
+            add(command, "--segments", arm.options.segments, "Cells from joint to joint");
+            add(command, "--sides", arm.options.sides, "Of the cross-section");
+            addPattern(command, arm.options.pattern);
+            add(command, "--up", arm.options.up, "Where the cross-section begins");
+        },
+        [](const Arm& arm) {
+            shapes::ArmOptions options = arm.options;
+            if (!arm.joints.empty()) options.joints.clear();
+            for (const std::string& joint : arm.joints) options.joints.push_back(parseJoint(joint));
+            return shapes::arm(options);
+        });
+}
+
+void addSolids(CLI::App& shape) {
+    using Regular = shapes::RegularSolidOptions;
+    const auto addRadius = [](CLI::App& command, Regular& options) {
+        add(command, "--radius", options.radius, "Of the sphere through the vertices");
+    };
+    addShape<Regular>(shape, "tetrahedron", "One cell", addRadius, shapes::tetrahedron);
+    addShape<Regular>(shape, "cube", "One cell", addRadius, shapes::cube);
+    addShape<Regular>(shape, "octahedron", "One cell of type-4 corners", addRadius,
+                      shapes::octahedron);
+    addShape<Regular>(shape, "dodecahedron", "One cell of twelve pentagons", addRadius,
+                      shapes::dodecahedron);
+    addShape<Regular>(shape, "icosahedron", "One cell of type-5 corners", addRadius,
+                      shapes::icosahedron);
+    using Polygonal = shapes::PolygonalSolidOptions;
+    const auto addPolygon = [](CLI::App& command, Polygonal& options) {
+        add(command, "--sides", options.sides, "Of the polygon");
+        add(command, "--radius", options.radius, "Of the polygon");
+        add(command, "--height", options.height, "Of the solid");
+    };
+    addShape<Polygonal>(shape, "prism", "One cell between two polygons", addPolygon, shapes::prism);
+    addShape<Polygonal>(shape, "pyramid", "One cell over a polygon", addPolygon, shapes::pyramid);
+    addShape<Polygonal>(shape, "bipyramid", "One cell on both sides of a polygon: type-n apexes",
+                        addPolygon, shapes::bipyramid);
+}
+
+}  // namespace
+
+void addShapeCommand(CLI::App& program) {
+    CLI::App& shape = *program.add_subcommand("shape", "Make a lattice of the inventory");
+    shape.require_subcommand(1);
+    addShape<shapes::BoxOptions>(
+        shape, "box", "Hexahedra (Figure 1)",
+        [](CLI::App& command, shapes::BoxOptions& options) {
+            add(command, "--cells", options.cells, "Cells along x, y and z");
+            add(command, "--min", options.min, "Lowest corner");
+            add(command, "--max", options.max, "Highest corner");
+        },
+        shapes::box);
+    addRoundShapes(shape);
+    addJointedShapes(shape);
+    addSolids(shape);
+    struct Merge {
+        std::vector<std::string> lattices;
+        shapes::MergeOptions options;
+    };
+    addShape<Merge>(
+        shape, "merge", "Several lattices as one: coincident vertices are welded",
+        [](CLI::App& command, Merge& merge) {
+            command.add_option("LATTICE", merge.lattices, "Two or more lattices")
+                ->required()
+                ->expected(2, 1000);
+            add(command, "--tolerance", merge.options.tolerance,
+                "How far apart vertices may be, as a fraction of the size of all");
+        },
+        [](const Merge& merge) {
+            std::vector<Lattice> lattices;
+            for (const std::string& path : merge.lattices)
+                lattices.push_back(io::readLattice(path));
+            return shapes::merge(lattices, merge.options);
+        });
+}
+
+}  // namespace espalier::cli

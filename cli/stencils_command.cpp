@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/parallel.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/matrix_market.h>
+#include <espalier/stencils/composition.h>
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.h"
+#include "pipeline.h"
+
+namespace espalier::cli {
+namespace {
+
+struct Options {
+    CommonOptions common;
+    std::string lattice;
+    std::string output;
+    int level = 2;
+};
+
+void run(const Options& options) {
+    const far::ThreadLimit limit(options.common.threads);
+    Stages stages(options.common.quiet);
+    const Lattice lattice = stages.run("reading", [&] { return io::readLattice(options.lattice); });
+    const auto table = stages.run("building", [&] {
+        const auto refiner = refineLattice(options.lattice, lattice, options.common, options.level);
+        return stencils::buildStencils(refiner, options.level, options.common.rules);
+    });
+    const std::vector<std::string> comments = {
+        fmt::format("S_{} of {}: rows are the vertices of level {}, in the order of espalier "
+                    "refine; columns are the vertices of the lattice",
+                    options.level, options.lattice, options.level)};
+    stages.run("writing", [&] { io::writeMatrixMarket(options.output, table, comments); });
+    if (!options.common.quiet)
+        fmt::print("{}: {} × {}, {} entries\n", options.output, table.rowCount(),
+                   table.columnCount(), table.entryCount());
+}
+
+}  // namespace
+
+void addStencilsCommand(CLI::App& program) {
+    auto options = std::make_shared<Options>();
+    CLI::App& command = *program.add_subcommand(
+        "stencils", "Write S_N, the weights of the level-N vertices over those of the lattice");
+    command.add_option("LATTICE", options->lattice, "The lattice: .ovm, .vtu or .vtk")->required();
+    addLevelOption(command, options->level, 0);
+    command.add_option("-o,--output", options->output, "The matrix: Matrix Market, .mtx")
+        ->required();
+    addRefinementOptions(command, options->common);
+    addRunOptions(command, options->common);
+    command.callback([options] { run(*options); });
+}
+
+}  // namespace espalier::cli

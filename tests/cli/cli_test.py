@@ -1,0 +1,316 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the program espalier as its users do. Usage: cli_test.py PATH_OF_ESPALIER"""
+
+import json
+import math
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ESPALIER = ""
+
+
+def icosphere_points(count):
+    """Points well inside the unit cube, on a spiral round its middle."""
+    points = []
+    for i in range(count):
+        z = 1 - 2 * (i + 0.5) / count
+        angle = math.pi * (3 - math.sqrt(5)) * i
+        radius = math.sqrt(1 - z * z)
+        points.append((0.5 + 0.4 * radius * math.cos(angle),
+                       0.5 + 0.4 * radius * math.sin(angle), 0.5 + 0.4 * z))
+    return points
+
+
+class CliTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.path = pathlib.Path(self.folder.name)
+
+    def run_program(self, *arguments, code=0):
+        result = subprocess.run([ESPALIER, *map(str, arguments)], cwd=self.path, text=True,
+                                capture_output=True, timeout=120)
+        self.assertEqual(result.returncode, code, result.stderr)
+        if code != 0:
+            self.assertEqual(result.stderr.count("\n"), 1, "one line: " + result.stderr)
+        return result
+
+    def error_of(self, *arguments, code=1):
+        return self.run_program(*arguments, code=code).stderr
+
+    def write_model(self, points, name="model.obj"):
+        lines = ["# a comment"] + ["v %.17g %.17g %.17g" % p for p in points]
+        lines += ["vt 0 0", "f 1/1 2/1 3/1"]
+        (self.path / name).write_text("\n".join(lines) + "\n")
+
+    def read_points(self, name):
+        lines = (self.path / name).read_text().splitlines()
+        return [tuple(map(float, line.split()[1:4])) for line in lines if line.startswith("v ")]
+
+    def assert_close(self, points, expected, bound):
+        self.assertEqual(len(points), len(expected))
+        for p, q in zip(points, expected):
+            self.assertLess(math.dist(p, q), bound)
+
+    def info(self, *arguments):
+        return json.loads(self.run_program("info", *arguments, "--json").stdout)
+
+
+class Shapes(CliTest):
+    def test_every_shape_is_written_in_every_format_and_reads_back(self):
+        names = ["box", "cylinder", "torus", "star", "barbell", "arm", "tetrahedron", "cube",
+                 "octahedron", "dodecahedron", "icosahedron", "prism", "pyramid", "bipyramid"]
+        for name in names:
+            levels = []
+            for extension in ["ovm", "vtu", "vtk"]:
+                file = f"{name}.{extension}"
+                self.run_program("shape", name, "-o", file, "--quiet")
+                report = self.info(file, "-n", 1)["levels"]
+                self.assertEqual(report[0]["inverted_cells"], 0, name)
+                # Volumes are sums in the order of faces, which formats may change.
+                levels.append([{key: level[key] for key in level if "volume" not in key}
+                               for level in report])
+            self.assertEqual(levels[0], levels[1], name)
+            self.assertEqual(levels[0], levels[2], name)
+
+    def test_options_and_their_errors(self):
+        self.run_program("shape", "box", "--cells", 4, 2, 1, "--min", -1, -1, -1, "-o", "b.ovm")
+        report = self.info("b.ovm", "-n", 0)
+        self.assertEqual(report["bounds"], [[-1, -1, -1], [1, 1, 1]])
+        self.assertEqual(report["levels"][0]["counts"]["cells"], 8)
+        self.assertIn("cells", self.error_of("shape", "box", "--cells", 0, 1, 1, "-o", "c.ovm"))
+        self.assertFalse((self.path / "c.ovm").exists())
+        self.assertIn(".foo", self.error_of("shape", "box", "-o", "c.foo"))
+        self.error_of("shape", "nonsense", "-o", "c.ovm", code=2)
+        self.error_of("shape", "arm", "--joint", "1,2,x,4", "-o", "c.ovm", code=2)
+
+    def test_merge(self):
+        self.run_program("shape", "box", "-o", "a.ovm")
+        self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "b.ovm")
+        self.run_program("shape", "merge", "a.ovm", "b.ovm", "-o", "ab.ovm")
+        self.assertEqual(self.info("ab.ovm", "-n", 0)["levels"][0]["counts"],
+                         {"vertices": 12, "edges": 20, "faces": 11, "cells": 2})
+
+
+class Info(CliTest):
+    def test_counts_strata_and_types(self):
+        self.run_program("shape", "bipyramid", "--sides", 5, "-o", "b.ovm")
+        report = self.info("b.ovm", "-n", 2)
+        types = [level["cell_types"] for level in report["levels"]]
+        # Two apexes of valence 5 and five girdle vertices of valence 4; types double at each level.
+        self.assertEqual(types, [{"4": 5, "5": 2}, {"4": 5, "5": 2},
+                                 {"3": 5 * 8 + 2 * 10, "4": 10, "5": 4}])
+        self.assertEqual(report["levels"][0]["strata"]["vertices"]["corner"], 7)
+        self.assertIn("type-5: 4", self.run_program("info", "b.ovm", "-n", 2).stdout)
+
+    def test_interior_edges_of_two_faces_are_reported(self):
+        # A box cut in two by a folded wall: the fold, from vertex 5 to 12, has the two halves of the
+        # wall and nothing else.
+        plan = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (1.3, 1), (1, 2)]
+        points = [(x, y, z) for z in (0, 1) for x, y in plan]
+        cells = []
+        for outline in [[0, 4, 5, 6, 3], [4, 1, 2, 6, 5]]:
+            cells.append([outline, [v + 7 for v in outline]] +
+                         [[a, b, b + 7, a + 7] for a, b in zip(outline, outline[1:] + outline[:1])])
+        self.write_polyhedra(points, cells, "folded.vtk")
+        self.assertEqual(self.info("folded.vtk", "-n", 1)["interior_edges_of_two_faces"], 1)
+        self.assertIn("negative weight", self.run_program("info", "folded.vtk").stdout)
+        self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "b.ovm")
+        self.assertEqual(self.info("b.ovm", "-n", 0)["interior_edges_of_two_faces"], 0)
+
+    def write_polyhedra(self, points, cells, name):
+        streams = []
+        for faces in cells:
+            stream = [len(faces)] + [n for face in faces for n in [len(face)] + face]
+            streams.append([len(stream)] + stream)
+        lines = ["# vtk DataFile Version 3.0", "polyhedra", "ASCII",
+                 "DATASET UNSTRUCTURED_GRID", f"POINTS {len(points)} double"]
+        lines += [" ".join(map(str, point)) for point in points]
+        lines += [f"CELLS {len(cells)} {sum(map(len, streams))}"]
+        lines += [" ".join(map(str, stream)) for stream in streams]
+        lines += [f"CELL_TYPES {len(cells)}"] + ["42"] * len(cells)
+        (self.path / name).write_text("\n".join(lines) + "\n")
+
+    def test_rules_and_boundary_are_heard(self):
+        self.run_program("shape", "cylinder", "--sectors", 6, "-o", "c.ovm")
+        sharp = self.info("c.ovm", "-n", 0)["levels"][0]["strata"]["edges"]["sharp"]
+        literal = self.info("c.ovm", "-n", 0, "--sharp-edges", "literal")
+        self.assertEqual(sharp, 12)
+        self.assertEqual(literal["levels"][0]["strata"]["edges"]["sharp"], 18)
+        self.assertIn("c.ovm", self.error_of("info", "c.ovm", "--boundary", "open"))
+
+
+class RefineAndStencils(CliTest):
+    def test_rows_of_stencils_and_vertices_of_refine_are_in_one_order(self):
+        self.run_program("shape", "octahedron", "-o", "o.ovm")
+        self.run_program("refine", "o.ovm", "-n", 2, "-o", "r.ovm")
+        self.run_program("stencils", "o.ovm", "-n", 2, "-o", "s.mtx")
+        base = self.read_ovm_positions("o.ovm")
+        refined = self.read_ovm_positions("r.ovm")
+        lines = [line for line in (self.path / "s.mtx").read_text().splitlines()
+                 if not line.startswith("%")]
+        rows, columns, entries = map(int, lines[0].split())
+        self.assertEqual((rows, columns, entries), (len(refined), len(base), len(lines) - 1))
+        product = [[0.0] * 3 for _ in range(rows)]
+        for line in lines[1:]:
+            row, column, weight = line.split()
+            for c in range(3):
+                product[int(row) - 1][c] += float(weight) * base[int(column) - 1][c]
+        self.assert_close(product, refined, 1e-15)
+
+    def read_ovm_positions(self, name):
+        lines = (self.path / name).read_text().splitlines()
+        at = lines.index("Vertices")
+        count = int(lines[at + 1])
+        return [tuple(map(float, line.split())) for line in lines[at + 2:at + 2 + count]]
+
+    def test_marks_keep_the_strata_of_a_refined_lattice(self):
+        self.run_program("shape", "cylinder", "-o", "c.vtu")
+        self.run_program("refine", "c.vtu", "-n", 1, "--sharp-edges", "literal", "-o", "r.vtu")
+        direct = self.info("c.vtu", "-n", 1, "--sharp-edges", "literal")["levels"][1]
+        again = self.info("r.vtu", "-n", 0)["levels"][0]
+        self.assertEqual(direct["strata"], again["strata"])
+
+    def test_refining_twice_is_refining_by_two_levels(self):
+        self.run_program("shape", "torus", "-o", "t.ovm")
+        self.run_program("refine", "t.ovm", "-n", 2, "-o", "r2.ovm")
+        self.run_program("refine", "t.ovm", "-n", 1, "-o", "r1.ovm")
+        self.run_program("refine", "r1.ovm", "-n", 1, "-o", "r11.ovm")
+        twice = sorted(self.read_ovm_positions("r11.ovm"))
+        self.assert_close(twice, sorted(self.read_ovm_positions("r2.ovm")), 1e-14)
+
+
+class Deform(CliTest):
+    POSE = "--min -1 -1 -1 --max 3 1 2".split()  # x' = 4x − 1, y' = 2y − 1, z' = 3z − 1
+
+    def setUp(self):
+        super().setUp()
+        self.points = icosphere_points(500)
+        self.write_model(self.points)
+        self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "rest.vtu")
+        self.run_program("shape", "box", "--cells", 2, 2, 2, *self.POSE, "-o", "pose.vtk")
+        self.expected = [(4 * x - 1, 2 * y - 1, 3 * z - 1) for x, y, z in self.points]
+
+    def test_affine_pose_moves_the_model_by_the_same_map(self):
+        out = self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk",
+                               "-n", 2, "-o", "out.obj").stdout
+        self.assert_close(self.read_points("out.obj"), self.expected, 1e-13)
+        self.assertIn("500 inside, 0 outside, 0 not converged", out)
+        for word in ["largest residual", "entries a bound row", "peak memory", "embedding"]:
+            self.assertIn(word, out)
+        text = (self.path / "out.obj").read_text()
+        self.assertTrue(text.startswith("# a comment\nv "))
+        self.assertTrue(text.endswith("vt 0 0\nf 1/1 2/1 3/1\n"))
+
+    def test_rest_pose_gives_the_model_back(self):
+        self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "-o",
+                         "out.obj")
+        self.assert_close(self.read_points("out.obj"), self.points, 1e-12)
+
+    def test_quiet_is_silent(self):
+        result = self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk",
+                                  "-o", "out.obj", "--quiet")
+        self.assertEqual(result.stdout + result.stderr, "")
+
+    def test_bind_and_apply_do_what_deform_does(self):
+        self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk", "-n", 2,
+                         "-o", "deformed.obj")
+        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-n", 2, "-o", "m.espb")
+        os.remove(self.path / "model.obj")
+        self.run_program("apply", "m.espb", "--to", "pose.vtk", "-o", "applied.obj")
+        self.assertEqual((self.path / "applied.obj").read_bytes(),
+                         (self.path / "deformed.obj").read_bytes())
+
+    def test_several_poses_are_numbered(self):
+        for pattern, names in [("out.obj", ["out.0000.obj", "out.0001.obj"]),
+                               ("p%02d.obj", ["p00.obj", "p01.obj"])]:
+            self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu",
+                             "pose.vtk", "-n", 1, "-o", pattern)
+            self.assert_close(self.read_points(names[0]), self.points, 1e-12)
+            self.assert_close(self.read_points(names[1]), self.expected, 1e-12)
+
+    def test_result_does_not_depend_on_the_number_of_threads(self):
+        outputs = set()
+        for threads in [1, 2, 5]:
+            self.run_program("bind", "model.obj", "--rest", "rest.vtu", "--threads", threads,
+                             "-o", "m.espb")
+            outputs.add((self.path / "m.espb").read_bytes())
+        self.assertEqual(len(outputs), 1)
+
+    def test_points_outside(self):
+        self.write_model(self.points + [(1.5, 0.5, 0.5)])
+        arguments = ["deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk", "-o",
+                     "out.obj", "--outside"]
+        out = self.run_program(*arguments, "keep").stdout
+        self.assertIn("1 outside", out)
+        self.assertIn("kept in place     1", out)
+        self.assertEqual(self.read_points("out.obj")[-1], (1.5, 0.5, 0.5))
+        self.run_program(*arguments, "nearest")
+        self.assert_close(self.read_points("out.obj")[-1:], [(5, 0, 0.5)], 1e-12)
+        before = (self.path / "out.obj").read_bytes()
+        self.assertIn("point 500 at (1.5", self.error_of(*arguments, "error"))
+        self.assertEqual((self.path / "out.obj").read_bytes(), before, "the old file stays")
+
+    def test_models_of_all_formats(self):
+        stl = "solid s\n facet normal 0 0 1\n  outer loop\n   vertex .1 .1 .5\n" \
+              "   vertex .9 .1 .5\n   vertex .1 .9 .5\n  endloop\n endfacet\nendsolid s\n"
+        ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n" \
+              "property float z\nend_header\n0.5 0.25 0.75\n"
+        (self.path / "m.stl").write_text(stl)
+        (self.path / "m.ply").write_text(ply)
+        self.run_program("shape", "tetrahedron", "--radius", 0.1, "-o", "m.vtu")
+        for extension in ["stl", "ply", "vtu"]:
+            self.run_program("deform", f"m.{extension}", "--rest", "rest.vtu", "--to", "pose.vtk",
+                             "--outside", "nearest", "-o", f"out.{extension}")
+            self.assertNotEqual((self.path / f"out.{extension}").read_bytes(),
+                                (self.path / f"m.{extension}").read_bytes())
+        self.assertIn("1 -0.5 1.25", (self.path / "out.ply").read_text())
+
+    def test_pose_of_another_topology_is_refused(self):
+        self.run_program("shape", "box", "--cells", 2, 2, 1, "-o", "other.ovm")
+        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-o", "m.espb")
+        for arguments in [["deform", "model.obj", "--rest", "rest.vtu"], ["apply", "m.espb"]]:
+            error = self.error_of(*arguments, "--to", "other.ovm", "-o", "out.obj")
+            self.assertIn("other.ovm: is not a pose of", error)
+            self.assertIn("18", error, "says what differs: 18 vertices, not 27")
+            self.assertFalse((self.path / "out.obj").exists())
+
+    def test_damaged_bindings_are_refused(self):
+        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-o", "m.espb")
+        data = (self.path / "m.espb").read_bytes()
+        (self.path / "cut.espb").write_bytes(data[:-100])
+        (self.path / "bad.espb").write_bytes(data[:2000] + b"?" + data[2001:])
+        for name, cause in [("cut", "truncated"), ("bad", "checksum")]:
+            self.assertIn(cause, self.error_of("apply", f"{name}.espb", "--to", "pose.vtk", "-o",
+                                               "out.obj"))
+
+    def test_bad_files_are_named_with_line_and_cause(self):
+        (self.path / "bad.obj").write_text("v 0 0 0\nv 1 x 0\n")
+        self.assertIn("bad.obj:2: ", self.error_of("deform", "bad.obj", "--rest", "rest.vtu",
+                                                   "--to", "pose.vtk", "-o", "out.obj"))
+        (self.path / "bad.ovm").write_text("OVM ASCII\nVertices\n2\n0 0 0\n1 nonsense 0\n")
+        self.assertIn("bad.ovm:5: ", self.error_of("info", "bad.ovm"))
+        self.assertIn("none.vtu: ", self.error_of("info", "none.vtu"))
+        self.assertIn("model.xyz", self.error_of("deform", "model.xyz", "--rest", "rest.vtu",
+                                                 "--to", "pose.vtk", "-o", "out.obj"))
+        self.assertIn(".obj", self.error_of("deform", "model.obj", "--rest", "rest.vtu", "--to",
+                                            "pose.vtk", "-o", "out.ply"))
+
+    def test_usage_errors(self):
+        for arguments in [[], ["unknown"], ["deform"], ["info", "rest.vtu", "-n", "many"],
+                          ["info", "rest.vtu", "--rules", "other"],
+                          ["deform", "model.obj", "--rest", "rest.vtu", "-n", 0, "--to",
+                           "pose.vtk", "-o", "out.obj"]]:
+            self.error_of(*arguments, code=2)
+        self.assertIn("Usage", self.run_program("--help").stdout)
+        self.run_program("--version")
+
+
+if __name__ == "__main__":
+    ESPALIER = os.path.abspath(sys.argv.pop())
+    unittest.main()
