@@ -29,21 +29,17 @@ std::size_t peakMemory() {
 void bindAndApply(benchmark::State& state) {
     constexpr std::size_t kMemoryLimit = 3'000'000'000;
     const int level = 3;
+    const auto rules = stencils::Rules::Siggraph96;
     const Lattice lattice = shapes::box({.cells = {10, 10, 10}});
     const std::vector<Point3> points = randomPoints(1'000'000);
     for (auto _ : state) {
         far::TopologyRefiner refiner(lattice.complex);
         refiner.refineUniform(level);
-        std::vector<double> values;
-        for (const Point3& p : lattice.positions) values.insert(values.end(), p.begin(), p.end());
-        values = stencils::refineValues(refiner, level, stencils::Rules::Siggraph96, values, 3);
-        std::vector<Point3> positions(values.size() / 3);
-        for (std::size_t i = 0; i < positions.size(); ++i)
-            positions[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+        const auto positions = stencils::refinePositions(refiner, level, rules, lattice.positions);
         const auto embedding =
             stencils::embedPoints(refiner.level(level).complex, positions, points);
-        const auto binding = stencils::makeBinding<double>(
-            refiner, level, stencils::Rules::Siggraph96, embedding, points);
+        const auto binding =
+            stencils::makeBinding<double>(refiner, level, rules, embedding, points);
         const auto moved = osd::evaluateBinding(binding, lattice.positions);
         for (std::size_t i = 0; i < points.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c)

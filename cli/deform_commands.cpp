@@ -8,6 +8,7 @@
 #include <espalier/io/model.h>
 #include <espalier/io/numbered_path.h>
 #include <espalier/osd/binding_evaluator.h>
+#include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 
 #include <memory>
@@ -44,8 +45,8 @@ Binding bindModel(const Options& options, const io::Model& model, const Lattice&
         return refineLattice(options.rest, lattice, options.common, options.level);
     });
     const auto embedding = stages.run("embedding", [&] {
-        const auto positions =
-            refinePositions(refiner, options.level, options.common, lattice.positions);
+        const auto positions = stencils::refinePositions(refiner, options.level,
+                                                         options.common.rules, lattice.positions);
         return stencils::embedPoints(refiner.level(options.level).complex, positions, points,
                                      options.common.embedding, [&](far::Offset done) {
                                          stages.showProgress(static_cast<std::size_t>(done),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/parallel.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -107,7 +108,8 @@ void run(const Options& options) {
     const auto refiner = refineLattice(options.lattice, lattice, options.common, options.level);
     std::vector<std::vector<Point3>> positions;
     for (int level = 0; level <= options.level; ++level)
-        positions.push_back(refinePositions(refiner, level, options.common, lattice.positions));
+        positions.push_back(
+            stencils::refinePositions(refiner, level, options.common.rules, lattice.positions));
     const LatticeReport report = reportLattice(lattice, refiner, positions);
     if (options.json)
         fmt::print("{}\n", toJson(report, options.lattice).dump(2));

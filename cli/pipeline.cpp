@@ -22,24 +22,11 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
     }
 }
 
-std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,
-                                    const CommonOptions& options,
-                                    const std::vector<Point3>& positions) {
-    std::vector<double> values;
-    values.reserve(3 * positions.size());
-    for (const Point3& position : positions)
-        values.insert(values.end(), position.begin(), position.end());
-    values = stencils::refineValues(refiner, level, options.rules, values, 3);
-    std::vector<Point3> refined(values.size() / 3);
-    for (std::size_t i = 0; i < refined.size(); ++i)
-        refined[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-    return refined;
-}
-
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base) {
     const auto& [complex, strata] = refiner.level(level);
-    Lattice refined{complex, refinePositions(refiner, level, options, base.positions), {}, {}};
+    Lattice refined{
+        complex, stencils::refinePositions(refiner, level, options.rules, base.positions), {}, {}};
     if (refiner.boundary() == far::Boundary::Sharp) refined.marks = far::marksFor(complex, strata);
     for (const VertexAttribute& attribute : base.attributes)
         refined.attributes.push_back(

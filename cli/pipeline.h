@@ -17,11 +17,6 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 
-/// The positions of the vertices of a level.
-std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,
-                                    const CommonOptions& options,
-                                    const std::vector<Point3>& positions);
-
 /// The refined lattice as one of its own: with positions, attributes, and marks that keep its
 /// strata.
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,

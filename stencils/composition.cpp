@@ -112,6 +112,19 @@ std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
     return result;
 }
 
+std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                    std::span<const Point3> positions) {
+    std::vector<double> values;
+    values.reserve(3 * positions.size());
+    for (const Point3& position : positions)
+        values.insert(values.end(), position.begin(), position.end());
+    values = refineValues(refiner, level, rules, values, 3);
+    std::vector<Point3> refined(values.size() / 3);
+    for (std::size_t i = 0; i < refined.size(); ++i)
+        refined[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    return refined;
+}
+
 template StencilTable<float> multiply(const StencilTable<double>&, const StencilTable<double>&);
 template StencilTable<double> multiply(const StencilTable<double>&, const StencilTable<double>&);
 template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rules,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
@@ -63,5 +64,9 @@ CompactTable compactColumns(const StencilTable<double>& table);
 /// \cost O(entries of the level tables); holds one of them at a time
 std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const double> values, int components);
+
+/// The same for positions.
+std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                    std::span<const Point3> positions);
 
 }  // namespace espalier::stencils

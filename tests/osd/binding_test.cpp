@@ -18,8 +18,8 @@ stencils::Binding<Real> bindTo(const Lattice& lattice, int level, const std::vec
                                const stencils::EmbeddingOptions& options = {}) {
     TopologyRefiner refiner(lattice.complex);
     refiner.refineUniform(level);
-    const auto positions = test::gathered(stencils::refineValues(
-        refiner, level, Rules::Siggraph96, test::flattened(lattice.positions), 3));
+    const auto positions =
+        stencils::refinePositions(refiner, level, Rules::Siggraph96, lattice.positions);
     const auto embedding =
         stencils::embedPoints(refiner.level(level).complex, positions, points, options);
     return stencils::makeBinding<Real>(refiner, level, Rules::Siggraph96, embedding, points);

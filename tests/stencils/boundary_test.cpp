@@ -103,11 +103,6 @@ TEST(Boundary, RefinesAsItsMeshDoes) {
     }
 }
 
-std::vector<Point3> refined(const TopologyRefiner& refiner, int level, const Lattice& lattice) {
-    return test::gathered(
-        refineValues(refiner, level, Rules::Siggraph96, test::flattened(lattice.positions), 3));
-}
-
 // Section 3: "given a lattice based on a cube, these methods will generate a region of space that
 // is the cube": vertex (i, j, k) of level n is at (i, j, k)/2ⁿ on the sides, edges and corners.
 TEST(Boundary, CubeStaysTheCube) {
@@ -115,7 +110,7 @@ TEST(Boundary, CubeStaysTheCube) {
     TopologyRefiner refiner(cube.complex);
     refiner.refineUniform(4);
     for (int level = 1; level <= 4; ++level) {
-        const auto positions = refined(refiner, level, cube);
+        const auto positions = refinePositions(refiner, level, Rules::Siggraph96, cube.positions);
         const double n = std::ldexp(1.0, level);
         std::set<std::array<double, 3>> distinct;
         for (const Point3& p : positions) {
@@ -139,7 +134,8 @@ TEST(Boundary, CylinderIsFlatAtItsEndsAndRoundAlongItsLength) {
         const Lattice cylinder = shapes::cylinder({.sectors = sectors, .layers = layers});
         TopologyRefiner refiner(cylinder.complex);
         refiner.refineUniform(level);
-        const auto positions = refined(refiner, level, cylinder);
+        const auto positions =
+            refinePositions(refiner, level, Rules::Siggraph96, cylinder.positions);
         const auto& [complex, strata] = refiner.level(level);
         double low = 2, high = 0;
         Index rim = 0;
@@ -175,7 +171,7 @@ TEST(Boundary, RimDoesNotDependOnTheNumberOfLayers) {
         TopologyRefiner refiner(cylinder.complex);
         refiner.refineUniform(2);
         std::set<std::array<long, 2>> rim;
-        const auto positions = refined(refiner, 2, cylinder);
+        const auto positions = refinePositions(refiner, 2, Rules::Siggraph96, cylinder.positions);
         for (const Point3& p : positions)
             if (p[2] < 1e-15) rim.insert({std::lround(p[0] * 1e12), std::lround(p[1] * 1e12)});
         return rim;

@@ -61,19 +61,17 @@ TEST(Stencils, AreAffinelyInvariant) {
         return Point3{2 * p[0] - 3 * p[1] + 0.5 * p[2] + 7, p[0] + p[1] - 4 * p[2] - 2,
                       0.25 * p[0] + 5 * p[2] + 1};
     };
-    forEachRefined(2, [&](const std::string& name, const TopologyRefiner& refiner,
-                          const Lattice& lattice) {
-        std::vector<Point3> images;
-        for (const Point3& p : lattice.positions) images.push_back(map(p));
-        const auto refined = test::gathered(
-            refineValues(refiner, 2, Rules::Siggraph96, test::flattened(lattice.positions), 3));
-        const auto refinedImages =
-            test::gathered(refineValues(refiner, 2, Rules::Siggraph96, test::flattened(images), 3));
-        for (std::size_t i = 0; i < refined.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c)
-                // Sums of some 60 products of size up to 50: 60 × 50 × 1e-16.
-                ASSERT_NEAR(refinedImages[i][c], map(refined[i])[c], 3e-13) << name;
-    });
+    forEachRefined(
+        2, [&](const std::string& name, const TopologyRefiner& refiner, const Lattice& lattice) {
+            std::vector<Point3> images;
+            for (const Point3& p : lattice.positions) images.push_back(map(p));
+            const auto refined = refinePositions(refiner, 2, Rules::Siggraph96, lattice.positions);
+            const auto refinedImages = refinePositions(refiner, 2, Rules::Siggraph96, images);
+            for (std::size_t i = 0; i < refined.size(); ++i)
+                for (std::size_t c = 0; c < 3; ++c)
+                    // Sums of some 60 products of size up to 50: 60 × 50 × 1e-16.
+                    ASSERT_NEAR(refinedImages[i][c], map(refined[i])[c], 3e-13) << name;
+        });
 }
 
 TEST(Stencils, ComposedEqualsAppliedLevelByLevel) {

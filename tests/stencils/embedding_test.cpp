@@ -34,8 +34,7 @@ struct Refined {
     }
     const far::CellComplex& complex() const { return refiner.level(level).complex; }
     std::vector<Point3> pose(const std::vector<Point3>& points) const {
-        return test::gathered(
-            refineValues(refiner, level, Rules::Siggraph96, test::flattened(points), 3));
+        return refinePositions(refiner, level, Rules::Siggraph96, points);
     }
     Embedding embed(const std::vector<Point3>& points, const EmbeddingOptions& options = {}) const {
         return embedPoints(complex(), positions, points, options);

@@ -122,19 +122,6 @@ inline std::vector<NamedLattice> zoo() {
     return all;
 }
 
-inline std::vector<double> flattened(const std::vector<Point3>& points) {
-    std::vector<double> values;
-    for (const Point3& point : points) values.insert(values.end(), point.begin(), point.end());
-    return values;
-}
-
-inline std::vector<Point3> gathered(const std::vector<double>& values) {
-    std::vector<Point3> points(values.size() / 3);
-    for (std::size_t i = 0; i < points.size(); ++i)
-        points[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-    return points;
-}
-
 inline std::vector<double> randomValues(std::size_t count, unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-1, 1);
