@@ -11,6 +11,7 @@
 #include <memory>
 #include <numbers>
 
+#include "choice.h"
 #include "commands.h"
 #include "options.h"
 
@@ -51,9 +52,9 @@ void add(CLI::App& command, const std::string& name, Value& value, const std::st
 
 void addPattern(CLI::App& command, shapes::DiskPattern& pattern) {
     add(command, "--rings", pattern.rings, "Rings of cells in the disk, the core counted");
-    command.add_flag_callback(
-        "--polygon-core", [&pattern] { pattern.core = shapes::Core::Polygon; },
-        "One prism in the middle of the disk, instead of wedges round a vertex");
+    addChoice<shapes::Core>(command, "--core", pattern.core,
+                            {{"wedges", shapes::Core::Wedges}, {"polygon", shapes::Core::Polygon}},
+                            "Middle of the disk: wedges round a vertex, or one prism");
 }
 
 /// Reads "x,y,z,radius" or "x,y,z,radius,twist" (degrees).
@@ -89,9 +90,10 @@ void addRoundShapes(CLI::App& shape) {
         shape, "torus", "A cross-section swept round the z axis",
         [](CLI::App& command, shapes::TorusOptions& options) {
             add(command, "--segments", options.segments, "Cells round the ring");
-            command.add_flag_callback(
-                "--round", [&options] { options.section = shapes::TorusSection::Disk; },
-                "A disk as cross-section, instead of a square");
+            addChoice<shapes::TorusSection>(
+                command, "--section", options.section,
+                {{"grid", shapes::TorusSection::Grid}, {"disk", shapes::TorusSection::Disk}},
+                "Cross-section: a square, or a disk");
             add(command, "--grid", options.gridCells, "Cells along each side of the square");
             add(command, "--sides", options.sides, "Sides of the disk");
             addPattern(command, options.pattern);

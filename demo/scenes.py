@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sizes shared by the demo's models and the lattices around them. Metres; y is up, and the figure
+faces +z, so that its left arm is at +x.
+
+    scenes.py SCENE POSE
+
+prints what to say to `espalier shape` for the lattice of a scene (figure, star or barbell) in a
+pose (rest or posed). The two poses of a scene have the same topology.
+"""
+
+import sys
+
+import numpy as np
+
+
+def along(start, direction, length):
+    direction = np.asarray(direction, float)
+    return np.asarray(start, float) + direction * (length / np.linalg.norm(direction))
+
+
+def chain(start, bones):
+    """The joints of a limb: `start`, then one at the end of each bone (direction, length)."""
+    joints = [np.asarray(start, float)]
+    for direction, length in bones:
+        joints.append(along(joints[-1], direction, length))
+    return joints
+
+
+# The figure's left arm, a little away from the body.
+SHOULDER, ELBOW, WRIST, HAND_TIP = chain(
+    (0.226, 1.262, -0.010),
+    [((0.70, -0.72, -0.02), 0.25), ((0.60, -0.79, 0.12), 0.22), ((0.58, -0.80, 0.10), 0.19)])
+
+# Its right arm hangs, and stays as it is.
+RIGHT_SHOULDER, RIGHT_ELBOW, RIGHT_WRIST, RIGHT_HAND_TIP = chain(
+    SHOULDER * (-1, 1, 1),
+    [((-0.34, -0.94, -0.04), 0.25), ((-0.12, -0.97, 0.20), 0.22), ((-0.04, -0.98, 0.16), 0.19)])
+
+# The disk: axis z.
+DISK_RADIUS, DISK_HEIGHT = 1.0, 0.36
+
+# The block: its longest side along x.
+BLOCK_SIZE = np.array([3.0, 1.0, 1.0])
+
+
+def figure_joints():
+    """The joints of the lattice around the left arm, at rest and posed: position, radius, twist in
+    degrees.
+
+    The first two bones are the same in both, and so are the first two cross-sections: the arm
+    leaves the shoulder smoothly. The bend is shared out over the joints that follow.
+    """
+    upper, fore, hand = ELBOW - SHOULDER, WRIST - ELBOW, HAND_TIP - WRIST
+    start = along(SHOULDER, upper, -0.06)
+    radii = (0.088, 0.084, 0.082, 0.082, 0.085, 0.090, 0.105, 0.130, 0.130)
+    fixed = [(upper, 0.085), (upper, 0.055)]
+    hanging = [(upper, 0.08), (upper, 0.09), (fore, 0.11), (fore, 0.11), (hand, 0.11), (hand, 0.11)]
+    lifted = [((0.99, 0.02, 0.05), 0.075), ((0.93, 0.36, 0.10), 0.09), ((0.44, 0.88, 0.14), 0.105),
+              ((0.30, 0.94, 0.14), 0.11), ((0.18, 0.97, 0.10), 0.11), ((0.12, 0.98, 0.08), 0.11)]
+    twists = (0, 0, 0, 0, -10, -35, -60, -75, -80)
+    rest = list(zip(chain(start, fixed + hanging), radii, (0,) * 9))
+    posed = list(zip(chain(start, fixed + lifted), radii, twists))
+    return rest, posed
+
+
+def arm(joints):
+    words = [f"--joint={x:.4f},{y:.4f},{z:.4f},{radius:g},{twist:g}"
+             for (x, y, z), radius, twist in joints]
+    return ["arm", "--sides=6", "--rings=2", "--segments=1", "--up", "0", "0", "1", *words]
+
+
+def star(inner, outer):
+    """The region of the round rest pose reaches to 0.936 of its ten corners' radius."""
+    return ["star", "--points=5", f"--inner-radius={inner * DISK_RADIUS:g}",
+            f"--outer-radius={outer * DISK_RADIUS:g}", f"--height={1.1 * DISK_HEIGHT:g}"]
+
+
+def barbell(end, length, bar, roundness):
+    """At rest, a block one tenth larger than the model in y and z."""
+    return ["barbell", "--end-segments=12", "--bar-segments=3", f"--end-radius={end:g}",
+            f"--bar-length={length:g}", f"--bar-half-width={bar:g}", f"--roundness={roundness:g}",
+            f"--height={1.1 * BLOCK_SIZE[2]:g}"]
+
+
+def shape_options():
+    hanging, lifted = figure_joints()
+    side = 0.55 * BLOCK_SIZE[1]
+    return {
+        ("figure", "rest"): arm(hanging),
+        ("figure", "posed"): arm(lifted),
+        ("star", "rest"): star(1.12, 1.12),
+        ("star", "posed"): star(0.55, 1.75),
+        ("barbell", "rest"): barbell(side, BLOCK_SIZE[0] + 0.1 - 4 * side, side, 0),
+        ("barbell", "posed"): barbell(0.85, 1.3, 0.16, 1),
+    }
+
+
+if __name__ == "__main__":
+    known = shape_options()
+    if tuple(sys.argv[1:]) not in known:
+        sys.exit(__doc__)
+    print(*known[tuple(sys.argv[1:])])
