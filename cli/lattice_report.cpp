@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_report.h"
 
-#include <espalier/far/hexahedron.h>
+#include <espalier/far/standard_cells.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

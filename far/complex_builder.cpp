@@ -8,20 +8,6 @@
 
 namespace espalier::far {
 
-Index vertexCount(StandardCell cell) {
-    constexpr Index kCounts[] = {4, 5, 6, 8};
-    return kCounts[static_cast<std::size_t>(cell)];
-}
-
-const std::vector<std::vector<Index>>& faceLoops(StandardCell cell) {
-    static const std::vector<std::vector<Index>> kLoops[] = {
-        {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}},
-        {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}},
-        {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}},
-        {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}}};
-    return kLoops[static_cast<std::size_t>(cell)];
-}
-
 ComplexBuilder::ComplexBuilder(int dimension, Index vertexCount)
     : dimension_(dimension), vertexCount_(vertexCount) {}
 

@@ -2,26 +2,12 @@
 #pragma once
 
 #include <espalier/far/cell_complex.h>
+#include <espalier/far/standard_cells.h>
 
 #include <initializer_list>
 #include <vector>
 
 namespace espalier::far {
-
-/// The standard cells, with VTK's vertex orders.
-enum class StandardCell {
-    Tetrahedron,  ///< 4 vertices: a triangle, anticlockwise seen from the apex; the apex
-    Pyramid,      ///< 5 vertices: a quadrilateral, anticlockwise seen from the apex; the apex
-    Wedge,        ///< 6 vertices: a triangle, clockwise seen from the other one; that one likewise
-    Hexahedron    ///< 8 vertices: a quadrilateral, anticlockwise seen from the other one; that one
-};
-
-/// Number of vertices of a standard cell.
-Index vertexCount(StandardCell cell);
-
-/// The faces of a standard cell, as loops of positions in its vertex list, each anticlockwise from
-/// outside.
-const std::vector<std::vector<Index>>& faceLoops(StandardCell cell);
 
 /// Makes a CellComplex from vertices, cell by cell.
 ///

@@ -26,8 +26,18 @@ TextReader::TextReader(std::filesystem::path path, std::string_view text, std::s
     : path_(std::move(path)), text_(text), line_(firstLine), nextLine_(firstLine) {}
 
 void TextReader::skipSpace() {
-    for (; position_ < text_.size() && isSpace(text_[position_]); ++position_)
-        if (text_[position_] == '\n') ++nextLine_;
+    bool inComment = false;
+    for (; position_ < text_.size(); ++position_) {
+        const char c = text_[position_];
+        if (c == '\n') {
+            ++nextLine_;
+            inComment = false;
+        } else if (opensComment(c)) {
+            inComment = true;
+        } else if (!inComment && !isSpace(c)) {
+            break;
+        }
+    }
 }
 
 bool TextReader::atEnd() {
@@ -39,7 +49,9 @@ std::string_view TextReader::token(const char* what) {
     skipSpace();
     line_ = nextLine_;
     const std::size_t begin = position_;
-    while (position_ < text_.size() && !isSpace(text_[position_])) ++position_;
+    while (position_ < text_.size() && !isSpace(text_[position_]) &&
+           !opensComment(text_[position_]))
+        ++position_;
     if (begin == position_) fail(std::string("the file ends; expected ") + what);
     return text_.substr(begin, position_ - begin);
 }
@@ -51,6 +63,18 @@ Number TextReader::number(const char* what) {
     if (!parseNumber(text, result))
         fail("'" + std::string(text.substr(0, 40)) + "' is not a number; expected " + what);
     return result;
+}
+
+std::size_t TextReader::count(const char* what, std::size_t leastBytes) {
+    const auto result = number<std::uint64_t>(what);
+    checkRoom(result, leastBytes, what);
+    return result;
+}
+
+void TextReader::checkRoom(std::size_t count, std::size_t leastBytes, const char* what) const {
+    if (count > (remaining() + 1) / leastBytes)
+        fail(std::string(what) + " is " + std::to_string(count) + ", but only " +
+             std::to_string(remaining()) + " bytes are left");
 }
 
 std::string_view TextReader::restOfLine() {
@@ -94,6 +118,13 @@ std::string formatNumber(double number) {
 
 std::string formatNumber(float number) {
     return shortest(number);
+}
+
+std::string lowerCase(std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return result;
 }
 
 #define ESPALIER_INSTANTIATE(Number)                      \

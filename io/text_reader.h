@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,11 +18,18 @@ public:
     /// \param firstLine number of the first line of `text` in its file
     TextReader(std::filesystem::path path, std::string_view text, std::size_t firstLine = 1);
 
+    /// From now on `mark` opens a comment wherever a token could begin or end. It runs to the end
+    /// of its line, and counts as white space. Lines and bytes are not affected.
+    void skipComments(char mark) { commentMark_ = mark; }
+
     /// Line of the last token or line that was read, from 1.
     std::size_t line() const { return line_; }
 
     /// Position of the next byte to be read.
     std::size_t position() const { return position_; }
+
+    /// Number of bytes that are left.
+    std::size_t remaining() const { return text_.size() - position_; }
 
     /// Whether nothing but white space is left.
     bool atEnd();
@@ -33,6 +41,15 @@ public:
     /// The next token as a number; "inf" and "nan" are numbers.
     template <class Number>
     Number number(const char* what);
+
+    /// The next token as the number of things that follow, each of at least `leastBytes` bytes.
+    /// \throws FileError if it is not a whole number, or more than the rest of the text can hold:
+    ///         so it is safe to take memory for them
+    std::size_t count(const char* what, std::size_t leastBytes);
+
+    /// \throws FileError if the rest of the text cannot hold so many things of at least
+    ///         `leastBytes` bytes each; the last one may lack its separator
+    void checkRoom(std::size_t count, std::size_t leastBytes, const char* what) const;
 
     /// Reads to the end of the line, and returns what was left of it, without its end ("\n" or
     /// "\r\n"). At the end of the text, returns an empty line.
@@ -46,9 +63,11 @@ public:
 
 private:
     void skipSpace();
+    bool opensComment(char c) const { return commentMark_ && c == *commentMark_; }
 
     std::filesystem::path path_;
     std::string_view text_;
+    std::optional<char> commentMark_;
     std::size_t position_ = 0;
     std::size_t line_;
     std::size_t nextLine_;
@@ -62,5 +81,8 @@ bool parseNumber(std::string_view token, Number& number);
 /// The shortest text that reads back as the same number.
 std::string formatNumber(double number);
 std::string formatNumber(float number);
+
+/// A text in lower case (ASCII letters only), for keywords that may be written either way.
+std::string lowerCase(std::string_view text);
 
 }  // namespace espalier::io

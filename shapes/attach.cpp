@@ -63,7 +63,7 @@ struct Site {
                         "; expected a boundary face");
         const auto faces = complex.relation(3, 2)[cells[0]];
         for (std::size_t i = 0; i < faces.size(); ++i)
-            if (faces[i] == face.value) loop = outwardLoops(complex, cells[0])[i];
+            if (faces[i] == face.value) loop = far::outwardLoops(complex, far::CellId(cells[0]))[i];
         for (const Index vertex : loop)
             positions.push_back(lattice.positions[static_cast<std::size_t>(vertex)]);
     }

@@ -14,27 +14,12 @@ Loop renamed(std::span<const far::Index> loop, std::span<const far::Index> newVe
 
 }  // namespace
 
-std::vector<Loop> outwardLoops(const far::CellComplex& lattice, far::Index cell) {
-    const auto faces = lattice.boundary(3)[cell];
-    const auto signs = lattice.boundary(3).signs(cell);
-    std::vector<Loop> loops;
-    loops.reserve(faces.size());
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-        const auto loop = lattice.relation(2, 0)[faces[i]];
-        if (signs[i] > 0)
-            loops.emplace_back(loop.begin(), loop.end());
-        else
-            loops.emplace_back(loop.rbegin(), loop.rend());
-    }
-    return loops;
-}
-
 void addAll(const far::CellComplex& complex, std::span<const far::Index> newVertex,
             far::ComplexBuilder& builder) {
     const int dimension = complex.dimension();
     for (far::Index top = 0; top < complex.count(dimension); ++top) {
         if (dimension == 3) {
-            std::vector<Loop> loops = outwardLoops(complex, top);
+            std::vector<Loop> loops = far::outwardLoops(complex, far::CellId(top));
             for (Loop& loop : loops) loop = renamed(loop, newVertex);
             builder.addCell(loops);
         } else {

@@ -4,16 +4,13 @@
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/complex_builder.h>
 
+#include <span>
 #include <vector>
 
 // Reading the cells of a complex back as what a ComplexBuilder takes; not installed.
 namespace espalier::shapes {
 
 using Loop = std::vector<far::Index>;
-
-/// The loops of vertices that bound a cell of a lattice, in the order of its faces, each
-/// anticlockwise from outside.
-std::vector<Loop> outwardLoops(const far::CellComplex& lattice, far::Index cell);
 
 /// Adds all cells of a lattice, faces of a mesh or edges of a curve to a builder of the same
 /// dimension; vertex v becomes newVertex[v].

@@ -154,7 +154,7 @@ void requireVolumes(const Lattice& mesh, const Lattice& lattice, const Point3& d
     // A few roundings of the cross products, and far below any angle that is meant.
     constexpr double kAlong = 1e-12;
     for (Index face = 0; face < mesh.complex.count(2); ++face) {
-        const Loop bottom = outwardLoops(lattice.complex, face).front();
+        const Loop bottom = far::outwardLoops(lattice.complex, far::CellId(face)).front();
         const double cosine = -facing(loopPositions(bottom, lattice.positions), direction);
         if (cosine > kAlong) continue;
         const std::string name = "extrude: face " + std::to_string(face) + " of the mesh ";

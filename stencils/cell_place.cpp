@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/hexahedron.h>
+#include <espalier/far/standard_cells.h>
 #include <espalier/stencils/cell_place.h>
 #include <espalier/stencils/trilinear.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
-#include <espalier/far/hexahedron.h>
+#include <espalier/far/standard_cells.h>
 #include <espalier/stencils/point_location.h>
 #include <espalier/stencils/simplex.h>
 #include <espalier/stencils/trilinear.h>

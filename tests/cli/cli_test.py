@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the program espalier as its users do. Usage: cli_test.py PATH_OF_ESPALIER"""
+"""Runs the program espalier, and the example of the README, as their users do.
+
+    cli_test.py PATH_OF_ESPALIER PATH_OF_THE_EXAMPLE
+"""
 
 import json
 import math
@@ -11,7 +14,7 @@ import sys
 import tempfile
 import unittest
 
-ESPALIER = ""
+ESPALIER = EXAMPLE = ""
 
 
 def icosphere_points(count):
@@ -212,6 +215,14 @@ class Deform(CliTest):
                          "out.obj")
         self.assert_close(self.read_points("out.obj"), self.points, 1e-12)
 
+    def test_example_of_the_readme_does_what_the_program_does(self):
+        self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk", "-n", 3,
+                         "-o", "out.obj")
+        subprocess.run([EXAMPLE, "model.obj", "rest.vtu", "pose.vtk", "example.obj"],
+                       cwd=self.path, check=True, timeout=120)
+        self.assertEqual((self.path / "example.obj").read_bytes(),
+                         (self.path / "out.obj").read_bytes())
+
     def test_quiet_is_silent(self):
         result = self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk",
                                   "-o", "out.obj", "--quiet")
@@ -312,5 +323,6 @@ class Deform(CliTest):
 
 
 if __name__ == "__main__":
+    EXAMPLE = os.path.abspath(sys.argv.pop())
     ESPALIER = os.path.abspath(sys.argv.pop())
     unittest.main()

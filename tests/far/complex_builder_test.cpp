@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/error.h>
-#include <espalier/far/hexahedron.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -94,22 +93,6 @@ TEST(ComplexBuilder, RelationsOfAHexahedron) {
     EXPECT_EQ(cube.relation(1, 2)[0].size(), 2u);
     EXPECT_THAT(cube.relation(0, 3)[6], ElementsAre(0));
     EXPECT_EQ(cube.eulerCharacteristic(), 1);
-}
-
-TEST(ComplexBuilder, HexahedronVerticesAreInVtkOrder) {
-    // The first face of the standard cell, (0 4 7 3) from outside, is (0 3 7 4) from inside.
-    EXPECT_EQ(hexahedronVertices(singleCell(StandardCell::Hexahedron), CellId(0)),
-              (std::array<Index, 8>{0, 3, 7, 4, 1, 2, 6, 5}));
-    for (const auto other : {StandardCell::Tetrahedron, StandardCell::Pyramid, StandardCell::Wedge})
-        EXPECT_EQ(hexahedronVertices(singleCell(other), CellId(0)), std::nullopt);
-}
-
-TEST(ComplexBuilder, SixQuadrilateralsNeedNotBeAHexahedron) {
-    // Vertices 0 and 1 have valence 4, 6 and 7 valence 2.
-    const CellComplex solid = lattice(
-        8, {{{0, 2, 1, 3}, {0, 3, 6, 4}, {6, 3, 1, 4}, {0, 4, 1, 5}, {0, 5, 7, 2}, {7, 5, 1, 2}}});
-    EXPECT_EQ(countsOf(solid), (Counts{8, 12, 6, 1}));
-    EXPECT_EQ(hexahedronVertices(solid, CellId(0)), std::nullopt);
 }
 
 TEST(ComplexBuilder, SeparatePiecesAreFine) {

@@ -73,6 +73,16 @@ inline CellComplex bipyramid(Index n) {
     return lattice(n + 2, {bipyramidLoops(n)});
 }
 
+/// A hexahedron with a pyramid on its top, a wedge at its side and a tetrahedron on that.
+inline CellComplex mixedCells() {
+    far::ComplexBuilder builder(3, 12);
+    builder.addCell(far::StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6, 7});
+    builder.addCell(far::StandardCell::Pyramid, {4, 5, 6, 7, 8});
+    builder.addCell(far::StandardCell::Wedge, {1, 9, 5, 2, 10, 6});
+    builder.addCell(far::StandardCell::Tetrahedron, {1, 9, 5, 11});
+    return builder.build();
+}
+
 /// A mesh of nx × ny quadrilaterals.
 inline CellComplex gridMesh(Index nx, Index ny) {
     Loops loops;
@@ -87,17 +97,8 @@ inline CellComplex gridMesh(Index nx, Index ny) {
 /// The cells of a complex, as loops anticlockwise from outside.
 inline std::vector<Loops> cellLoops(const CellComplex& complex) {
     std::vector<Loops> cells;
-    for (Index cell = 0; cell < complex.count(3); ++cell) {
-        Loops loops;
-        const auto faces = complex.relation(3, 2)[cell];
-        for (std::size_t f = 0; f < faces.size(); ++f) {
-            const auto loop = complex.relation(2, 0)[faces[f]];
-            loops.emplace_back(loop.begin(), loop.end());
-            if (complex.boundary(3).signs(cell)[f] < 0)
-                std::reverse(loops.back().begin(), loops.back().end());
-        }
-        cells.push_back(loops);
-    }
+    for (Index cell = 0; cell < complex.count(3); ++cell)
+        cells.push_back(far::outwardLoops(complex, far::CellId(cell)));
     return cells;
 }
 

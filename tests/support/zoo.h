@@ -57,14 +57,9 @@ Lattice carvedGrid(const std::array<Index, 3>& n, IsThere isThere) {
     return {builder.build(), positions, {}, {}};
 }
 
-/// A hexahedron with a pyramid on one face, a wedge on another and a tetrahedron between the two.
-inline Lattice mixedCells() {
-    far::ComplexBuilder builder(3, 12);
-    builder.addCell(far::StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6, 7});
-    builder.addCell(far::StandardCell::Pyramid, {4, 5, 6, 7, 8});
-    builder.addCell(far::StandardCell::Wedge, {1, 9, 5, 2, 10, 6});
-    builder.addCell(far::StandardCell::Tetrahedron, {1, 9, 5, 11});
-    return {builder.build(),
+/// mixedCells() in space.
+inline Lattice mixedLattice() {
+    return {mixedCells(),
             {{0, 0, 0},
              {1, 0, 0},
              {1, 1, 0},
@@ -102,7 +97,7 @@ inline std::vector<NamedLattice> zoo() {
     add("icosahedron", shapes::icosahedron());
     add("dodecahedron", shapes::dodecahedron());
     add("bipyramid", shapes::bipyramid({.sides = 6}));
-    add("mixed cells", mixedCells());
+    add("mixed cells", mixedLattice());
     add("L", carvedGrid({2, 2, 1}, [](Index i, Index j, Index) { return i == 0 || j == 0; }));
     add("tripod", carvedGrid({2, 2, 2}, [](Index i, Index j, Index k) { return i + j + k <= 1; }));
     add("square ring",

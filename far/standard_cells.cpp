@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/standard_cells.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace espalier::far {
+
+using Loop = std::vector<Index>;
+
+namespace {
+
+/// The vertex that follows b in the loop that steps from a to b.
+std::optional<Index> follower(const std::vector<Loop>& loops, Index a, Index b) {
+    for (const Loop& loop : loops)
+        for (std::size_t i = 0; i < loop.size(); ++i)
+            if (loop[i] == a && loop[(i + 1) % loop.size()] == b)
+                return loop[(i + 2) % loop.size()];
+    return std::nullopt;
+}
+
+/// Whether two loops are the same, started at different places.
+bool isRotation(const Loop& a, const Loop& b) {
+    if (a.size() != b.size()) return false;
+    const auto start = static_cast<std::size_t>(std::find(b.begin(), b.end(), a[0]) - b.begin());
+    if (start == b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        if (a[i] != b[(start + i) % b.size()]) return false;
+    return true;
+}
+
+bool haveEqualSizes(const std::vector<Loop>& a, const std::vector<Loop>& b) {
+    return std::is_permutation(a.begin(), a.end(), b.begin(), b.end(),
+                               [](const Loop& x, const Loop& y) { return x.size() == y.size(); });
+}
+
+/// Finds the vertices of `loops` at the positions that `pattern` names.
+class PatternMatch {
+public:
+    PatternMatch(const std::vector<Loop>& pattern, const std::vector<Loop>& loops,
+                 std::size_t vertexCount)
+        : pattern_(pattern), loops_(loops), vertexAt_(vertexCount) {}
+
+    std::optional<Loop> find() {
+        // By symmetry it does not matter which loop of the right length is the first one.
+        const Loop& first = *std::find_if(loops_.begin(), loops_.end(), [&](const Loop& loop) {
+            return loop.size() == pattern_[0].size();
+        });
+        for (std::size_t i = 0; i < first.size(); ++i) at(pattern_[0][i]) = first[i];
+        while (step()) {
+        }
+        if (!isComplete()) return std::nullopt;
+        Loop vertices;
+        for (const auto& vertex : vertexAt_) vertices.push_back(*vertex);
+        return isMatch(vertices) ? std::optional(vertices) : std::nullopt;
+    }
+
+private:
+    std::optional<Index>& at(Index position) {
+        return vertexAt_[static_cast<std::size_t>(position)];
+    }
+
+    /// Goes on from two known positions of a loop to the third.
+    bool step() {
+        bool found = false;
+        for (const Loop& loop : pattern_)
+            for (std::size_t i = 0; i < loop.size(); ++i) {
+                const auto a = at(loop[i]);
+                const auto b = at(loop[(i + 1) % loop.size()]);
+                auto& c = at(loop[(i + 2) % loop.size()]);
+                if (!a || !b || c) continue;
+                c = follower(loops_, *a, *b);
+                found = found || c;
+            }
+        return found;
+    }
+
+    bool isComplete() const {
+        return std::all_of(vertexAt_.begin(), vertexAt_.end(),
+                           [](const auto& vertex) { return vertex.has_value(); });
+    }
+
+    bool isMatch(const Loop& vertices) const {
+        Loop sorted = vertices;
+        std::sort(sorted.begin(), sorted.end());
+        if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) return false;
+        return std::all_of(pattern_.begin(), pattern_.end(), [&](Loop loop) {
+            for (Index& vertex : loop) vertex = vertices[static_cast<std::size_t>(vertex)];
+            return std::any_of(loops_.begin(), loops_.end(),
+                               [&](const Loop& other) { return isRotation(loop, other); });
+        });
+    }
+
+    const std::vector<Loop>& pattern_;
+    const std::vector<Loop>& loops_;
+    std::vector<std::optional<Index>> vertexAt_;
+};
+
+/// In a face of a hexahedron that holds the edge (corner, next): the other neighbour of `corner`.
+std::optional<Index> otherNeighbour(std::span<const Index> loop, Index corner, Index next) {
+    const std::size_t n = loop.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        if (loop[i] != corner) continue;
+        const Index after = loop[(i + 1) % n], before = loop[(i + n - 1) % n];
+        if (after == next) return before;
+        if (before == next) return after;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+Index vertexCount(StandardCell cell) {
+    constexpr Index kCounts[] = {4, 5, 6, 8};
+    return kCounts[static_cast<std::size_t>(cell)];
+}
+
+const std::vector<std::vector<Index>>& faceLoops(StandardCell cell) {
+    static const std::vector<std::vector<Index>> kLoops[] = {
+        {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}},
+        {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}},
+        {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}},
+        {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}}};
+    return kLoops[static_cast<std::size_t>(cell)];
+}
+
+std::vector<Loop> outwardLoops(const CellComplex& complex, CellId cell) {
+    const auto faces = complex.relation(3, 2)[cell.value];
+    const auto signs = complex.boundary(3).signs(cell.value);
+    std::vector<Loop> loops;
+    loops.reserve(faces.size());
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        const auto loop = complex.relation(2, 0)[faces[i]];
+        if (signs[i] > 0)
+            loops.emplace_back(loop.begin(), loop.end());
+        else
+            loops.emplace_back(loop.rbegin(), loop.rend());
+    }
+    return loops;
+}
+
+std::optional<StandardCellVertices> asStandardCell(const CellComplex& complex, CellId cell) {
+    const std::vector<Loop> loops = outwardLoops(complex, cell);
+    for (const StandardCell kind : {StandardCell::Tetrahedron, StandardCell::Pyramid,
+                                    StandardCell::Wedge, StandardCell::Hexahedron}) {
+        const auto& pattern = faceLoops(kind);
+        const auto count = static_cast<std::size_t>(vertexCount(kind));
+        if (!haveEqualSizes(pattern, loops)) continue;
+        if (auto vertices = PatternMatch(pattern, loops, count).find())
+            return StandardCellVertices{kind, std::move(*vertices)};
+    }
+    return std::nullopt;
+}
+
+std::optional<std::array<Index, 8>> hexahedronVertices(const CellComplex& complex, CellId cell) {
+    const auto faces = complex.relation(3, 2)[cell.value];
+    const Incidence& loops = complex.relation(2, 0);
+    if (faces.size() != 6 || std::any_of(faces.begin(), faces.end(),
+                                         [&](Index face) { return loops[face].size() != 4; }))
+        return std::nullopt;
+
+    std::array<Index, 8> vertices;
+    std::copy_n(loops[faces[0]].begin(), 4, vertices.begin());
+    // From inside, the loop must run anticlockwise.
+    if (complex.boundary(3).signs(cell.value)[0] > 0) std::swap(vertices[1], vertices[3]);
+    for (std::size_t i = 0; i < 4; ++i) {
+        const Index corner = vertices[i], next = vertices[(i + 1) % 4];
+        std::optional<Index> above;
+        for (std::size_t f = 1; f < 6 && !above; ++f)
+            above = otherNeighbour(loops[faces[f]], corner, next);
+        if (!above) return std::nullopt;
+        vertices[4 + i] = *above;
+    }
+    // Six quadrilaterals are a hexahedron only if three of them meet in each vertex.
+    for (const Index vertex : vertices)
+        if (std::count_if(faces.begin(), faces.end(),
+                          [&](Index face) { return contains(loops[face], vertex); }) != 3)
+            return std::nullopt;
+    return vertices;
+}
+
+}  // namespace espalier::far

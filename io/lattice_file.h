@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/file.h>
+#include <espalier/io/vtu.h>
+#include <espalier/shapes/lattice.h>
+
+#include <filesystem>
+
+namespace espalier::io {
+
+struct WriteLatticeOptions {
+    VtuEncoding vtuEncoding = VtuEncoding::Compressed;
+};
+
+/// Reads a lattice in the format that the extension names, in upper or lower case: .ovm (ovm.h),
+/// .vtu (vtu.h) or .vtk (vtk_legacy.h).
+///
+/// \throws FileError if the extension is none of these, or the file cannot be read or is malformed;
+///         TopologyError, with the path in its message, if its cells do not form a lattice
+Lattice readLattice(const std::filesystem::path& path);
+
+/// Writes a lattice in the format that the extension names, so that readLattice() gives it back:
+/// the same vertices, cells and faces of cells, vertices and cells with their numbers, positions
+/// and attributes bit for bit, and the marks in canonical order.
+///
+/// \throws FileError if the extension is none of these, the lattice is not of dimension 3 or
+///         inconsistent, or the file cannot be written; TopologyError if a mark names what is not
+///         there
+void writeLattice(const std::filesystem::path& path, const Lattice& lattice,
+                  const WriteLatticeOptions& options = {});
+
+/// Checks a name for writeLattice() without touching the file, so that it can be refused before
+/// long work. \throws FileError if its extension is none of the formats'
+void checkLatticeTarget(const std::filesystem::path& path);
+
+}  // namespace espalier::io

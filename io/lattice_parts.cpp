@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/file.h>
+#include <espalier/io/lattice_parts.h>
+#include <espalier/io/point_arrays.h>
+#include <espalier/io/words.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+namespace espalier::io {
+
+using far::Index;
+
+namespace {
+
+constexpr double kInfiniteInFile = 10;
+
+void checkVertex(const far::CellComplex& complex, Index vertex) {
+    if (vertex < 0 || vertex >= complex.count(0))
+        throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {0, vertex},
+                                 "a mark names vertex " + std::to_string(vertex) + "; there are " +
+                                     std::to_string(complex.count(0)));
+}
+
+void checkSharpness(double sharpness, far::Entity entity) {
+    if (!(sharpness >= 0))
+        throw far::TopologyError(far::TopologyCause::BadMark, entity,
+                                 "a mark at vertex " + std::to_string(entity.index) +
+                                     " has sharpness " + std::to_string(sharpness) +
+                                     "; expected 0 or more");
+}
+
+bool isEdge(const far::CellComplex& complex, Index a, Index b) {
+    const auto edges = complex.relation(0, 1)[a];
+    return a != b && std::any_of(edges.begin(), edges.end(), [&](Index edge) {
+               return far::contains(complex.relation(1, 0)[edge], b);
+           });
+}
+
+}  // namespace
+
+double sharpnessToFile(double sharpness) {
+    return std::min(sharpness, kInfiniteInFile);
+}
+
+double sharpnessFromFile(double value) {
+    return value >= kInfiniteInFile ? far::kInfinitelySharp : value;
+}
+
+bool isMarkInFile(double value) {
+    return value >= 0;
+}
+
+far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& marks) {
+    std::map<std::array<Index, 2>, double> edges;
+    for (const auto& mark : marks.edges) {
+        const auto [a, b] = mark.vertices;
+        checkVertex(complex, a);
+        checkVertex(complex, b);
+        if (!isEdge(complex, a, b))
+            throw far::TopologyError(far::TopologyCause::BadMark, {0, a},
+                                     "a mark names edge (" + std::to_string(a) + ", " +
+                                         std::to_string(b) + "), which does not exist");
+        checkSharpness(mark.sharpness, {0, a});
+        edges[{std::min(a, b), std::max(a, b)}] = mark.sharpness;
+    }
+    std::map<Index, double> vertices;
+    for (const auto& mark : marks.vertices) {
+        checkVertex(complex, mark.vertex);
+        checkSharpness(mark.sharpness, {0, mark.vertex});
+        vertices[mark.vertex] = mark.sharpness;
+    }
+    far::Marks result;
+    for (const auto& [ends, sharpness] : edges) result.edges.push_back({ends, sharpness});
+    for (const auto& [vertex, sharpness] : vertices) result.vertices.push_back({vertex, sharpness});
+    return result;
+}
+
+std::vector<double> vertexSharpnessForFile(const far::CellComplex& complex,
+                                           const far::Marks& marks) {
+    std::vector<double> sharpness(static_cast<std::size_t>(complex.count(0)), kUnmarkedInFile);
+    for (const auto& mark : marks.vertices)
+        sharpness[static_cast<std::size_t>(mark.vertex)] = sharpnessToFile(mark.sharpness);
+    return sharpness;
+}
+
+std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::vector<double>& sharpness) {
+    std::vector<far::Marks::Vertex> marks;
+    for (std::size_t vertex = 0; vertex < sharpness.size(); ++vertex)
+        if (isMarkInFile(sharpness[vertex]))
+            marks.push_back({static_cast<Index>(vertex), sharpnessFromFile(sharpness[vertex])});
+    return marks;
+}
+
+Index checkedIndex(const std::filesystem::path& path, std::size_t count, const char* what) {
+    if (count > static_cast<std::size_t>(far::kMaxIndex))
+        throw FileError(path, "has " + std::to_string(count) + " " + what + "; the most is " +
+                                  std::to_string(far::kMaxIndex));
+    return static_cast<Index>(count);
+}
+
+Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuilder& builder,
+                      std::vector<Point3> positions, const far::Marks& marks,
+                      std::vector<VertexAttribute> attributes) {
+    checkFinite(path, positions);
+    Lattice lattice;
+    lattice.complex = naming(path, [&] { return builder.build(); });
+    lattice.marks = naming(path, [&] { return canonicalMarks(lattice.complex, marks); });
+    lattice.positions = std::move(positions);
+    lattice.attributes = std::move(attributes);
+    return lattice;
+}
+
+far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice) {
+    if (lattice.complex.dimension() != 3)
+        throw FileError(path, "cannot be written: the lattice is of dimension " +
+                                  std::to_string(lattice.complex.dimension()) + ", not 3");
+    const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
+    if (lattice.positions.size() != vertexCount)
+        throw FileError(path, "cannot be written: the lattice has " + std::to_string(vertexCount) +
+                                  " vertices and " + std::to_string(lattice.positions.size()) +
+                                  " positions");
+    for (const VertexAttribute& attribute : lattice.attributes) {
+        if (attribute.name.empty())
+            throw FileError(path, "cannot be written: an attribute has no name");
+        const auto components = static_cast<std::size_t>(std::max(attribute.components, 0));
+        if (components == 0 || attribute.values.size() != components * vertexCount)
+            throw FileError(path, "cannot be written: the attribute " + inQuotes(attribute.name) +
+                                      " has " + std::to_string(attribute.values.size()) +
+                                      " values for " + std::to_string(vertexCount) +
+                                      " vertices of " + std::to_string(attribute.components) +
+                                      " components");
+    }
+    return naming(path, [&] { return canonicalMarks(lattice.complex, lattice.marks); });
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/complex_builder.h>
+#include <espalier/far/error.h>
+#include <espalier/shapes/lattice.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+// What all lattice formats share: how marks travel, what is checked, and how errors are named.
+
+namespace espalier::io {
+
+// Names of the arrays and properties that hold marks.
+inline constexpr const char* kVertexSharpness = "espalier:vertex_sharpness";
+inline constexpr const char* kEdgeSharpness = "espalier:edge_sharpness";
+inline constexpr const char* kEdgeVertices = "espalier:edge_vertices";
+
+/// Stands for "no mark" where a file has a sharpness for every vertex or edge, marked or not. Not
+/// NaN: VTK does not read that from text.
+inline constexpr double kUnmarkedInFile = -1;
+
+/// A sharpness as files hold it: infinity becomes 10, which already counts as infinite
+/// (OpenSubdiv) and which every program can read.
+double sharpnessToFile(double sharpness);
+
+/// A sharpness from a file: 10 and more is infinite. Less than 0, or NaN, is no mark, and is not
+/// passed here.
+double sharpnessFromFile(double value);
+bool isMarkInFile(double value);
+
+/// The marks without those that a later one overrides, ascending, each edge with its smaller vertex
+/// first. What the readers return is in this form, and so what comes back of marks that are not.
+///
+/// \throws TopologyError (VertexOutOfRange, BadMark) if a mark names what the complex does not
+/// have,
+///         or has a sharpness that is less than 0 or NaN
+far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& marks);
+
+/// kUnmarkedInFile or a sharpness for every vertex. \param marks canonical
+std::vector<double> vertexSharpnessForFile(const far::CellComplex& complex,
+                                           const far::Marks& marks);
+
+/// The marks in what vertexSharpnessForFile() gives.
+std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::vector<double>& sharpness);
+
+/// Calls f, and puts the path before the message of a TopologyError that it throws.
+template <class F>
+auto naming(const std::filesystem::path& path, F f) {
+    try {
+        return f();
+    } catch (const far::TopologyError& error) {
+        throw far::TopologyError(error.cause(), error.entity(),
+                                 path.string() + ": " + error.what());
+    }
+}
+
+/// A number of entities that a file claims, as an Index.
+/// \throws FileError if there are too many; `what` says of what
+far::Index checkedIndex(const std::filesystem::path& path, std::size_t count, const char* what);
+
+/// What is done last in reading: builds the complex, makes the marks canonical and checks all.
+///
+/// \throws FileError naming a point that is not finite; TopologyError, with the path in
+///         its message
+Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuilder& builder,
+                      std::vector<Point3> positions, const far::Marks& marks,
+                      std::vector<VertexAttribute> attributes);
+
+/// What is done first in writing: checks that a lattice is of dimension 3 and that its parts fit
+/// together. Returns its marks in canonical form.
+///
+/// \throws FileError naming what does not fit; TopologyError as canonicalMarks()
+far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice);
+
+}  // namespace espalier::io

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/io/numbered_path.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace espalier::io {
+namespace {
+
+std::string padded(int number, std::size_t width) {
+    const std::string digits = std::to_string(number);
+    return std::string(width > digits.size() ? width - digits.size() : 0, '0') + digits;
+}
+
+bool isDigit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+/// A %d or %0Nd in a text.
+struct NumberPlace {
+    std::size_t begin;
+    std::size_t size;
+    std::size_t width;
+};
+
+/// The place that begins at the % at `begin`, if it is one.
+std::optional<NumberPlace> placeAt(const std::string& text, std::size_t begin) {
+    std::size_t end = begin + 1;
+    std::size_t width = 0;
+    if (text.compare(end, 1, "0") == 0) {
+        // The zero and one or two digits; a text that ends sooner has a 0 at its end.
+        for (++end; end < begin + 4 && isDigit(text[end]); ++end)
+            width = 10 * width + static_cast<std::size_t>(text[end] - '0');
+        if (width == 0) return std::nullopt;
+    }
+    if (text.compare(end, 1, "d") != 0) return std::nullopt;
+    return NumberPlace{begin, end + 1 - begin, width};
+}
+
+}  // namespace
+
+std::filesystem::path numberedPath(const std::filesystem::path& pattern, int number, int count) {
+    const std::string text = pattern.string();
+    const auto refuse = [&](const char* why) { throw Error("'" + text + "' " + why); };
+    if (!pattern.has_filename()) refuse("names no file");
+    if (number < 0) refuse("cannot be numbered from below 0");
+    const std::size_t percent = text.find('%');
+    if (percent == std::string::npos) {
+        if (count <= 1) return pattern;
+        const std::string name = pattern.stem().string() + "." + padded(number, 4);
+        return pattern.parent_path() / (name + pattern.extension().string());
+    }
+    const std::optional<NumberPlace> place = placeAt(text, percent);
+    if (!place) refuse("has a % that does not begin %d or, for four digits, %04d");
+    if (text.find('%', place->begin + place->size) != std::string::npos)
+        refuse("has more than one %; expected one place for the number of a pose");
+    return text.substr(0, place->begin) + padded(number, place->width) +
+           text.substr(place->begin + place->size);
+}
+
+}  // namespace espalier::io

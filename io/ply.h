@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/model.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace espalier::io {
+
+/// Reads a PLY: ASCII, or binary of either byte order. Its points are the properties x, y and z of
+/// the element `vertex`, of type float or double; all else is kept and not interpreted, and so is
+/// what follows the last row.
+///
+/// Every row that the header claims must be there. In ASCII a row is a line; empty lines between
+/// rows are passed over.
+///
+/// \param path for messages
+/// \param bytes the whole file
+/// \throws FileError as readModel(); if x, y or z is of an integer type, which would not hold a
+/// deformed position; or if a position is not finite
+/// \cost   one pass; 48 bytes a point and the file are kept
+std::unique_ptr<Model> readPly(const std::filesystem::path& path, std::string bytes);
+
+}  // namespace espalier::io

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/byte_order.h>
+#include <espalier/io/file.h>
+#include <espalier/io/ply_rows.h>
+#include <espalier/io/text_reader.h>
+#include <espalier/io/words.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace espalier::io {
+namespace {
+
+/// Walks through the rows of all elements, and gathers the points among them.
+class RowReader {
+public:
+    /// \param path, bytes, header must outlive the reader
+    RowReader(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
+        : path_(path), bytes_(bytes), header_(header), precisions_(header.precisions()) {}
+    virtual ~RowReader() = default;
+
+    PlyPoints read() {
+        for (const PlyElement& element : header_.elements) {
+            isVertex_ = &element == &header_.vertices();
+            // Rows without properties leave no trace in a file.
+            if (element.properties.empty()) continue;
+            checkClaim(element);
+            if (!isVertex_ && skipRows(element)) continue;
+            if (isVertex_) points_.positions.reserve(element.count);
+            if (isVertex_) points_.places.reserve(element.count);
+            for (std::size_t row = 0; row < element.count; ++row) {
+                if (isVertex_) points_.positions.emplace_back();
+                if (isVertex_) points_.places.emplace_back();
+                readRow(element, row);
+            }
+        }
+        return std::move(points_);
+    }
+
+protected:
+    /// Fails if the bytes that are left cannot hold the rows, however short their lists are.
+    virtual void checkClaim(const PlyElement& element) const = 0;
+
+    /// Steps over all rows of an element, if that is possible without looking at each.
+    virtual bool skipRows(const PlyElement& element) = 0;
+
+    virtual void readRow(const PlyElement& element, std::size_t row) = 0;
+
+    /// The axis that a column of the current element gives.
+    std::optional<std::size_t> axisOf(std::size_t column) const {
+        for (std::size_t axis = 0; isVertex_ && axis < 3; ++axis)
+            if (header_.axes[axis] == column) return axis;
+        return std::nullopt;
+    }
+
+    void setCoordinate(std::size_t axis, double value, std::size_t place) {
+        points_.positions.back()[axis] = value;
+        points_.places.back()[axis] = place;
+    }
+
+    /// How a message begins that finds fewer rows than the header claims.
+    static std::string claimOf(const PlyElement& element) {
+        return "the file ends; the header claims " + std::to_string(element.count) +
+               " rows of the element " + inQuotes(element.name);
+    }
+
+    const std::filesystem::path& path_;
+    const std::string_view bytes_;
+    const PlyHeader& header_;
+    const std::array<Precision, 3> precisions_;
+    PlyPoints points_;
+
+private:
+    bool isVertex_ = false;
+};
+
+class AsciiRows final : public RowReader {
+public:
+    AsciiRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
+        : RowReader(path, bytes, header),
+          lines_(path, bytes.substr(header.size), header.lineCount + 1) {}
+
+private:
+    void checkClaim(const PlyElement& element) const override {
+        // A number and what parts it from the next are two bytes.
+        const std::string rows = "the number of rows of the element " + inQuotes(element.name);
+        lines_.checkRoom(element.count, 2 * element.properties.size(), rows.c_str());
+    }
+
+    bool skipRows(const PlyElement&) override { return false; }
+
+    void readRow(const PlyElement& element, std::size_t row) override {
+        std::string_view line;
+        std::string_view word;
+        while (word.empty()) {
+            if (lines_.remaining() == 0)
+                lines_.fail(claimOf(element) + ", got " + std::to_string(row));
+            line = lines_.restOfLine();
+            word = takeWord(line);
+        }
+        for (std::size_t column = 0; column < element.properties.size(); ++column) {
+            const PlyProperty& property = element.properties[column];
+            if (column > 0) word = needWord(line, property);
+            if (property.lengthType)
+                skipList(line, word, property);
+            else if (const auto axis = axisOf(column))
+                setCoordinate(
+                    *axis, parseCoordinate(word, *axis, precisions_[*axis], path_, lines_.line()),
+                    static_cast<std::size_t>(word.data() - bytes_.data()));
+        }
+        if (const std::string_view more = takeWord(line); !more.empty())
+            lines_.fail("expected the end of a row of the element " + inQuotes(element.name) +
+                        ", got " + inQuotes(more));
+    }
+
+    std::string_view needWord(std::string_view& line, const PlyProperty& property) const {
+        const std::string_view word = takeWord(line);
+        if (word.empty())
+            lines_.fail("the line ends; expected the property " + inQuotes(property.name));
+        return word;
+    }
+
+    void skipList(std::string_view& line, std::string_view length,
+                  const PlyProperty& property) const {
+        std::uint64_t left = 0;
+        if (!parseNumber(length, left))
+            lines_.fail(inQuotes(length) + " is not the length of a list; expected that of " +
+                        inQuotes(property.name));
+        for (; left > 0; --left) needWord(line, property);
+    }
+
+    TextReader lines_;
+};
+
+class BinaryRows final : public RowReader {
+public:
+    BinaryRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
+        : RowReader(path, bytes, header), at_(header.size), order_(header.byteOrder()) {}
+
+private:
+    [[noreturn]] void fail(const std::string& cause) const {
+        throw FileError(path_, "byte " + std::to_string(at_) + ": " + cause);
+    }
+
+    void checkClaim(const PlyElement& element) const override {
+        const std::size_t bytesLeft = bytes_.size() - at_;
+        if (element.count > bytesLeft / element.smallestRow())
+            fail(claimOf(element) + ", of at least " + std::to_string(element.smallestRow()) +
+                 " bytes each; got " + std::to_string(bytesLeft) + " bytes");
+    }
+
+    bool skipRows(const PlyElement& element) override {
+        if (element.hasLists()) return false;
+        at_ += element.count * element.smallestRow();
+        return true;
+    }
+
+    void readRow(const PlyElement& element, std::size_t) override {
+        for (std::size_t column = 0; column < element.properties.size(); ++column) {
+            const PlyProperty& property = element.properties[column];
+            const std::size_t size = plySize(property.type);
+            if (property.lengthType)
+                skipList(property);
+            else if (const auto axis = axisOf(column))
+                readCoordinate(*axis, take(1, size, property));
+            else
+                take(1, size, property);
+        }
+    }
+
+    /// Moves on by `count` numbers of `size` bytes.
+    /// \return where they begin
+    std::size_t take(std::uint64_t count, std::size_t size, const PlyProperty& property) {
+        if (count > (bytes_.size() - at_) / size)
+            fail("the file ends; expected " + std::to_string(count) + " numbers of " +
+                 std::to_string(size) + " bytes, the property " + inQuotes(property.name));
+        return std::exchange(at_, at_ + count * size);
+    }
+
+    void skipList(const PlyProperty& property) {
+        const PlyType type = *property.lengthType;
+        const std::size_t at = take(1, plySize(type), property);
+        const std::int64_t length = loadInteger(type, at);
+        if (length < 0)
+            fail("a list " + inQuotes(property.name) + " of length " + std::to_string(length));
+        take(static_cast<std::uint64_t>(length), plySize(property.type), property);
+    }
+
+    template <class Number>
+    Number load(std::size_t at) const {
+        return loadNumber<Number>(bytes_.data() + at, order_);
+    }
+
+    std::int64_t loadInteger(PlyType type, std::size_t at) const {
+        switch (type) {
+            case PlyType::Int8:
+                return load<std::int8_t>(at);
+            case PlyType::Uint8:
+                return load<std::uint8_t>(at);
+            case PlyType::Int16:
+                return load<std::int16_t>(at);
+            case PlyType::Uint16:
+                return load<std::uint16_t>(at);
+            case PlyType::Int32:
+                return load<std::int32_t>(at);
+            case PlyType::Uint32:
+                return load<std::uint32_t>(at);
+            case PlyType::Float:
+            case PlyType::Double:
+                break;
+        }
+        fail("the length of a list is not an integer");
+    }
+
+    void readCoordinate(std::size_t axis, std::size_t at) {
+        const std::size_t point = points_.positions.size() - 1;
+        setCoordinate(
+            axis, loadCoordinate(bytes_, at, precisions_[axis], order_, axis, point, path_), at);
+    }
+
+    std::size_t at_;
+    std::endian order_;
+};
+
+}  // namespace
+
+PlyPoints readPlyRows(const std::filesystem::path& path, std::string_view bytes,
+                      const PlyHeader& header) {
+    if (header.format == PlyFormat::Ascii) return AsciiRows(path, bytes, header).read();
+    return BinaryRows(path, bytes, header).read();
+}
+
+}  // namespace espalier::io

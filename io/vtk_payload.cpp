@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/base64.h>
+#include <espalier/io/byte_order.h>
+#include <espalier/io/coding_error.h>
+#include <espalier/io/vtk_payload.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <variant>
+#include <vector>
+
+namespace espalier::io {
+namespace {
+
+/// zlib makes at most so many bytes of one (a deflate symbol of 2 bits stands for up to 258 bytes).
+constexpr std::uint64_t kMostInflation = 1032;
+
+/// As VTK's own writer.
+constexpr std::size_t kBlockSize = 32768;
+
+class RawReader {
+public:
+    explicit RawReader(std::string_view text) : text_(text) {}
+
+    std::size_t mostLeft() const { return text_.size(); }
+
+    std::string read(std::size_t count) {
+        if (count > text_.size())
+            throw CodingError("the raw data ends too early: " + std::to_string(count) +
+                              " bytes are claimed, " + std::to_string(text_.size()) + " are there");
+        std::string result(text_.substr(0, count));
+        text_.remove_prefix(count);
+        return result;
+    }
+
+private:
+    std::string_view text_;
+};
+
+/// Reads the bytes and header words of one array, raw or in base64.
+class PayloadReader {
+public:
+    PayloadReader(std::string_view text, PayloadForm form, const VtkCoding& coding)
+        : coding_(coding), reader_(RawReader(text)) {
+        if (form == PayloadForm::Base64) reader_ = Base64Reader(text);
+    }
+
+    std::size_t mostLeft() const {
+        return std::visit([](const auto& reader) { return reader.mostLeft(); }, reader_);
+    }
+    std::string read(std::uint64_t count) {
+        return std::visit([&](auto& reader) { return reader.read(count); }, reader_);
+    }
+    std::size_t wordSize() const { return coding_.has64BitHeader ? 8 : 4; }
+    std::uint64_t readWord() {
+        if (coding_.has64BitHeader)
+            return loadNumber<std::uint64_t>(read(8).data(), coding_.byteOrder);
+        return loadNumber<std::uint32_t>(read(4).data(), coding_.byteOrder);
+    }
+
+private:
+    VtkCoding coding_;
+    std::variant<RawReader, Base64Reader> reader_;
+};
+
+void appendInflated(std::string_view block, std::uint64_t size, std::string& bytes) {
+    if (size / kMostInflation > block.size())
+        throw CodingError("a block of " + std::to_string(block.size()) +
+                          " compressed bytes claims to hold " + std::to_string(size));
+    const std::size_t before = bytes.size();
+    bytes.resize(before + size);
+    uLongf got = size;
+    // zlib refuses a null destination, which an empty block could give it.
+    Bytef none = 0;
+    Bytef* to = size == 0 ? &none : reinterpret_cast<Bytef*>(bytes.data() + before);
+    const int status =
+        ::uncompress(to, &got, reinterpret_cast<const Bytef*>(block.data()), block.size());
+    if (status != Z_OK || got != size)
+        throw CodingError("a compressed block of " + std::to_string(block.size()) +
+                          " bytes is damaged (zlib)");
+}
+
+std::string decodeCompressed(PayloadReader& reader) {
+    const std::uint64_t blockCount = reader.readWord();
+    if (blockCount == 0) return {};
+    const std::uint64_t blockSize = reader.readWord();
+    const std::uint64_t lastSize = reader.readWord();
+    if (blockCount > reader.mostLeft() / reader.wordSize())
+        throw CodingError("the data claims " + std::to_string(blockCount) +
+                          " compressed blocks; at most " + std::to_string(reader.mostLeft()) +
+                          " bytes are left");
+    std::vector<std::uint64_t> compressedSizes(blockCount);
+    for (std::uint64_t& size : compressedSizes) size = reader.readWord();
+    std::string bytes;
+    for (std::uint64_t block = 0; block < blockCount; ++block) {
+        const bool isCut = block + 1 == blockCount && lastSize != 0;
+        appendInflated(reader.read(compressedSizes[block]), isCut ? lastSize : blockSize, bytes);
+    }
+    return bytes;
+}
+
+void appendWord(std::string& header, std::uint64_t word, const VtkCoding& coding) {
+    const bool isWide = coding.has64BitHeader;
+    if (!isWide && word > std::numeric_limits<std::uint32_t>::max())
+        throw CodingError("an array of " + std::to_string(word) +
+                          " bytes is too large for the file's header_type, UInt32");
+    char bytes[8];
+    if (isWide)
+        storeNumber(bytes, word, coding.byteOrder);
+    else
+        storeNumber(bytes, static_cast<std::uint32_t>(word), coding.byteOrder);
+    header.append(bytes, isWide ? 8 : 4);
+}
+
+std::string encodeCompressed(std::string_view bytes, const VtkCoding& coding) {
+    const std::size_t blockCount = (bytes.size() + kBlockSize - 1) / kBlockSize;
+    std::string header;
+    std::string blocks;
+    appendWord(header, blockCount, coding);
+    appendWord(header, kBlockSize, coding);
+    appendWord(header, bytes.size() % kBlockSize, coding);
+    for (std::size_t block = 0; block < blockCount; ++block) {
+        const std::string_view plain = bytes.substr(block * kBlockSize, kBlockSize);
+        const std::size_t before = blocks.size();
+        uLongf size = ::compressBound(plain.size());
+        blocks.resize(before + size);
+        if (::compress(reinterpret_cast<Bytef*>(blocks.data() + before), &size,
+                       reinterpret_cast<const Bytef*>(plain.data()), plain.size()) != Z_OK)
+            throw CodingError("zlib cannot compress a block: out of memory");
+        blocks.resize(before + size);
+        appendWord(header, size, coding);
+    }
+    return encodeBase64(header) + encodeBase64(blocks);
+}
+
+}  // namespace
+
+std::string decodePayload(std::string_view text, PayloadForm form, const VtkCoding& coding) {
+    PayloadReader reader(text, form, coding);
+    if (coding.isCompressed) return decodeCompressed(reader);
+    return reader.read(reader.readWord());
+}
+
+std::string encodePayload(std::string_view bytes, const VtkCoding& coding) {
+    if (coding.isCompressed) return encodeCompressed(bytes, coding);
+    std::string payload;
+    appendWord(payload, bytes.size(), coding);
+    payload += bytes;
+    return encodeBase64(payload);
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/shapes/lattice.h>
+
+#include <filesystem>
+
+// Lattices in VTK's XML files of unstructured grids (.vtu).
+//
+//     Points                             positions
+//     Cells                              the types 10, 11, 12, 13, 14 and 42
+//     PointData                          attributes; arrays that are not of numbers are skipped
+//     PointData espalier:vertex_sharpness
+//                                        marks: a sharpness a vertex, less than 0 for no mark
+//     FieldData espalier:edge_vertices   marks: two vertices an edge
+//     FieldData espalier:edge_sharpness  marks: a sharpness an edge
+//
+// A sharpness of 10 or more is infinite, and infinite ones are written as 10.
+
+namespace espalier::io {
+
+/// How the arrays of a .vtu file are written.
+enum class VtuEncoding {
+    Ascii,
+    Binary,     ///< base64
+    Compressed  ///< zlib in base64
+};
+
+/// Reads a lattice: ascii, inline or appended, raw or base64, zlib or not, any header_type and
+/// byte_order, polyhedra in the layout of VTK 9.4 and in the one before.
+///
+/// Several pieces become one lattice; their vertices are numbered through, and those that coincide
+/// are not welded. Vertices and cells keep their numbers.
+///
+/// \throws FileError with the line, if the file is malformed or holds cells of other types;
+///         TopologyError, with the path in its message, if the cells do not form a lattice
+Lattice readVtu(const std::filesystem::path& path);
+
+/// Writes a lattice so that it reads back the same: positions and attributes bit for bit, marks in
+/// canonical order. Files are little-endian, with 64-bit headers and the older layout of polyhedra,
+/// which every VTK reads.
+///
+/// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, or the
+///         file cannot be written; TopologyError if a mark names what is not there
+void writeVtu(const std::filesystem::path& path, const Lattice& lattice,
+              VtuEncoding encoding = VtuEncoding::Compressed);
+
+}  // namespace espalier::io

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/file.h>
+#include <espalier/io/lattice_parts.h>
+#include <espalier/io/point_arrays.h>
+#include <espalier/io/vtk_cells.h>
+#include <espalier/io/vtk_xml.h>
+#include <espalier/io/vtu.h>
+#include <espalier/io/words.h>
+
+#include <algorithm>
+#include <string>
+
+namespace espalier::io {
+namespace {
+
+/// Rows of an array, each of which ends at one of the offsets.
+class RowsOfFile {
+public:
+    /// \throws FileError if the offsets are not such; `what` names them
+    RowsOfFile(const VtkXmlFile& file, const VtkSection& section, const char* values,
+               const char* offsets)
+        : values_(file.integers(file.array(section, values))),
+          ends_(file.integers(file.array(section, offsets))) {
+        std::int64_t before = 0;
+        for (const std::int64_t end : ends_) {
+            if (end < before || end > static_cast<std::int64_t>(values_.size()))
+                file.fail(file.array(section, offsets).line,
+                          "the array " + inQuotes(offsets) + " has " + std::to_string(end) +
+                              " after " + std::to_string(before) + "; the array " +
+                              inQuotes(values) + " has " + std::to_string(values_.size()) +
+                              " values");
+            before = end;
+        }
+    }
+
+    std::size_t count() const { return ends_.size(); }
+
+    std::span<const std::int64_t> operator[](std::size_t row) const {
+        const auto begin = static_cast<std::size_t>(row == 0 ? 0 : ends_[row - 1]);
+        return std::span(values_).subspan(begin, static_cast<std::size_t>(ends_[row]) - begin);
+    }
+
+private:
+    std::vector<std::int64_t> values_;
+    std::vector<std::int64_t> ends_;
+};
+
+class VtuReader {
+public:
+    explicit VtuReader(const std::filesystem::path& path)
+        : file_(VtkXmlFile::read(path, readFile(path), "UnstructuredGrid")) {}
+
+    Lattice read() {
+        for (const VtkPiece& piece : file_.pieces()) {
+            const std::vector<Point3> points = readPoints(file_, piece);
+            positions_.insert(positions_.end(), points.begin(), points.end());
+            readPointData(piece);
+        }
+        VtkCellReader cells(file_.path(), checkedIndex(file_.path(), positions_.size(), "points"));
+        far::Index firstVertex = 0;
+        for (const VtkPiece& piece : file_.pieces()) {
+            const auto count = static_cast<far::Index>(file_.count(piece, "NumberOfPoints"));
+            cells.beginPiece(firstVertex, count);
+            readCells(piece, cells);
+            firstVertex += count;
+        }
+        readEdgeMarks();
+        marks_.vertices = vertexMarksFromFile(vertexSharpness_);
+        return finishLattice(file_.path(), cells.builder(), std::move(positions_), marks_,
+                             std::move(attributes_));
+    }
+
+private:
+    /// Appends the attributes of a piece to those of the pieces before it, which must be the same.
+    void readPointData(const VtkPiece& piece) {
+        const std::size_t count = file_.count(piece, "NumberOfPoints");
+        if (count == 0) return;
+        const auto at = piece.sections.find("PointData");
+        std::size_t known = 0;
+        bool hasSharpness = false;
+        if (at != piece.sections.end())
+            for (const VtkDataArray& array : at->second.arrays) {
+                if (!array.type) continue;
+                const std::vector<double> values = file_.reals(array, count);
+                if (array.name == kVertexSharpness && array.components == 1) {
+                    hasSharpness = true;
+                    append(vertexSharpness_, values);
+                } else {
+                    append(attributeOf(array, known++).values, values);
+                }
+            }
+        if (!hasSharpness) vertexSharpness_.resize(positions_.size(), kUnmarkedInFile);
+        if (known != attributes_.size())
+            file_.fail(piece.line, "the piece has " + std::to_string(known) +
+                                       " arrays of PointData; the first one has " +
+                                       std::to_string(attributes_.size()));
+        isFirstPiece_ = false;
+    }
+
+    VertexAttribute& attributeOf(const VtkDataArray& array, std::size_t number) {
+        if (isFirstPiece_) {
+            const auto components = checkedIndex(file_.path(), array.components, "components");
+            attributes_.push_back({array.name, components, {}});
+        }
+        if (number >= attributes_.size() || attributes_[number].name != array.name ||
+            static_cast<std::size_t>(attributes_[number].components) != array.components)
+            file_.fail(array.line, "the array " + inQuotes(array.name) +
+                                       " is not in the PointData of the first piece");
+        return attributes_[number];
+    }
+
+    static void append(std::vector<double>& values, const std::vector<double>& more) {
+        values.insert(values.end(), more.begin(), more.end());
+    }
+
+    void readCells(const VtkPiece& piece, VtkCellReader& cells) {
+        const std::size_t count = file_.count(piece, "NumberOfCells");
+        if (count == 0) return;
+        const VtkSection& section = file_.section(piece, "Cells");
+        const auto types = file_.integers(file_.array(section, "types"), count);
+        const RowsOfFile vertices(file_, section, "connectivity", "offsets");
+        checkCount(section, "offsets", vertices.count(), count);
+        const bool havePolyhedra =
+            std::find(types.begin(), types.end(), kVtkPolyhedron) != types.end();
+        const auto addStandard = [&](std::size_t cell) { cells.add(types[cell], vertices[cell]); };
+        if (!havePolyhedra)
+            for (std::size_t cell = 0; cell < count; ++cell) addStandard(cell);
+        else if (section.find("polyhedron_offsets"))
+            addWithFaceLists(section, types, addStandard, cells);
+        else
+            addWithFaceStreams(section, types, addStandard, cells);
+    }
+
+    /// The layout since VTK 9.4: faces are listed once, and polyhedra list faces.
+    template <class AddStandard>
+    void addWithFaceLists(const VtkSection& section, const std::vector<std::int64_t>& types,
+                          AddStandard addStandard, VtkCellReader& cells) {
+        const RowsOfFile loops(file_, section, "face_connectivity", "face_offsets");
+        const RowsOfFile faces(file_, section, "polyhedron_to_faces", "polyhedron_offsets");
+        checkCount(section, "polyhedron_offsets", faces.count(), types.size());
+        std::vector<std::span<const std::int64_t>> cellLoops;
+        for (std::size_t cell = 0; cell < types.size(); ++cell) {
+            if (types[cell] != kVtkPolyhedron) {
+                addStandard(cell);
+                continue;
+            }
+            cellLoops.clear();
+            for (const std::int64_t face : faces[cell]) {
+                if (face < 0 || static_cast<std::uint64_t>(face) >= loops.count())
+                    file_.fail(section.line, "cell " + std::to_string(cell) +
+                                                 " of the piece names face " +
+                                                 std::to_string(face) + "; there are " +
+                                                 std::to_string(loops.count()));
+                cellLoops.push_back(loops[static_cast<std::size_t>(face)]);
+            }
+            cells.addPolyhedron(cellLoops);
+        }
+    }
+
+    /// The layout before: a face stream a polyhedron; the offset of any other cell is −1.
+    template <class AddStandard>
+    void addWithFaceStreams(const VtkSection& section, const std::vector<std::int64_t>& types,
+                            AddStandard addStandard, VtkCellReader& cells) {
+        const auto faces = file_.integers(file_.array(section, "faces"));
+        const VtkDataArray& offsets = file_.array(section, "faceoffsets");
+        const auto ends = file_.integers(offsets, types.size());
+        std::int64_t begin = 0;
+        for (std::size_t cell = 0; cell < types.size(); ++cell) {
+            if (types[cell] != kVtkPolyhedron) {
+                addStandard(cell);
+                continue;
+            }
+            const std::int64_t end = ends[cell];
+            if (end < begin || end > static_cast<std::int64_t>(faces.size()))
+                file_.fail(offsets.line, "the faces of cell " + std::to_string(cell) +
+                                             " of the piece run from " + std::to_string(begin) +
+                                             " to " + std::to_string(end) +
+                                             "; the array 'faces' has " +
+                                             std::to_string(faces.size()) + " values");
+            cells.addPolyhedron(std::span(faces).subspan(static_cast<std::size_t>(begin),
+                                                         static_cast<std::size_t>(end - begin)));
+            begin = end;
+        }
+    }
+
+    void checkCount(const VtkSection& section, const char* name, std::size_t got,
+                    std::size_t expected) {
+        if (got != expected)
+            file_.fail(file_.array(section, name).line,
+                       "the array " + inQuotes(name) + " has " + std::to_string(got) +
+                           " values; expected one a cell, " + std::to_string(expected));
+    }
+
+    void readEdgeMarks() {
+        const VtkDataArray* ends = file_.fieldData().find(kEdgeVertices);
+        const VtkDataArray* sharpness = file_.fieldData().find(kEdgeSharpness);
+        if (!ends && !sharpness) return;
+        if (!ends || !sharpness || ends->components != 2)
+            file_.fail(file_.fieldData().line, std::string("marks need both arrays, ") +
+                                                   kEdgeVertices + " of 2 components and " +
+                                                   kEdgeSharpness);
+        const auto values = file_.reals(*sharpness);
+        const auto vertices = file_.integers(*ends, values.size());
+        for (std::size_t mark = 0; mark < values.size(); ++mark) {
+            if (!isMarkInFile(values[mark])) continue;
+            marks_.edges.push_back({{markedVertex(*ends, vertices[2 * mark]),
+                                     markedVertex(*ends, vertices[2 * mark + 1])},
+                                    sharpnessFromFile(values[mark])});
+        }
+    }
+
+    far::Index markedVertex(const VtkDataArray& array, std::int64_t vertex) {
+        if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= positions_.size())
+            file_.fail(array.line, "a mark names vertex " + std::to_string(vertex) +
+                                       "; there are " + std::to_string(positions_.size()));
+        return static_cast<far::Index>(vertex);
+    }
+
+    VtkXmlFile file_;
+    std::vector<Point3> positions_;
+    std::vector<VertexAttribute> attributes_;
+    std::vector<double> vertexSharpness_;
+    far::Marks marks_;
+    bool isFirstPiece_ = true;
+};
+
+}  // namespace
+
+Lattice readVtu(const std::filesystem::path& path) {
+    return VtuReader(path).read();
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/standard_cells.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/complexes.h"
+
+namespace espalier::far {
+namespace {
+
+using test::Loops;
+
+CellComplex cellOf(const Loops& loops, Index vertexCount) {
+    return test::lattice(vertexCount, {loops});
+}
+
+/// The same loops, each from its smallest vertex on, in order.
+Loops canonical(Loops loops) {
+    for (auto& loop : loops)
+        std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+    std::sort(loops.begin(), loops.end());
+    return loops;
+}
+
+/// The faces of the standard cell that is found.
+Loops facesOf(const StandardCellVertices& cell) {
+    Loops loops = faceLoops(cell.kind);
+    for (auto& loop : loops)
+        for (Index& vertex : loop) vertex = cell.vertices[static_cast<std::size_t>(vertex)];
+    return canonical(loops);
+}
+
+Loops facesOf(const CellComplex& complex, Index cell) {
+    return canonical(outwardLoops(complex, CellId(cell)));
+}
+
+/// However the faces come – in another order, from another vertex on, vertices renumbered – the
+/// cell is recognised, and its faces are those of the complex with their orientation.
+TEST(StandardCells, AreRecognisedByTheirFaces) {
+    for (const StandardCell kind : {StandardCell::Tetrahedron, StandardCell::Pyramid,
+                                    StandardCell::Wedge, StandardCell::Hexahedron}) {
+        const Index count = vertexCount(kind);
+        for (Index turn = 0; turn < count; ++turn) {
+            Loops loops = faceLoops(kind);
+            for (auto& loop : loops) {
+                // 7 has no factor in common with 4, 5, 6 or 8: this is a permutation.
+                for (Index& vertex : loop) vertex = (7 * vertex + turn) % count;
+                std::rotate(loop.begin(), loop.begin() + turn % 3, loop.end());
+            }
+            std::rotate(loops.begin(), loops.begin() + turn % 4, loops.end());
+            const CellComplex complex = cellOf(loops, count);
+            const auto cell = asStandardCell(complex, CellId(0));
+            ASSERT_TRUE(cell);
+            EXPECT_EQ(cell->kind, kind);
+            EXPECT_EQ(facesOf(*cell), facesOf(complex, 0));
+        }
+    }
+}
+
+TEST(StandardCells, FollowTheOrientationOfTheComplex) {
+    Loops loops = faceLoops(StandardCell::Wedge);
+    for (auto& loop : loops) std::reverse(loop.begin(), loop.end());
+    const CellComplex complex = cellOf(loops, 6);
+    const auto cell = asStandardCell(complex, CellId(0));
+    ASSERT_TRUE(cell);
+    EXPECT_EQ(cell->kind, StandardCell::Wedge);
+    EXPECT_EQ(facesOf(*cell), facesOf(complex, 0));
+}
+
+/// Both cells of a shared face see it from their own side.
+TEST(StandardCells, AreRecognisedOnBothSidesOfAFace) {
+    const CellComplex complex = test::mixedCells();
+    const StandardCell kinds[] = {StandardCell::Hexahedron, StandardCell::Pyramid,
+                                  StandardCell::Wedge, StandardCell::Tetrahedron};
+    for (Index c = 0; c < 4; ++c) {
+        const auto cell = asStandardCell(complex, CellId(c));
+        ASSERT_TRUE(cell) << c;
+        EXPECT_EQ(cell->kind, kinds[c]);
+        EXPECT_EQ(facesOf(*cell), facesOf(complex, c));
+    }
+}
+
+/// A pyramid whose edge between two triangles has a vertex in it: two triangles and three
+/// quadrilaterals, as a wedge has, and yet no wedge.
+TEST(StandardCells, AreNotRecognisedByTheSizesOfTheirFacesAlone) {
+    const CellComplex complex =
+        cellOf({{0, 3, 2, 1}, {0, 1, 5, 4}, {1, 2, 4, 5}, {2, 3, 4}, {3, 0, 4}}, 6);
+    EXPECT_FALSE(asStandardCell(complex, CellId(0)));
+
+    // Two tetrahedra's worth of triangles over a triangle whose edges have a vertex in them each:
+    // six quadrilaterals and eight vertices, as a hexahedron has.
+    const CellComplex six = cellOf(
+        {{0, 5, 1, 3}, {1, 6, 2, 3}, {2, 7, 0, 3}, {1, 5, 0, 4}, {2, 6, 1, 4}, {0, 7, 2, 4}}, 8);
+    EXPECT_FALSE(asStandardCell(six, CellId(0)));
+
+    EXPECT_FALSE(asStandardCell(test::bipyramid(5), CellId(0)));
+}
+
+TEST(HexahedronVertices, AreInVtkOrder) {
+    // The first face of the standard cell, (0 4 7 3) from outside, is (0 3 7 4) from inside.
+    EXPECT_EQ(hexahedronVertices(test::singleCell(StandardCell::Hexahedron), CellId(0)),
+              (std::array<Index, 8>{0, 3, 7, 4, 1, 2, 6, 5}));
+    for (const auto other : {StandardCell::Tetrahedron, StandardCell::Pyramid, StandardCell::Wedge})
+        EXPECT_EQ(hexahedronVertices(test::singleCell(other), CellId(0)), std::nullopt);
+}
+
+TEST(HexahedronVertices, SixQuadrilateralsNeedNotBeAHexahedron) {
+    // Vertices 0 and 1 have valence 4, 6 and 7 valence 2.
+    const CellComplex solid = test::lattice(
+        8, {{{0, 2, 1, 3}, {0, 3, 6, 4}, {6, 3, 1, 4}, {0, 4, 1, 5}, {0, 5, 7, 2}, {7, 5, 1, 2}}});
+    EXPECT_EQ(solid.count(2), 6);
+    EXPECT_EQ(solid.count(0), 8);
+    EXPECT_EQ(hexahedronVertices(solid, CellId(0)), std::nullopt);
+}
+
+// The quick way and the general one find the same cells, though not the same first corner.
+TEST(HexahedronVertices, AreThoseOfTheStandardCell) {
+    for (const CellComplex& complex : {test::grid({2, 2, 1}), test::mixedCells()})
+        for (Index cell = 0; cell < complex.count(3); ++cell) {
+            const auto general = asStandardCell(complex, CellId(cell));
+            const auto quick = hexahedronVertices(complex, CellId(cell));
+            ASSERT_TRUE(general);
+            ASSERT_EQ(quick.has_value(), general->kind == StandardCell::Hexahedron);
+            if (!quick) continue;
+            EXPECT_EQ(facesOf({StandardCell::Hexahedron, {quick->begin(), quick->end()}}),
+                      facesOf(complex, cell));
+        }
+}
+
+}  // namespace
+}  // namespace espalier::far

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/standard_cells.h>
+#include <espalier/io/file.h>
+#include <espalier/io/lattice_file.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <support/complexes.h>
+#include <support/temporary_folder.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
+
+// Lattices to write and to read, and what it means that two are the same.
+
+namespace espalier::test {
+
+inline void putLatticeFile(const std::filesystem::path& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+/// Reads these bytes as a lattice; `name` gives the format.
+inline Lattice latticeOf(const std::string& name, const std::string& bytes) {
+    const TemporaryFolder folder;
+    putLatticeFile(folder / name, bytes);
+    return io::readLattice(folder / name);
+}
+
+/// The message with which these bytes are refused, after the path; empty if they are not.
+inline std::string refusalOf(const std::string& name, const std::string& bytes) {
+    const TemporaryFolder folder;
+    const std::string path = (folder / name).string();
+    putLatticeFile(path, bytes);
+    try {
+        io::readLattice(path);
+    } catch (const Error& error) {
+        const std::string what = error.what();
+        EXPECT_EQ(what.rfind(path, 0), 0u) << "the message lacks the path: " << what;
+        EXPECT_EQ(what.find('\n'), std::string::npos) << "not one line: " << what;
+        return what.substr(std::min(what.size(), path.size()));
+    }
+    return "";
+}
+
+/// The bytes of the file that a lattice is written to.
+inline std::string writtenLattice(const std::string& name, const Lattice& lattice,
+                                  const io::WriteLatticeOptions& options = {}) {
+    const TemporaryFolder folder;
+    io::writeLattice(folder / name, lattice, options);
+    return io::readFile(folder / name);
+}
+
+/// Numbers that do not survive careless formatting.
+inline double awkwardNumber(std::size_t i) {
+    constexpr double kNumbers[] = {0.1, -1.0 / 3,          5e-324, -0.0, 1e300, 1e-17, 16777217,
+                                   2.5, 1.0000000000000002};
+    return kNumbers[i % std::size(kNumbers)];
+}
+
+inline Lattice withAwkwardPositions(far::CellComplex complex) {
+    Lattice lattice;
+    lattice.complex = std::move(complex);
+    lattice.positions.resize(static_cast<std::size_t>(lattice.complex.count(0)));
+    std::size_t i = 0;
+    for (Point3& position : lattice.positions)
+        for (double& coordinate : position) coordinate = awkwardNumber(i++);
+    return lattice;
+}
+
+/// 2 × 1 × 1 hexahedra.
+inline Lattice boxLattice() {
+    far::ComplexBuilder builder(3, 12);
+    builder.addCell(far::StandardCell::Hexahedron, {0, 1, 4, 3, 6, 7, 10, 9});
+    builder.addCell(far::StandardCell::Hexahedron, {1, 2, 5, 4, 7, 8, 11, 10});
+    return withAwkwardPositions(builder.build());
+}
+
+/// A hexahedron, a pyramid on it, a wedge beside it and a tetrahedron on that.
+inline Lattice mixedLattice() {
+    return withAwkwardPositions(mixedCells());
+}
+
+/// A prism over a pentagon (no standard cell) and a hexahedron beside it, each face wound anyhow.
+inline Lattice polyhedralLattice() {
+    far::ComplexBuilder builder(3, 14);
+    const std::vector<std::vector<far::Index>> prism = {
+        {4, 3, 2, 1, 0}, {5, 6, 7, 8, 9}, {0, 1, 6, 5}, {1, 2, 7, 6},
+        {8, 7, 2, 3},    {3, 4, 9, 8},    {5, 9, 4, 0}};
+    builder.addCell(prism);
+    builder.addCell(far::StandardCell::Hexahedron, {0, 10, 11, 1, 5, 12, 13, 6});
+    return withAwkwardPositions(builder.build());
+}
+
+/// Puts marks and attributes of all kinds on a lattice.
+inline Lattice withMarksAndAttributes(Lattice lattice) {
+    const auto edge = [&](far::Index e) {
+        const auto ends = lattice.complex.relation(1, 0)[e];
+        return std::array<far::Index, 2>{std::min(ends[0], ends[1]), std::max(ends[0], ends[1])};
+    };
+    lattice.marks.edges = {{edge(3), far::kInfinitelySharp}, {edge(5), 0}, {edge(1), 2.5}};
+    std::sort(lattice.marks.edges.begin(), lattice.marks.edges.end(),
+              [](const auto& a, const auto& b) { return a.vertices < b.vertices; });
+    lattice.marks.vertices = {{0, 0}, {2, far::kInfinitelySharp}, {7, 0.1}};
+    for (const int components : {1, 2, 3, 4, 6}) {
+        VertexAttribute attribute{"a & <b> " + std::to_string(components), components, {}};
+        for (std::size_t i = 0; i < lattice.positions.size() * static_cast<std::size_t>(components);
+             ++i)
+            attribute.values.push_back(awkwardNumber(3 * i + 1));
+        attribute.values[1] = std::numeric_limits<double>::infinity();
+        attribute.values[2] = std::numeric_limits<double>::quiet_NaN();
+        lattice.attributes.push_back(attribute);
+    }
+    return lattice;
+}
+
+inline std::vector<Lattice> sampleLattices() {
+    return {boxLattice(),
+            mixedLattice(),
+            polyhedralLattice(),
+            withMarksAndAttributes(boxLattice()),
+            withMarksAndAttributes(mixedLattice()),
+            withMarksAndAttributes(polyhedralLattice())};
+}
+
+/// The faces of each cell as loops anticlockwise from outside, wherever they start and in whatever
+/// order they come.
+inline std::vector<std::vector<std::vector<far::Index>>> orientedCells(
+    const far::CellComplex& complex) {
+    std::vector<std::vector<std::vector<far::Index>>> cells;
+    for (far::Index cell = 0; cell < complex.count(3); ++cell) {
+        auto loops = far::outwardLoops(complex, far::CellId(cell));
+        for (auto& loop : loops)
+            std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+        std::sort(loops.begin(), loops.end());
+        cells.push_back(loops);
+    }
+    return cells;
+}
+
+inline std::vector<std::uint64_t> bitsOf(const std::vector<double>& values) {
+    std::vector<std::uint64_t> bits;
+    for (const double value : values) bits.push_back(std::bit_cast<std::uint64_t>(value));
+    return bits;
+}
+
+inline std::vector<std::uint64_t> bitsOf(const std::vector<Point3>& points) {
+    std::vector<double> values;
+    for (const Point3& point : points) values.insert(values.end(), point.begin(), point.end());
+    return bitsOf(values);
+}
+
+inline void expectSameLattice(const Lattice& got, const Lattice& expected) {
+    for (int d = 0; d <= 3; ++d) EXPECT_EQ(got.complex.count(d), expected.complex.count(d));
+    EXPECT_EQ(orientedCells(got.complex), orientedCells(expected.complex));
+    EXPECT_EQ(bitsOf(got.positions), bitsOf(expected.positions));
+    EXPECT_EQ(got.marks, expected.marks);
+    ASSERT_EQ(got.attributes.size(), expected.attributes.size());
+    for (std::size_t i = 0; i < got.attributes.size(); ++i) {
+        EXPECT_EQ(got.attributes[i].name, expected.attributes[i].name);
+        EXPECT_EQ(got.attributes[i].components, expected.attributes[i].components);
+        EXPECT_EQ(bitsOf(got.attributes[i].values), bitsOf(expected.attributes[i].values));
+    }
+}
+
+}  // namespace espalier::test

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/file.h>
+#include <espalier/io/model.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <support/temporary_folder.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace espalier::test {
+
+inline void putFile(const std::filesystem::path& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+/// What a model writes.
+inline std::string written(const io::Model& model, std::span<const Point3> positions) {
+    const TemporaryFolder folder;
+    const auto path = folder / ("out" + std::string(model.extension()));
+    model.write(path, positions);
+    return io::readFile(path);
+}
+
+inline std::vector<Point3> copyOf(std::span<const Point3> points) {
+    return {points.begin(), points.end()};
+}
+
+/// The bytes of a number, made here and not by what is tested.
+template <class Number>
+std::string bytesOf(Number number, std::endian order) {
+    std::string bytes(sizeof number, '\0');
+    std::memcpy(bytes.data(), &number, sizeof number);
+    if (order != std::endian::native) std::reverse(bytes.begin(), bytes.end());
+    return bytes;
+}
+
+/// Cuts the file at every byte before `end`: each part is refused with a FileError.
+inline void expectPartsRefused(const std::string& name, const std::string& bytes, std::size_t end) {
+    for (std::size_t size = 0; size < end; ++size)
+        EXPECT_THROW(io::readModel(name, bytes.substr(0, size)), io::FileError)
+            << name << " cut after byte " << size;
+}
+
+}  // namespace espalier::test

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/model.h>
+#include <io/model_files.h>
+
+#include <cstdlib>
+#include <limits>
+
+namespace espalier::io {
+namespace {
+
+using test::written;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+TEST(Model, KnowsItsFormatWhateverTheCaseOfTheExtension) {
+    EXPECT_EQ(readModel("a.obj", kTriangle)->extension(), ".obj");
+    EXPECT_EQ(readModel("a.OBJ", kTriangle)->extension(), ".obj");
+    EXPECT_EQ(readModel("a.b.Obj", kTriangle)->positions().size(), 3u);
+}
+
+TEST(Model, RefusesAnExtensionThatItDoesNotKnowAndListsThoseItDoes) {
+    for (const char* name : {"model.fbx", "model", "obj", ".obj"})
+        EXPECT_THAT([&] { readModel(name, kTriangle); },
+                    ThrowsMessage<FileError>(HasSubstr(".obj, .ply, .stl, .vtu")))
+            << name;
+}
+
+TEST(Model, MayBeAnUnstructuredGrid) {
+    const std::string text =
+        "<VTKFile type='UnstructuredGrid' version='1.0' byte_order='LittleEndian'>\n"
+        "<UnstructuredGrid><Piece NumberOfPoints='1' NumberOfCells='0'>\n"
+        "<Points><DataArray type='Float32' NumberOfComponents='3' format='ascii'>\n"
+        "1 2 3.5\n"
+        "</DataArray></Points><Cells/></Piece></UnstructuredGrid></VTKFile>\n";
+    const auto model = readModel("a.VTU", text);
+    EXPECT_EQ(model->extension(), ".vtu");
+    EXPECT_THAT(model->positions(), testing::ElementsAre(Point3{1, 2, 3.5}));
+    EXPECT_EQ(written(*model, model->positions()), text);
+    const auto again = readModel("b.vtu", written(*model, std::vector<Point3>{{4, 5, 6}}));
+    EXPECT_THAT(again->positions(), testing::ElementsAre(Point3{4, 5, 6}));
+    EXPECT_THAT([] { readModel("none.vtu", "<VTKFile"); },
+                ThrowsMessage<FileError>(HasSubstr("none.vtu:1: ")));
+}
+
+TEST(Model, IsReadFromAFileAsFromMemory) {
+    const test::TemporaryFolder folder;
+    test::putFile(folder / "a.obj", kTriangle);
+    const auto model = readModel(folder / "a.obj");
+    EXPECT_EQ(test::copyOf(model->positions()),
+              test::copyOf(readModel("none/a.obj", kTriangle)->positions()));
+    EXPECT_EQ(written(*model, model->positions()), kTriangle);
+}
+
+TEST(Model, RefusesAFileThatIsNotThere) {
+    const test::TemporaryFolder folder;
+    EXPECT_THAT([&] { readModel(folder / "none.obj"); },
+                ThrowsMessage<FileError>(HasSubstr("none.obj: cannot open")));
+}
+
+TEST(Model, RefusesAModelOfNoPoints) {
+    const std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\n"
+        "property float y\nproperty float z\nend_header\n";
+    EXPECT_THAT([&] { readModel("a.obj", "# nothing\n"); },
+                ThrowsMessage<FileError>(HasSubstr("no points")));
+    EXPECT_THAT([&] { readModel("a.ply", header); },
+                ThrowsMessage<FileError>(HasSubstr("no points")));
+    EXPECT_THAT([&] { readModel("a.stl", "solid\nendsolid\n"); },
+                ThrowsMessage<FileError>(HasSubstr("no points")));
+}
+
+TEST(Model, RefusesAnotherNumberOfPositionsAndNamesBoth) {
+    const auto model = readModel("a.obj", kTriangle);
+    const std::vector<Point3> two(2);
+    EXPECT_THAT([&] { written(*model, two); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("2 positions"), HasSubstr("3 points"))));
+}
+
+TEST(Model, RefusesAPositionThatIsNotFiniteAndLeavesTheOldFile) {
+    const test::TemporaryFolder folder;
+    test::putFile(folder / "out.obj", "old");
+    const auto model = readModel("a.obj", kTriangle);
+    auto moved = test::copyOf(model->positions());
+    moved[1][2] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THAT([&] { model->write(folder / "out.obj", moved); },
+                ThrowsMessage<Error>(HasSubstr("point 1 is not finite")));
+    EXPECT_EQ(readFile(folder / "out.obj"), "old");
+}
+
+TEST(Model, IsNotWrittenUnderTheExtensionOfAnotherFormat) {
+    const test::TemporaryFolder folder;
+    const auto model = readModel("a.obj", kTriangle);
+    EXPECT_THAT([&] { model->write(folder / "out.PLY", model->positions()); },
+                ThrowsMessage<FileError>(HasSubstr("read as .obj")));
+    EXPECT_FALSE(std::filesystem::exists(folder / "out.PLY"));
+    EXPECT_NO_THROW(model->checkTarget(folder / "out.OBJ"));
+    EXPECT_NO_THROW(model->checkTarget("/dev/stdout"));
+    EXPECT_NO_THROW(model->checkTarget(folder / "out.backup"));
+}
+
+std::filesystem::path sharedData() {
+    const char* folder = std::getenv("ESPALIER_SHARED_DATA");
+    return folder ? folder : std::filesystem::path(ESPALIER_SOURCE_DIR) / "../shared/data";
+}
+
+TEST(Model, PublicModelsComeBackByteForByte) {
+    const auto folder = sharedData() / "models";
+    if (!std::filesystem::exists(folder))
+        GTEST_SKIP() << folder << " is absent: set ESPALIER_SHARED_DATA to have it read";
+    // Their numbers of `v` lines, as grep -c '^v ' counts them.
+    const std::pair<const char*, std::size_t> expected[] = {
+        {"rocker-arm.obj", 10044}, {"spot.obj", 2930}, {"stanford-bunny.obj", 35947}};
+    for (const auto& [name, count] : expected) {
+        const auto model = readModel(folder / name);
+        EXPECT_EQ(model->positions().size(), count) << name;
+        // Not EXPECT_EQ: on failure it would print megabytes.
+        EXPECT_TRUE(written(*model, model->positions()) == readFile(folder / name)) << name;
+    }
+}
+
+}  // namespace
+}  // namespace espalier::io

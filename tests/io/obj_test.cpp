@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/obj.h>
+#include <io/model_files.h>
+
+namespace espalier::io {
+namespace {
+
+using test::copyOf;
+using test::written;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// All that an OBJ may hold around its points, with "\n" as line end.
+const std::string kFullText =
+    "# exported to C:\\models\\\n"
+    "mtllib a.mtl\n"
+    "\n"
+    "  v\t0.50  -1e-3   +2  0.25 # a weight\n"
+    "v 1 2 3 0.1 0.2 0.3\n"
+    "vn 0 0 1\n"
+    "vt 0 1\n"
+    "vp 0.5\n"
+    "g a \\\n"
+    "v b\n"
+    "v 1.0 \\\n"
+    " 2.0\\\n"
+    "3.0# no space\n"
+    "f 1/1/1 \\\n"
+    " 2/1/1 3/1/1\n"
+    "unknown v 1 2 3\n"
+    "v 1e2 0.5 7";  // the last line has no end
+
+std::string withLineEnds(const std::string& text, const std::string& end) {
+    std::string result;
+    for (const char c : text) result += c == '\n' ? end : std::string(1, c);
+    return result;
+}
+
+TEST(Obj, ReadsThePoints) {
+    for (const char* end : {"\n", "\r\n"}) {
+        const auto model = readModel("a.obj", withLineEnds(kFullText, end));
+        EXPECT_THAT(model->positions(), ElementsAre(Point3{0.5, -1e-3, 2}, Point3{1, 2, 3},
+                                                    Point3{1, 2, 3}, Point3{100, 0.5, 7}));
+    }
+}
+
+TEST(Obj, ComesBackByteForByteWhereNothingMoved) {
+    for (const char* end : {"\n", "\r\n"}) {
+        const std::string text = withLineEnds(kFullText, end);
+        const auto model = readModel("a.obj", text);
+        EXPECT_EQ(written(*model, model->positions()), text);
+    }
+}
+
+TEST(Obj, ReplacesTheCoordinatesThatChangedAndNothingElse) {
+    for (const std::string end : {"\n", "\r\n"}) {
+        const auto model = readModel("a.obj", withLineEnds(kFullText, end));
+        auto moved = copyOf(model->positions());
+        moved[0] = {0.1, -1e-3, 1e-7};
+        moved[2] = {-1, -2, -3.5};
+        moved[3] = {1.0 / 3, 1e22, 0};
+        std::string expected = kFullText;
+        const auto replace = [&](const std::string& from, const std::string& to) {
+            expected.replace(expected.find(from), from.size(), to);
+        };
+        replace("0.50  -1e-3   +2 ", "0.1  -1e-3   1e-07 ");
+        replace("1.0 \\\n 2.0\\\n3.0#", "-1 \\\n -2\\\n-3.5#");
+        // 17 digits are needed for 1/3; to_chars takes the shorter of the two notations.
+        replace("1e2 0.5 7", "0.3333333333333333 1e+22 0");
+        EXPECT_EQ(written(*model, moved), withLineEnds(expected, end));
+    }
+}
+
+TEST(Obj, WritesTheSameDoubles) {
+    const auto model = readModel("a.obj", "v 0 0 0\nv 0 0 0\n");
+    const std::vector<Point3> moved = {{0.1 + 0.2, 5e-324, -1.7976931348623157e308},
+                                       {1 / 3.0, 1e-300, 123456789.123456789}};
+    const auto again = readModel("b.obj", written(*model, moved));
+    EXPECT_EQ(copyOf(again->positions()), moved);
+}
+
+TEST(Obj, PassesOverAByteOrderMark) {
+    const std::string text = "\xEF\xBB\xBFv 1 2 3\n";
+    const auto model = readModel("a.obj", text);
+    EXPECT_THAT(model->positions(), ElementsAre(Point3{1, 2, 3}));
+    EXPECT_EQ(written(*model, std::vector<Point3>{{1, 2, 4}}), "\xEF\xBB\xBFv 1 2 4\n");
+}
+
+TEST(Obj, RefusesAMalformedVertexWithItsLineAndTheCause) {
+    const auto refused = [](const std::string& line, const std::string& why) {
+        EXPECT_THAT([&] { readModel("a.obj", "# one\nv 0 0 0\n" + line + "\nv 1 1 1\n"); },
+                    ThrowsMessage<FileError>(AllOf(HasSubstr("a.obj:3: "), HasSubstr(why))))
+            << line;
+    };
+    refused("v", "the line ends; expected x");
+    refused("v 1 2", "the line ends; expected z");
+    refused("v 1 2 # 3", "the line ends; expected z");
+    refused("v 1 two 3", "'two' is not a number; expected y");
+    refused("v 1,5 2 3", "'1,5' is not a number; expected x");
+    refused("v 1 2 3v 4 5", "'3v' is not a number; expected z");
+    refused("v 1 2 3 v 4 5 6", "'v' is not a number; expected w or a colour");
+    refused("v nan 0 0", "'nan' is not finite; expected x");
+    refused("v 0 0 -inf", "'-inf' is not finite; expected z");
+    refused("v 0 1e999 0", "'1e999' is not a number; expected y");
+    refused("v 1 \\", "'v' is not a number; expected y");
+}
+
+TEST(Obj, CountsTheLinesOfContinuedStatements) {
+    EXPECT_THAT([] { readModel("a.obj", "g a \\\n b \\\r\n c\nv 1 \\\n 2\n"); },
+                ThrowsMessage<FileError>(HasSubstr("a.obj:4: ")));
+}
+
+TEST(Obj, EveryPartIsReadOrRefused) {
+    std::size_t readCount = 0;
+    for (std::size_t i = 0; i < 20; ++i) {
+        const std::string part = kFullText.substr(0, kFullText.size() * i / 20);
+        try {
+            const auto model = readModel("a.obj", part);
+            EXPECT_EQ(written(*model, model->positions()), part);
+            ++readCount;
+        } catch (const FileError&) {
+            // A part that ends within a vertex, or before the first.
+        }
+    }
+    EXPECT_GT(readCount, 10u);  // most ends are not within a vertex
+}
+
+}  // namespace
+}  // namespace espalier::io

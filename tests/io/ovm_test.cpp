@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lattice_samples.h"
+
+#include <espalier/far/error.h>
+
+namespace espalier::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// A tetrahedron as OpenVolumeMesh itself writes it: half-faces have their normals inwards.
+const std::string kTetrahedron =
+    "OVM ASCII\n"
+    "Vertices\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+    "Edges\n6\n0 1\n1 2\n2 0\n0 3\n3 1\n3 2\n"
+    "Faces\n4\n3 0 2 4\n3 6 8 1\n3 9 10 3\n3 11 7 5\n"
+    "Polyhedra\n1\n4 0 2 4 6\n";
+
+Lattice read(const std::string& text) {
+    return latticeOf("a.ovm", text);
+}
+
+std::string refusal(const std::string& text) {
+    return refusalOf("a.ovm", text);
+}
+
+/// The tetrahedron with one line replaced.
+std::string changed(const std::string& line, const std::string& by) {
+    std::string text = kTetrahedron;
+    const std::size_t at = text.find("\n" + line + "\n") + 1;
+    EXPECT_NE(at, 0u) << line;
+    return text.replace(at, line.size(), by);
+}
+
+TEST(Ovm, OfOneTetrahedronIsRead) {
+    const Lattice lattice = read(kTetrahedron);
+    EXPECT_EQ(lattice.complex.count(0), 4);
+    EXPECT_EQ(lattice.complex.count(1), 6);
+    EXPECT_EQ(lattice.complex.count(2), 4);
+    EXPECT_EQ(lattice.positions[3], (Point3{0, 0, 1}));
+    // Face 0 is 0, 1, 2, whose normal points up, into the tetrahedron: seen from outside, it is
+    // 0, 2, 1.
+    EXPECT_EQ(orientedCells(lattice.complex)[0][1], (std::vector<far::Index>{0, 2, 1}));
+    EXPECT_EQ(orientedCells(lattice.complex)[0],
+              (std::vector<std::vector<far::Index>>{{0, 1, 3}, {0, 2, 1}, {0, 3, 2}, {1, 2, 3}}));
+}
+
+TEST(Ovm, IsWrittenAsItIsRead) {
+    EXPECT_EQ(writtenLattice("a.ovm", read(writtenLattice("a.ovm", read(kTetrahedron)))),
+              writtenLattice("a.ovm", read(kTetrahedron)));
+    EXPECT_THAT(writtenLattice("a.ovm", read(kTetrahedron)),
+                StartsWith("OVM ASCII\nVertices\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nEdges\n6\n"));
+}
+
+TEST(Ovm, CommentsAndCaseDoNotCount) {
+    std::string text = "# by hand\n" + kTetrahedron;
+    text.replace(text.find("OVM ASCII"), 9, "ovm Ascii   # header");
+    text.replace(text.find("Edges"), 5, "EDGES # 6 of them\n#\n");
+    text.replace(text.find("Polyhedra"), 9, "\n\n  polyhedra");
+    expectSameLattice(read(text), read(kTetrahedron));
+    // The first line may be missing, as OpenVolumeMesh allows, and lines may end as on Windows.
+    std::string windows;
+    for (const char c : kTetrahedron.substr(10)) windows += c == '\n' ? "\r\n" : std::string(1, c);
+    expectSameLattice(read(windows), read(kTetrahedron));
+}
+
+TEST(Ovm, VertexPropertiesBecomeAttributes) {
+    const Lattice lattice =
+        read(kTetrahedron +
+             "VProp int \"level\"\n1\n-2\n3\n4\n"
+             "vprop float \"heat\"\n0.1\n2\n3\n4\n"
+             "Vertex_Property double \"a \"quoted\" name\"\n0.1\n2\n3\n4\n"
+             "VProp vec2d \"uv\"\n1 2\n3 4\n5 6\n7 8\n"
+             "VProp vec3f \"n\"\n1 0 0\n1 0 0\n1 0 0\n1 0 0\n"
+             "VProp vec4d \"q\"\n1 0 0 0\n1 0 0 0\n1 0 0 0\n1 0 0 5\n"
+             "VProp vector_double \"even\"\n2\n1\n2\n2\n3\n4\n2\n5\n6\n2\n7\n8\n"
+             "VProp vector_double \"odd\"\n1\n1\n0\n2\n5\n6\n1\n7\n");
+    std::vector<std::string> names;
+    for (const auto& attribute : lattice.attributes) names.push_back(attribute.name);
+    EXPECT_THAT(names, ElementsAre("level", "heat", "a \"quoted\" name", "uv", "n", "q", "even"));
+    EXPECT_THAT(lattice.attributes[0].values, ElementsAre(1, -2, 3, 4));
+    EXPECT_THAT(lattice.attributes[1].values, ElementsAre(double{0.1f}, 2, 3, 4));
+    EXPECT_THAT(lattice.attributes[2].values, ElementsAre(0.1, 2, 3, 4));
+    EXPECT_THAT(lattice.attributes[3].values, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
+    EXPECT_EQ(lattice.attributes[5].components, 4);
+    EXPECT_THAT(lattice.attributes[6].values, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
+}
+
+TEST(Ovm, OtherPropertiesAreSkipped) {
+    const Lattice lattice =
+        read(kTetrahedron +
+             "VProp bool \"selected\"\n1\n0\n1\n0\n"
+             // A string that looks like a property, one with an empty line, and two empty ones.
+             "VProp string \"labels\"\n16:VProp double \"x\"\n3:\n\n#\n0:\n0:\n"
+             "HEProp int \"h\"\n0\n1\n2\n3\n4\n5\n6\n7\n8\n9\n10\n11\n"
+             "FProp vec3d \"normal\"\n0 0 1\n0 0 1\n0 0 1\n0 0 1\n"
+             "MProp map_heh_int \"map\"\n2\n0\n1\n2\n3\n"
+             "CProp string \"name\"\n3:tet\n"
+             "EProp double \"length\"\n1\n1\n1\n2\n2\n2\n"
+             "VProp double \"last\"\n1\n2\n3\n4\n");
+    ASSERT_EQ(lattice.attributes.size(), 1u);
+    EXPECT_EQ(lattice.attributes[0].name, "last");
+    EXPECT_THAT(lattice.attributes[0].values, ElementsAre(1, 2, 3, 4));
+}
+
+TEST(Ovm, MarksAreProperties) {
+    const Lattice lattice =
+        read(kTetrahedron + "EProp double \"espalier:edge_sharpness\"\n-1\n-1\n0\n-1\n10\n2.5\n" +
+             "VProp double \"espalier:vertex_sharpness\"\n1e9\n-1\nnan\n0\n");
+    EXPECT_TRUE(lattice.attributes.empty());
+    // Edges 2, 4 and 5 are 2–0, 3–1 and 3–2.
+    EXPECT_EQ(lattice.marks.edges,
+              (std::vector<far::Marks::Edge>{
+                  {{0, 2}, 0}, {{1, 3}, far::kInfinitelySharp}, {{2, 3}, 2.5}}));
+    EXPECT_EQ(lattice.marks.vertices,
+              (std::vector<far::Marks::Vertex>{{0, far::kInfinitelySharp}, {3, 0}}));
+}
+
+TEST(Ovm, RefusalsNameTheOffender) {
+    EXPECT_THAT(refusal("OVM BINARY\n"), StartsWith(":1: is an OVM file of kind 'binary'; only"));
+    EXPECT_THAT(refusal("solid\n"), StartsWith(":1: is not an OVM file: expected Vertices"));
+    EXPECT_THAT(refusal(changed("0 0 1", "0 0 x")), StartsWith(":7: 'x' is not a number"));
+    EXPECT_THAT(refusal(changed("0 0 1", "0 0 inf")), HasSubstr("point 3 is not finite"));
+    EXPECT_THAT(refusal(changed("Edges", "Kanten")),
+                StartsWith(":8: expected Edges, got 'Kanten'"));
+    EXPECT_THAT(refusal(changed("3 2", "3 4")), HasSubstr("a vertex of an edge is 4; there are 4"));
+    EXPECT_THAT(refusal(changed("3 2", "3 -1")), HasSubstr("'-1' is not a number"));
+    EXPECT_THAT(refusal(changed("3 11 7 5", "3 12 7 5")),
+                HasSubstr("a half-edge is 12; there are 12"));
+    EXPECT_THAT(refusal(changed("3 11 7 5", "3 10 7 5")),
+                StartsWith(":21: the half-edges of face 3 do not form a loop"));
+    EXPECT_THAT(refusal(changed("3 11 7 5", "2 11 7")), HasSubstr("face 3 do not form a loop"));
+    EXPECT_THAT(refusal(changed("4 0 2 4 6", "4 0 2 4 8")),
+                HasSubstr("a half-face is 8; there are 8"));
+    EXPECT_THAT(refusal(kTetrahedron + "heat 1 2 3 4\n"),
+                HasSubstr("expected a property, got 'heat'"));
+    EXPECT_THAT(refusal(kTetrahedron + "VProp int heat\n1 2 3 4\n"),
+                HasSubstr("has no name in quotes"));
+    EXPECT_THAT(refusal(kTetrahedron + "VProp int \"heat\"\n1 2 3"),
+                HasSubstr("the number of values of a property is 4, but only"));
+    EXPECT_THAT(refusal(kTetrahedron + "VProp string \"name\"\n9:abc\n"),
+                HasSubstr("expected a string"));
+    EXPECT_THAT(refusal(kTetrahedron + "VProp string \"name\"\nabc\n"), HasSubstr("and a colon"));
+}
+
+TEST(Ovm, NothingIsDroppedInSilence) {
+    EXPECT_THAT(refusal(changed("4 0 2 4 6", "3 0 2 4")),
+                HasSubstr("face 3 belongs to no polyhedron"));
+    std::string edge = changed("3 2", "3 2\n0 1");
+    edge.replace(edge.find("Edges\n6"), 7, "Edges\n7");
+    EXPECT_THAT(refusal(edge), HasSubstr(": edge 6 belongs to no face"));
+    std::string vertex = changed("0 0 1", "0 0 1\n9 9 9");
+    vertex.replace(vertex.find("Vertices\n4"), 10, "Vertices\n5");
+    EXPECT_THAT(refusal(vertex), HasSubstr(": vertex 4 belongs to no edge"));
+}
+
+TEST(Ovm, TopologyErrorsKeepTheirCauseAndNameTheFile) {
+    const TemporaryFolder folder;
+    // The same without face 3.
+    std::string open = changed("4 0 2 4 6", "3 0 2 4");
+    open.replace(open.find("Faces\n4"), 7, "Faces\n3");
+    open.erase(open.find("3 11 7 5\n"), 9);
+    putLatticeFile(folder / "open.ovm", open);
+    try {
+        io::readLattice(folder / "open.ovm");
+        FAIL() << "an open cell was taken";
+    } catch (const far::TopologyError& error) {
+        EXPECT_EQ(error.cause(), far::TopologyCause::OpenCell);
+        EXPECT_EQ(error.entity(), (far::Entity{3, 0}));
+        EXPECT_THAT(error.what(), StartsWith((folder / "open.ovm").string() + ": cell 0 is open"));
+    }
+}
+
+TEST(Ovm, ClaimsAreCheckedBeforeMemoryIsTaken) {
+    for (const std::string claim : {"18446744073709551615", "3000000000", "100"}) {
+        for (const char* section : {"Vertices\n4", "Edges\n6", "Faces\n4", "Polyhedra\n1"}) {
+            std::string text = kTetrahedron;
+            const std::string before = section;
+            text.replace(text.find(before), before.size(),
+                         before.substr(0, before.find('\n') + 1) + claim);
+            EXPECT_NE(refusal(text), "") << section;
+        }
+        EXPECT_NE(refusal(changed("3 11 7 5", claim + " 11 7 5")), "");
+        EXPECT_NE(refusal(changed("4 0 2 4 6", claim + " 0 2 4 6")), "");
+        EXPECT_NE(refusal(kTetrahedron + "VProp string \"s\"\n" + claim + ":abc\n"), "");
+        EXPECT_NE(refusal(kTetrahedron + "VProp vector_double \"v\"\n" + claim + "\n1\n"), "");
+    }
+}
+
+TEST(Ovm, NamesOfSeveralLinesAreNotWritten) {
+    Lattice lattice = boxLattice();
+    lattice.attributes = {{"a\nb", 1, std::vector<double>(12)}};
+    EXPECT_THROW(writtenLattice("a.ovm", lattice), io::FileError);
+}
+
+}  // namespace
+}  // namespace espalier::test

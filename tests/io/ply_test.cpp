@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/ply.h>
+#include <io/model_files.h>
+
+#include <cstdint>
+#include <limits>
+
+namespace espalier::io {
+namespace {
+
+using test::bytesOf;
+using test::copyOf;
+using test::written;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// The elements of all samples: the vertices stand between two others, their coordinates out of
+/// order among other properties, one of them a list.
+std::string headerOf(const std::string& format, const std::string& xType,
+                     const std::string& yType) {
+    return "ply\n"
+           "format " +
+           format +
+           " 1.0\n"
+           "comment element vertex 7\n"
+           "obj_info anything\n"
+           "element nothing 3\n"
+           "element material 2\n"
+           "property list uint8 int16 shades\n"
+           "property double gloss\n"
+           "element vertex 2\n"
+           "property uchar red\n"
+           "property " +
+           yType +
+           " y\n"
+           "property list ushort float tags\n"
+           "property " +
+           xType +
+           " x\n"
+           "property float32 z\n"
+           "property int32 id\n"
+           "element face 1\n"
+           "property list uchar int vertex_indices\n"
+           "end_header\n";
+}
+
+struct Numbers {
+    std::endian order;
+    std::string bytes;
+    template <class Number>
+    Numbers& operator<<(Number number) {
+        bytes += bytesOf(number, order);
+        return *this;
+    }
+};
+
+/// Header and rows; the points are as given.
+std::string binarySample(std::endian order, double x0, float y0, float z0) {
+    const bool isBig = order == std::endian::big;
+    Numbers rows{order, {}};
+    using U8 = std::uint8_t;
+    rows << U8{2} << std::int16_t{10} << std::int16_t{-11} << 0.5;
+    rows << U8{0} << 0.25;
+    rows << U8{255} << y0 << std::uint16_t{1} << 9.5f << x0 << z0 << std::int32_t{7};
+    rows << U8{0} << 5.0f << std::uint16_t{0} << 4.0 << 6.0f << std::int32_t{-8};
+    rows << U8{3} << std::int32_t{0} << std::int32_t{1} << std::int32_t{0};
+    return headerOf(isBig ? "binary_big_endian" : "binary_little_endian", "float64", "float") +
+           rows.bytes;
+}
+
+TEST(Ply, ReadsAndRewritesBothBinaryOrders) {
+    for (const std::endian order : {std::endian::little, std::endian::big}) {
+        const std::string bytes = binarySample(order, 1.1, 2.5f, 3.5f);
+        const auto model = readModel("a.ply", bytes);
+        EXPECT_THAT(model->positions(), ElementsAre(Point3{1.1, 2.5, 3.5}, Point3{4, 5, 6}));
+        EXPECT_EQ(written(*model, model->positions()), bytes);
+        // x is a double and keeps all of 1/3; y and z are floats.
+        const std::vector<Point3> moved = {{1.0 / 3, 0.1, -1e-3}, {4, 5, 6}};
+        EXPECT_EQ(written(*model, moved), binarySample(order, 1.0 / 3, 0.1f, -1e-3f));
+    }
+}
+
+TEST(Ply, RefusesEveryPartOfABinaryFile) {
+    for (const std::endian order : {std::endian::little, std::endian::big}) {
+        const std::string bytes = binarySample(order, 1, 2, 3);
+        test::expectPartsRefused("a.ply", bytes, bytes.size());
+    }
+}
+
+/// As binarySample(), with "\n" as line end.
+const std::string kAsciiRows =
+    "2 10 -11 0.5\n"
+    "0 0.25\n"
+    "255  2.50 1 9.5 1.10\t3.5 7 \n"
+    "\n"
+    "0 5 0 4 6 -8\n"
+    "3 0 1 0";
+
+std::string withLineEnds(const std::string& text, const std::string& end) {
+    std::string result;
+    for (const char c : text) result += c == '\n' ? end : std::string(1, c);
+    return result;
+}
+
+TEST(Ply, ReadsAndRewritesAscii) {
+    for (const std::string end : {"\n", "\r\n"}) {
+        const std::string text =
+            withLineEnds(headerOf("ascii", "double", "float") + kAsciiRows, end);
+        const auto model = readModel("a.PLY", text);
+        EXPECT_THAT(model->positions(), ElementsAre(Point3{1.1, 2.5, 3.5}, Point3{4, 5, 6}));
+        EXPECT_EQ(written(*model, model->positions()), text);
+        // The first x stays and keeps its text; of 1/3 a float needs 9 digits, a double 16.
+        const std::vector<Point3> moved = {{1.1, 1.0 / 3, 0.1}, {1.0 / 3, 5, 1e10}};
+        std::string expected = text;
+        const auto replace = [&](const std::string& from, const std::string& to) {
+            expected.replace(expected.find(from), from.size(), to);
+        };
+        replace("255  2.50 1 9.5 1.10\t3.5 7 ", "255  0.33333334 1 9.5 1.10\t0.1 7 ");
+        replace("0 5 0 4 6 -8", "0 5 0 0.3333333333333333 1e+10 -8");
+        EXPECT_EQ(written(*model, moved), expected);
+    }
+}
+
+TEST(Ply, AsciiFloatsAreReadAsFloats) {
+    const std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float32 x\n"
+        "property float y\nproperty float z\nend_header\n"
+        "0.1 0.123456789012 1e-60\n";
+    const auto model = readModel("a.ply", text);
+    EXPECT_THAT(model->positions(), ElementsAre(Point3{0.1f, 0.123456789012f, 0}));
+    // What rounds to the same float is the same, and keeps its text.
+    EXPECT_EQ(written(*model, std::vector<Point3>{{0.1, 0.123456789, 0}}), text);
+}
+
+TEST(Ply, RefusesEveryPartOfAnAsciiFile) {
+    const std::string text = headerOf("ascii", "double", "float") + kAsciiRows;
+    // A cut within the last number leaves a file.
+    test::expectPartsRefused("a.ply", text, text.size() - 1);
+}
+
+TEST(Ply, KeepsWhatFollowsTheLastRow) {
+    const std::string ascii = headerOf("ascii", "float", "float") + kAsciiRows + "\nmore\n";
+    const std::string binary = binarySample(std::endian::little, 1, 2, 3) + "more";
+    for (const std::string& bytes : {ascii, binary}) {
+        const auto model = readModel("a.ply", bytes);
+        EXPECT_EQ(written(*model, model->positions()), bytes);
+    }
+}
+
+TEST(Ply, RefusesAPositionThatAFloatDoesNotHold) {
+    const auto model = readModel("a.ply", binarySample(std::endian::little, 1, 2, 3));
+    EXPECT_NO_THROW(written(*model, std::vector<Point3>{{1e300, 2, 3}, {4, 5, 6}}));
+    EXPECT_THAT(
+        [&] {
+            written(*model, std::vector<Point3>{{1, 2, 3}, {4, 5, 1e300}});
+        },
+        ThrowsMessage<Error>(AllOf(HasSubstr("point 1"), HasSubstr("1e+300"))));
+}
+
+TEST(Ply, RefusesPositionsThatAreNotFinite) {
+    const float inf = std::numeric_limits<float>::infinity();
+    const std::string bytes = binarySample(std::endian::big, 1, inf, 3);
+    // y is the first number of the point after a byte of colour, and y's bytes are at the place of
+    // those of "inf", which the sample holds nowhere else.
+    const std::size_t place = bytes.find(bytesOf(inf, std::endian::big));
+    EXPECT_THAT([&] { readModel("a.ply", bytes); },
+                ThrowsMessage<FileError>(AllOf(HasSubstr("byte " + std::to_string(place) + ":"),
+                                               HasSubstr("y of point 0 is not finite"))));
+    const std::string header = headerOf("ascii", "double", "float");
+    const std::string nan = header + "0 1\n0 1\n0 1 0 nan 1 1\n";
+    EXPECT_THAT([&] { readModel("a.ply", nan + "0 1 0 1 1 1\n0\n"); },
+                ThrowsMessage<FileError>(AllOf(HasSubstr("a.ply:21:"), HasSubstr("not finite"))));
+}
+
+TEST(Ply, RefusesMalformedRowsWithTheirLine) {
+    // The header has 18 lines.
+    const auto refused = [](const std::string& rows, int line, const std::string& why) {
+        const std::string text = headerOf("ascii", "double", "float") + rows;
+        EXPECT_THAT([&] { readModel("a.ply", text); },
+                    ThrowsMessage<FileError>(
+                        AllOf(HasSubstr("a.ply:" + std::to_string(line) + ":"), HasSubstr(why))))
+            << rows;
+    };
+    refused("3 1 2 0.5\n0 1\n0 1 0 1 1 1\n0 1 0 1 1 1\n0\n", 19,
+            "the line ends; expected the property 'gloss'");
+    refused("0 1\n0 1\n0 1 0 1 1\n0 1 0 1 1 1\n0\n", 21, "expected the property 'id'");
+    refused("0 1\n0 1\n0 1 0 1 1 1 9\n0 1 0 1 1 1\n0\n", 21, "got '9'");
+    refused("0 1\n0 1\n0 1 0 x 1 1\n0 1 0 1 1 1\n0\n", 21, "'x' is not a number; expected x");
+    refused("0 1\n0 1\n0 1 0 1 1e39 1\n0 1 0 1 1 1\n0\n", 21, "'1e39' is more than a float holds");
+    refused("0 1\n0 1\n0 1 -1 1 1 1\n0 1 0 1 1 1\n0\n", 21, "'-1' is not the length of a list");
+    refused("0 1\n0 1\n0 1 0 1 1 1\n0 1 0 1 1 1\n\n\n", 24, "1 rows of the element 'face', got 0");
+}
+
+TEST(Ply, ChecksClaimedSizesBeforeTakingMemory) {
+    for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
+        for (const char* count : {"1000000000", "18446744073709551615"})
+            EXPECT_THAT(
+                [&] {
+                    readModel("a.ply", std::string("ply\nformat ") + format +
+                                           " 1.0\nelement vertex " + count +
+                                           "\nproperty float x\nproperty float y\n"
+                                           "property float z\nend_header\n0 0 0\n0 0 0\n");
+                },
+                ThrowsMessage<FileError>(HasSubstr(count)));
+    std::string list =
+        "ply\nformat binary_little_endian 1.0\nelement face 1\n"
+        "property list int double v\nelement vertex 0\nproperty float x\n"
+        "property float y\nproperty float z\nend_header\n";
+    const std::size_t size = list.size();
+    EXPECT_THAT([&] { readModel("a.ply", list + bytesOf(2147483647, std::endian::little)); },
+                ThrowsMessage<FileError>(HasSubstr("byte " + std::to_string(size + 4))));
+    EXPECT_THAT([&] { readModel("a.ply", list + bytesOf(-1, std::endian::little)); },
+                ThrowsMessage<FileError>(HasSubstr("length -1")));
+}
+
+TEST(Ply, RefusesMalformedHeadersWithTheirLine) {
+    const auto refused = [](const std::string& header, const std::string& why) {
+        EXPECT_THAT([&] { readModel("a.ply", header); }, ThrowsMessage<FileError>(HasSubstr(why)))
+            << header;
+    };
+    const std::string begin = "ply\nformat ascii 1.0\n";
+    const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+    const std::string vertex = "element vertex 1\n" + xyz;
+    const std::string end = "end_header\n0 0 0\n";
+    refused("solid\n", ":1: not a PLY file");
+    refused("ply\n" + vertex + end, "no line 'format'");
+    refused("ply\nformat binary 1.0\n", ":2: 'binary' is not a format");
+    refused("ply\nformat ascii 2.0\n", ":2: version '2.0' is not known");
+    refused(begin + "format ascii 1.0\n", ":3: a second line 'format'");
+    refused(begin + "vertex 1\n", ":3: 'vertex' does not begin");
+    refused(begin + "element\n", ":3: the line ends");
+    refused(begin + "element vertex -1\n", ":3: '-1' is not a number of rows");
+    refused(begin + "element vertex 1 2\n", ":3: expected the end of the line, got '2'");
+    refused(begin + "property float x\n", ":3: a property before the first element");
+    refused(begin + "element vertex 1\nproperty real x\n", ":4: 'real' is not a type");
+    refused(begin + "element vertex 1\nproperty float\n", ":4: the line ends");
+    refused(begin + "element face 1\nproperty list float int v\n", ":4: the length of a list");
+    refused(begin + end, "no element 'vertex'");
+    refused(begin + vertex + vertex + end, "several elements 'vertex'");
+    refused(begin + vertex + "property float y\n" + end, "several properties 'y'");
+    refused(begin + "element vertex 1\nproperty float x\nproperty float y\n" + end,
+            "no property 'z'");
+    refused(begin + "element vertex 1\nproperty int x\nproperty float y\nproperty float z\n" + end,
+            "'x' of the vertices is an integer");
+    refused(begin + "element vertex 1\nproperty list int float x\n" + end, "is a list");
+    refused(begin + vertex, "the file ends in its header");
+}
+
+}  // namespace
+}  // namespace espalier::io

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/file.h>
+#include <espalier/io/text_reader.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+namespace espalier::test {
+namespace {
+
+using io::TextReader;
+using testing::HasSubstr;
+
+template <class Call>
+std::string messageOf(Call call) {
+    try {
+        call();
+    } catch (const io::FileError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+TEST(TextReader, KnowsItsLine) {
+    TextReader text("f", "one two\n\n three\nrest of it\r\nlast", 10);
+    EXPECT_EQ(text.token("a word"), "one");
+    EXPECT_EQ(text.line(), 10u);
+    EXPECT_EQ(text.restOfLine(), " two");
+    EXPECT_EQ(text.token("a word"), "three");
+    EXPECT_EQ(text.line(), 12u);
+    text.restOfLine();
+    EXPECT_EQ(text.restOfLine(), "rest of it");
+    EXPECT_EQ(text.remaining(), 4u);
+    EXPECT_EQ(text.token("a word"), "last");
+    EXPECT_TRUE(text.atEnd());
+    EXPECT_EQ(messageOf([&] { text.token("a word"); }), "f:14: the file ends; expected a word");
+}
+
+TEST(TextReader, SkipsCommentsBetweenTokensOnly) {
+    TextReader text("f", "# first\n1#one\n  # 2\n3 four # five\nsix #7\n");
+    text.skipComments('#');
+    EXPECT_EQ(text.number<int>("a number"), 1);
+    EXPECT_EQ(text.number<int>("a number"), 3);
+    EXPECT_EQ(text.line(), 4u);
+    EXPECT_EQ(text.restOfLine(), " four # five");
+    EXPECT_EQ(text.token("a word"), "six");
+    EXPECT_TRUE(text.atEnd());
+}
+
+TEST(TextReader, WithoutACommentMarkHasNoComments) {
+    TextReader text("f", "# 1");
+    EXPECT_EQ(text.token("a word"), "#");
+}
+
+TEST(TextReader, RefusesNumbersThatAreNone) {
+    for (const char* word : {"1x", "--1", "1e999", "0x10", "+"}) {
+        TextReader text("f", word);
+        std::string expected = "f:1: '";
+        expected.append(word).append("' is not a number; expected a size");
+        EXPECT_EQ(messageOf([&] { text.number<double>("a size"); }), expected);
+    }
+    TextReader text("f", "-1");
+    EXPECT_THAT(messageOf([&] { text.number<std::uint64_t>("a size"); }), HasSubstr("'-1'"));
+}
+
+TEST(TextReader, CountsOnlyWhatCanBeThere) {
+    // Three points of two bytes a number, the last without its separator: "0 0 0" is 5 bytes.
+    const std::string points = "3\n0 0 0\n0 0 0\n0 0 0";
+    TextReader text("f", points);
+    EXPECT_EQ(text.count("the number of points", 6), 3u);
+    std::string fourPoints = points;
+    fourPoints[0] = '4';
+    TextReader more("f", fourPoints);
+    EXPECT_EQ(messageOf([&] { more.count("the number of points", 6); }),
+              "f:1: the number of points is 4, but only 18 bytes are left");
+    TextReader most("f", "18446744073709551615 1 2 3");
+    EXPECT_THAT(messageOf([&] { most.count("the number of points", 1); }), HasSubstr("but only"));
+}
+
+TEST(TextReader, HandsOutBytes) {
+    TextReader text("f", std::string_view("a\n\0\n\xff"
+                                          "b",
+                                          6));
+    text.token("a word");
+    text.restOfLine();
+    EXPECT_EQ(text.bytes(3, "data"), std::string_view("\0\n\xff", 3));
+    EXPECT_EQ(messageOf([&] { text.bytes(2, "data"); }),
+              "f:2: the file ends; expected data (2 bytes, got 1)");
+    EXPECT_EQ(text.token("a word"), "b");
+}
+
+TEST(FormatNumber, ReadsBackAsTheSameNumber) {
+    for (const double number : {0.1, 1.0 / 3, 5e-324, -0.0, 1e300, 1.0000000000000002}) {
+        double got = 1;
+        EXPECT_TRUE(io::parseNumber(io::formatNumber(number), got));
+        EXPECT_EQ(std::signbit(got), std::signbit(number));
+        EXPECT_EQ(got, number);
+    }
+    EXPECT_EQ(io::formatNumber(0.1f), "0.1");
+}
+
+TEST(LowerCase, ChangesAsciiLettersOnly) {
+    EXPECT_EQ(io::lowerCase("AzZ_9\xc3\x84"), "azz_9\xc3\x84");
+}
+
+}  // namespace
+}  // namespace espalier::test

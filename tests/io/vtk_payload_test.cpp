@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/base64.h>
+#include <espalier/io/coding_error.h>
+#include <espalier/io/vtk_payload.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace espalier::test {
+namespace {
+
+using io::Base64Reader;
+using io::CodingError;
+using io::decodePayload;
+using io::encodeBase64;
+using io::PayloadForm;
+using io::VtkCoding;
+using testing::HasSubstr;
+
+template <class Call>
+std::string messageOf(Call call) {
+    try {
+        call();
+    } catch (const CodingError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+/// The test vectors of RFC 4648, section 10.
+TEST(Base64, AgreesWithTheStandard) {
+    const std::pair<std::string, std::string> vectors[] = {{"", ""},
+                                                           {"f", "Zg=="},
+                                                           {"fo", "Zm8="},
+                                                           {"foo", "Zm9v"},
+                                                           {"foob", "Zm9vYg=="},
+                                                           {"fooba", "Zm9vYmE="},
+                                                           {"foobar", "Zm9vYmFy"}};
+    for (const auto& [bytes, text] : vectors) {
+        EXPECT_EQ(encodeBase64(bytes), text);
+        EXPECT_EQ(Base64Reader(text).read(bytes.size()), bytes);
+    }
+    EXPECT_EQ(encodeBase64("\xff\xfe\xfd\xfc"), "//79/A==");
+}
+
+TEST(Base64, IsReadPieceByPiece) {
+    Base64Reader reader("Zm9v\n  Ym\tFy");
+    EXPECT_EQ(reader.read(1), "f");
+    EXPECT_EQ(reader.read(0), "");
+    EXPECT_EQ(reader.read(4), "ooba");
+    EXPECT_EQ(reader.read(1), "r");
+    EXPECT_THAT(messageOf([&] { reader.read(1); }), HasSubstr("ends too early"));
+}
+
+TEST(Base64, StreamsReadOnAfterPadding) {
+    EXPECT_EQ(Base64Reader("Zm8=b2Jhcg==").read(6), "foobar");
+}
+
+TEST(Base64, RefusesWhatIsNotOfIt) {
+    for (const char* text : {"Zm9*", "Z===", "Zm=v", "=AAA", "Zm9", "Zm9vZ"})
+        EXPECT_THROW(Base64Reader(text).read(4), CodingError) << text;
+    // More than memory holds is refused before it is taken.
+    EXPECT_THROW(Base64Reader("Zm9v").read(std::numeric_limits<std::size_t>::max()), CodingError);
+}
+
+std::vector<VtkCoding> allCodings() {
+    std::vector<VtkCoding> codings;
+    for (const auto order : {std::endian::little, std::endian::big})
+        for (const bool isWide : {false, true})
+            for (const bool isCompressed : {false, true})
+                codings.push_back({order, isWide, isCompressed});
+    return codings;
+}
+
+TEST(VtkPayload, ComesBackAsItWas) {
+    std::string bytes;
+    for (const std::size_t size : {0u, 1u, 2u, 3u, 32768u, 32769u, 100000u}) {
+        while (bytes.size() < size) bytes += static_cast<char>(bytes.size() * bytes.size() / 7);
+        for (const VtkCoding& coding : allCodings()) {
+            const std::string text = io::encodePayload(bytes, coding);
+            EXPECT_EQ(decodePayload(text, PayloadForm::Base64, coding), bytes) << size;
+            // What follows an array does not count.
+            EXPECT_EQ(decodePayload(text + "AAAA", PayloadForm::Base64, coding), bytes) << size;
+        }
+    }
+}
+
+/// VTK wrote these: 7 bytes of bits in a file with 32-bit headers, without compression.
+TEST(VtkPayload, OfVtkIsRead) {
+    const VtkCoding coding{std::endian::little, false, false};
+    EXPECT_EQ(decodePayload("BwAAAFVVVVVVVUA=", PayloadForm::Base64, coding), "UUUUUU@");
+    EXPECT_EQ(io::encodePayload("UUUUUU@", coding), "BwAAAFVVVVVVVUA=");
+}
+
+TEST(VtkPayload, OfRawDataIsRead) {
+    const std::string raw("\0\0\0\3abcdef", 10);
+    EXPECT_EQ(decodePayload(raw, PayloadForm::Raw, {std::endian::big, false, false}), "abc");
+    EXPECT_THAT(messageOf([&] {
+                    decodePayload(raw, PayloadForm::Raw, {std::endian::little, false, false});
+                }),
+                // 3 in the wrong byte order is 3 · 2²⁴.
+                HasSubstr("50331648 bytes are claimed, 6 are there"));
+}
+
+TEST(VtkPayload, IsRefusedWhenItIsCutShort) {
+    for (const VtkCoding& coding : allCodings()) {
+        const std::string text = io::encodePayload(std::string(1000, 'x') + "y", coding);
+        for (std::size_t size = 0; size < text.size(); size += 1 + text.size() / 50)
+            EXPECT_THROW(decodePayload(text.substr(0, size), PayloadForm::Base64, coding),
+                         CodingError)
+                << size;
+    }
+}
+
+/// Bytes of 64-bit little-endian words.
+std::string words(std::initializer_list<std::uint64_t> values) {
+    std::string bytes;
+    for (const std::uint64_t value : values)
+        for (int i = 0; i < 8; ++i) bytes += static_cast<char>(value >> (8 * i));
+    return bytes;
+}
+
+TEST(VtkPayload, ClaimsAreCheckedBeforeMemoryIsTaken) {
+    constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+    const auto refusal = [](const std::string& raw) {
+        return messageOf([&] { decodePayload(raw, PayloadForm::Raw, {}); });
+    };
+    EXPECT_THAT(refusal(words({kMost, 1, 0})), HasSubstr("compressed blocks"));
+    EXPECT_THAT(refusal(words({2, 1, 0, 1})), HasSubstr("compressed blocks"));
+    EXPECT_THAT(refusal(words({1, 1, 0, kMost})), HasSubstr("ends too early"));
+    EXPECT_THAT(refusal(words({1, kMost, 0, 8, 0})),
+                HasSubstr("claims to hold 18446744073709551615"));
+    EXPECT_THAT(refusal(words({1, 8, 0, 8, 0})), HasSubstr("is damaged"));
+    VtkCoding plain;
+    plain.isCompressed = false;
+    EXPECT_THAT(messageOf([&] {
+                    decodePayload(words({kMost, 0}), PayloadForm::Raw, plain);
+                }),
+                HasSubstr("18446744073709551615 bytes are claimed, 8 are there"));
+}
+
+TEST(VtkPayload, OfAnotherSizeThanClaimedIsRefused) {
+    std::string text = io::encodePayload("abcdefgh", {});
+    // The header is 4 words (44 characters): 1 block, its size, size of the last one (8), and so
+    // on. The third word begins with byte 16, in characters 21 to 23: make it 7 and 9.
+    const std::string header = Base64Reader(text).read(32);
+    for (const char size : {'\7', '\11'}) {
+        std::string changed = header;
+        changed[16] = size;
+        EXPECT_THAT(messageOf([&] {
+                        decodePayload(encodeBase64(changed) + text.substr(44), PayloadForm::Base64,
+                                      {});
+                    }),
+                    HasSubstr("is damaged"));
+    }
+}
+
+}  // namespace
+}  // namespace espalier::test

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lattice_samples.h"
+
+#include <espalier/io/vtu_model.h>
+
+namespace espalier::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<std::filesystem::path> dataFiles() {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(
+             std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/io/data"))
+        if (entry.path().extension() == ".vtu") files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    EXPECT_EQ(files.size(), 7u);
+    return files;
+}
+
+std::vector<Point3> moved(std::span<const Point3> points) {
+    std::vector<Point3> result(points.begin(), points.end());
+    for (Point3& point : result) point = {point[1] + 0.1, point[2] / 3, -point[0]};
+    return result;
+}
+
+std::string written(const io::VtuModel& model, std::span<const Point3> positions) {
+    const TemporaryFolder folder;
+    model.write(folder / "out.vtu", positions);
+    return io::readFile(folder / "out.vtu");
+}
+
+io::VtuModel modelOf(const std::string& bytes) {
+    const TemporaryFolder folder;
+    putLatticeFile(folder / "a.vtu", bytes);
+    return io::VtuModel::read(folder / "a.vtu");
+}
+
+TEST(VtuModel, ReadsThePoints) {
+    for (const auto& file : dataFiles()) {
+        const io::VtuModel model = io::VtuModel::read(file);
+        ASSERT_EQ(model.positions().size(), 11u) << file;
+        EXPECT_EQ(model.positions()[10], (Point3{2.3, 0.1, 0.1})) << file;
+    }
+}
+
+TEST(VtuModel, WritesTheSameBytesWhereNothingHasMoved) {
+    for (const auto& file : dataFiles()) {
+        const io::VtuModel model = io::VtuModel::read(file);
+        EXPECT_EQ(written(model, model.positions()), io::readFile(file)) << file;
+    }
+}
+
+/// The array of points is replaced by an inline one, and all else survives.
+TEST(VtuModel, ReplacesThePointsAndNothingElse) {
+    for (const auto& file : dataFiles()) {
+        SCOPED_TRACE(file);
+        const io::VtuModel model = io::VtuModel::read(file);
+        const std::vector<Point3> positions = moved(model.positions());
+        const std::string before = io::readFile(file);
+        const std::string after = written(model, positions);
+        const io::VtuModel again = modelOf(after);
+        EXPECT_EQ(bitsOf(std::vector<Point3>(again.positions().begin(), again.positions().end())),
+                  bitsOf(positions));
+        const std::size_t begin = before.find("<DataArray", before.find("<Points>"));
+        const std::string rest = before.substr(before.find("</Points>"));
+        EXPECT_EQ(after.substr(0, begin), before.substr(0, begin));
+        ASSERT_GE(after.size(), begin + rest.size());
+        EXPECT_EQ(after.substr(after.size() - rest.size()), rest);
+
+        Lattice expected = io::readLattice(file);
+        expected.positions = positions;
+        expectSameLattice(latticeOf("a.vtu", after), expected);
+    }
+}
+
+std::string twoPieces(const std::string& type) {
+    const auto piece = [&](const std::string& points) {
+        return "<Piece NumberOfPoints='2' NumberOfCells='0'><Points>\n  <DataArray type='" + type +
+               "' Name='p' NumberOfComponents='3'>" + points + "</DataArray>\n</Points></Piece>\n";
+    };
+    return "<VTKFile type='UnstructuredGrid'><UnstructuredGrid>\n" + piece("0 0 0 1 2 3") +
+           "<Piece NumberOfPoints='0' NumberOfCells='0'><Points/></Piece>\n" +
+           piece("4 5 6 7 8 9") + "</UnstructuredGrid></VTKFile>";
+}
+
+TEST(VtuModel, WritesOnlyThePiecesThatHaveMoved) {
+    const std::string text = twoPieces("Float32");
+    const io::VtuModel model = modelOf(text);
+    ASSERT_EQ(model.positions().size(), 4u);
+    std::vector<Point3> positions(model.positions().begin(), model.positions().end());
+    positions[3] = {0.1, 8, 9};
+    const std::string got = written(model, positions);
+    const std::size_t second = text.rfind("<DataArray");
+    EXPECT_EQ(got, text.substr(0, second) +
+                       "<DataArray type=\"Float32\" Name=\"p\" NumberOfComponents=\"3\" "
+                       "format=\"ascii\">\n    4 5 6\n    0.1 8 9\n  </DataArray>" +
+                       text.substr(text.rfind("\n</Points>")));
+    EXPECT_EQ(modelOf(got).positions()[3][0], double{0.1f});
+}
+
+TEST(VtuModel, PointsOfIntegersBecomeFloat64) {
+    const io::VtuModel model = modelOf(twoPieces("Int16"));
+    std::vector<Point3> positions(model.positions().begin(), model.positions().end());
+    positions[0][0] = 0.1;
+    const std::string got = written(model, positions);
+    EXPECT_THAT(got, HasSubstr("type=\"Float64\""));
+    EXPECT_EQ(modelOf(got).positions()[0][0], 0.1);
+}
+
+TEST(VtuModel, RefusesPositionsThatItCannotWrite) {
+    const io::VtuModel model = modelOf(twoPieces("Float32"));
+    std::vector<Point3> positions(model.positions().begin(), model.positions().end());
+    positions[2][1] = 1e300;
+    EXPECT_THROW(written(model, positions), Error);
+    positions.pop_back();
+    EXPECT_THROW(written(model, positions), Error);
+}
+
+TEST(VtuModel, RefusesPointsThatAreNotFinite) {
+    std::string text = twoPieces("Float32");
+    text.replace(text.find("7 8 9"), 5, "7 nan 9");
+    EXPECT_THROW(modelOf(text), io::FileError);
+}
+
+}  // namespace
+}  // namespace espalier::test

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lattice_samples.h"
+
+#include <espalier/far/error.h>
+#include <espalier/io/vtk_xml_writer.h>
+
+namespace espalier::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+using Integers = std::vector<std::int64_t>;
+
+/// A .vtu file in ascii, made here and not by what is tested.
+class Vtu {
+public:
+    std::string fileAttributes = "byte_order=\"LittleEndian\"";
+    std::string fieldData;
+    std::string pieces;
+    std::string tail;
+
+    static std::string array(const std::string& name, const std::string& values,
+                             const std::string& type = "Int64", int components = 1) {
+        return "<DataArray type=\"" + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
+               std::to_string(components) + "\" format=\"ascii\">\n" + values + "\n</DataArray>\n";
+    }
+
+    /// \param counts of points and cells
+    Vtu& piece(std::array<int, 2> counts, const std::string& points, const std::string& cells,
+               const std::string& pointData = "") {
+        pieces += "<Piece NumberOfPoints=\"" + std::to_string(counts[0]) + "\" NumberOfCells=\"" +
+                  std::to_string(counts[1]) + "\">\n<PointData>\n" + pointData +
+                  "</PointData>\n<Points>\n" + array("Points", points, "Float64", 3) +
+                  "</Points>\n<Cells>\n" + cells + "</Cells>\n</Piece>\n";
+        return *this;
+    }
+
+    std::string text() const {
+        return "<VTKFile type=\"UnstructuredGrid\" " + fileAttributes +
+               ">\n<UnstructuredGrid>\n<FieldData>" + fieldData + "</FieldData>\n" + pieces +
+               "</UnstructuredGrid>\n" + tail + "</VTKFile>\n";
+    }
+
+    Lattice read() const { return latticeOf("a.vtu", text()); }
+    std::string refusal() const { return refusalOf("a.vtu", text()); }
+};
+
+std::string cells(const std::string& connectivity, const std::string& offsets,
+                  const std::string& types) {
+    return Vtu::array("connectivity", connectivity) + Vtu::array("offsets", offsets) +
+           Vtu::array("types", types, "UInt8");
+}
+
+const std::string kTetrahedronPoints = "0 0 0 1 0 0 0 1 0 0 0 1";
+
+std::string tetrahedronCells() {
+    return cells("0 1 2 3", "4", "10");
+}
+
+Vtu tetrahedron() {
+    return Vtu().piece({4, 1}, kTetrahedronPoints, tetrahedronCells());
+}
+
+TEST(Vtu, OfOneTetrahedronIsRead) {
+    const Lattice lattice = tetrahedron().read();
+    EXPECT_EQ(lattice.complex.count(0), 4);
+    EXPECT_EQ(lattice.complex.count(2), 4);
+    EXPECT_EQ(lattice.positions[3], (Point3{0, 0, 1}));
+    EXPECT_TRUE(lattice.marks.empty());
+    EXPECT_TRUE(lattice.attributes.empty());
+}
+
+TEST(Vtu, VoxelsHaveTheirVerticesInTheOrderOfXyz) {
+    const std::string points = "0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1";
+    const Lattice voxel = Vtu().piece({8, 1}, points, cells("0 1 2 3 4 5 6 7", "8", "11")).read();
+    const Lattice hexahedron =
+        Vtu().piece({8, 1}, points, cells("0 1 3 2 4 5 7 6", "8", "12")).read();
+    expectSameLattice(voxel, hexahedron);
+}
+
+/// The layout since VTK 9.4 (its release notes: "VTK XML I/O update to support new vtk Polyhedral
+/// cell storage"): faces are listed once, offsets are those of the ends, and cells that are not
+/// polyhedra have no faces.
+TEST(Vtu, PolyhedraInTheLayoutOfVtk94AreRead) {
+    // A hexahedron (standard) and on its top a pyramid (polyhedron), and a tetrahedron on that,
+    // which shares a face with it.
+    const std::string points = "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1 0.5 0.5 2 2 0.5 2";
+    const std::string standard = cells("0 1 2 3 4 5 6 7 4 5 6 7 8 5 6 8 9", "8 13 17", "12 42 42");
+    const std::string since94 =
+        standard +
+        Vtu::array("face_connectivity", "4 5 6 7 4 5 8 5 6 8 6 7 8 7 4 8 5 9 6 6 9 8 8 9 5") +
+        Vtu::array("face_offsets", "4 7 10 13 16 19 22 25") +
+        Vtu::array("polyhedron_to_faces", "0 1 2 3 4 2 5 6 7") +
+        Vtu::array("polyhedron_offsets", "0 5 9");
+    const std::string before =
+        standard +
+        Vtu::array(
+            "faces",
+            "5 4 4 5 6 7 3 4 5 8 3 5 6 8 3 6 7 8 3 7 4 8 4 3 5 6 8 3 5 9 6 3 6 9 8 3 8 9 5") +
+        Vtu::array("faceoffsets", "-1 22 39");
+    const Lattice got = Vtu().piece({10, 3}, points, since94).read();
+    EXPECT_EQ(got.complex.count(3), 3);
+    // 6 + 5 + 4 faces, of which 2 are shared.
+    EXPECT_EQ(got.complex.count(2), 13);
+    expectSameLattice(got, Vtu().piece({10, 3}, points, before).read());
+}
+
+TEST(Vtu, PiecesAreNumberedThroughAndNotWelded) {
+    Vtu vtu;
+    const std::string heat = Vtu::array("heat", "1 2 3 4", "Float32");
+    vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(), heat);
+    vtu.piece({0, 0}, "", cells("", "", ""));
+    vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
+              heat + Vtu::array("espalier:vertex_sharpness", "-1 10 nan 0", "Float64"));
+    vtu.fieldData = Vtu::array("espalier:edge_vertices", "4 5 1 0", "Int32", 2) +
+                    Vtu::array("espalier:edge_sharpness", "0 11", "Float64");
+    const Lattice lattice = vtu.read();
+    EXPECT_EQ(lattice.complex.count(0), 8);
+    EXPECT_EQ(lattice.complex.count(3), 2);
+    EXPECT_EQ(lattice.positions[0], lattice.positions[4]);
+    ASSERT_EQ(lattice.attributes.size(), 1u);
+    EXPECT_EQ(lattice.attributes[0].values, (std::vector<double>{1, 2, 3, 4, 1, 2, 3, 4}));
+    EXPECT_EQ(lattice.marks.vertices,
+              (std::vector<far::Marks::Vertex>{{5, far::kInfinitelySharp}, {7, 0}}));
+    EXPECT_EQ(lattice.marks.edges,
+              (std::vector<far::Marks::Edge>{{{0, 1}, far::kInfinitelySharp}, {{4, 5}, 0}}));
+}
+
+TEST(Vtu, PiecesMustHaveTheSamePointData) {
+    Vtu vtu;
+    vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(), Vtu::array("heat", "1 2 3 4"));
+    Vtu other = vtu;
+    vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells());
+    EXPECT_THAT(vtu.refusal(),
+                HasSubstr("the piece has 0 arrays of PointData; the first one has 1"));
+    other.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(), Vtu::array("cold", "1 2 3 4"));
+    EXPECT_THAT(other.refusal(), HasSubstr("'cold' is not in the PointData of the first piece"));
+}
+
+/// All codings of one array, by the encoder whose agreement with VTK other tests show.
+TEST(Vtu, ArraysOfAllCodingsAreRead) {
+    for (const auto order : {std::endian::little, std::endian::big})
+        for (const bool isWide : {false, true})
+            for (const bool isCompressed : {false, true}) {
+                const io::VtkCoding coding{order, isWide, isCompressed};
+                Vtu vtu;
+                vtu.fileAttributes = std::string("byte_order=\"") +
+                                     (order == std::endian::little ? "LittleEndian" : "BigEndian") +
+                                     "\" header_type=\"" + (isWide ? "UInt64" : "UInt32") + "\"" +
+                                     (isCompressed ? " compressor=\"vtkZLibDataCompressor\"" : "");
+                for (const auto type :
+                     {io::VtkNumber::Int8, io::VtkNumber::UInt8, io::VtkNumber::Int16,
+                      io::VtkNumber::UInt16, io::VtkNumber::Int32, io::VtkNumber::UInt32,
+                      io::VtkNumber::Int64, io::VtkNumber::UInt64}) {
+                    const Integers values = {7, 0, 99, 1};
+                    vtu.pieces = "";
+                    vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
+                              io::dataArrayElement<std::int64_t>(
+                                  {"ids", type}, values, io::VtkArrayForm::Base64, coding, ""));
+                    EXPECT_EQ(vtu.read().attributes.at(0).values,
+                              (std::vector<double>{7, 0, 99, 1}));
+                }
+            }
+}
+
+TEST(Vtu, RefusalsNameTheOffender) {
+    EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "4", "24")).refusal(),
+                HasSubstr("cell 0 is of VTK's type 24; only the types 10, 11, 12, 13, 14 and 42"));
+    EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 4", "4", "10")).refusal(),
+                HasSubstr("cell 0 names vertex 4; there are 4"));
+    EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 -1", "4", "10")).refusal(),
+                HasSubstr("cell 0 names vertex -1"));
+    EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "5", "10")).refusal(),
+                HasSubstr("the array 'offsets' has 5 after 0; the array 'connectivity' has 4"));
+    EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "4 4", "10")).refusal(),
+                HasSubstr("the array 'offsets' has 2 values; expected one a cell, 1"));
+    EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "3", "10")).refusal(),
+                HasSubstr("cell 0 has 3 vertices; expected 4"));
+    EXPECT_THAT(Vtu().piece({5, 1}, kTetrahedronPoints, tetrahedronCells()).refusal(),
+                HasSubstr("the array 'Points' has 12 numbers; expected 5 times 3"));
+    EXPECT_THAT(Vtu().piece({4, 1}, "0 0 0 1 0 0 0 1 0 0 0 nan", tetrahedronCells()).refusal(),
+                HasSubstr("point 3 is not finite"));
+    EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, Vtu::array("types", "10")).refusal(),
+                HasSubstr("there is no array 'connectivity'"));
+    EXPECT_THAT(Vtu().piece({4, 1}, "0 0 0\n1 0 0\n0 x 0\n0 0 1", tetrahedronCells()).refusal(),
+                StartsWith(":11: 'x' is not a number"));
+    EXPECT_THAT(Vtu().refusal(), HasSubstr("there is no cell"));
+}
+
+TEST(Vtu, RefusalsOfPolyhedraNameTheOffender) {
+    const auto refusal = [](const std::string& faces) {
+        return Vtu()
+            .piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "4", "42") + faces)
+            .refusal();
+    };
+    const auto streams = [&](const std::string& faces, const std::string& offsets) {
+        return refusal(Vtu::array("faces", faces) + Vtu::array("faceoffsets", offsets));
+    };
+    EXPECT_THAT(refusal(""), HasSubstr("there is no array 'faces'"));
+    EXPECT_EQ(streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "17"), "");
+    EXPECT_THAT(streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "18"), HasSubstr("run from 0 to 18"));
+    EXPECT_THAT(streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "-1"), HasSubstr("run from 0 to -1"));
+    EXPECT_THAT(streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "16"),
+                HasSubstr("the number of vertices of a face is 3, but 2 numbers are left"));
+    EXPECT_THAT(streams("3 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "17"),
+                HasSubstr("cell 0 has 4 numbers after its last face"));
+    EXPECT_THAT(streams("-4 3 0 2 1", "5"), HasSubstr("the number of its faces is -4"));
+    EXPECT_THAT(streams("3 3 0 2 1 3 0 1 3 3 1 2 3", "13"), HasSubstr("cell 0 is open"));
+    const auto lists = [&](const std::string& faces, const std::string& offsets) {
+        return refusal(Vtu::array("face_connectivity", "0 2 1 0 1 3 1 2 3 2 0 3") +
+                       Vtu::array("face_offsets", "3 6 9 12") +
+                       Vtu::array("polyhedron_to_faces", faces) +
+                       Vtu::array("polyhedron_offsets", offsets));
+    };
+    EXPECT_EQ(lists("0 1 2 3", "4"), "");
+    EXPECT_THAT(lists("0 1 2 4", "4"), HasSubstr("names face 4; there are 4"));
+    EXPECT_THAT(lists("0 1 2 3", "4 4"), HasSubstr("has 2 values; expected one a cell, 1"));
+    EXPECT_THAT(lists("0 1 2 3", "5"), HasSubstr("has 5 after 0"));
+}
+
+TEST(Vtu, RefusalsOfMarksNameTheOffender) {
+    Vtu vtu = tetrahedron();
+    vtu.fieldData = Vtu::array("espalier:edge_vertices", "0 1", "Int64", 2);
+    EXPECT_THAT(vtu.refusal(), HasSubstr("marks need both arrays"));
+    vtu.fieldData += Vtu::array("espalier:edge_sharpness", "1 2", "Float64");
+    EXPECT_THAT(vtu.refusal(), HasSubstr("has 2 numbers; expected 2 times 2"));
+    vtu.fieldData = Vtu::array("espalier:edge_vertices", "0 4", "Int64", 2) +
+                    Vtu::array("espalier:edge_sharpness", "1", "Float64");
+    EXPECT_THAT(vtu.refusal(), HasSubstr("a mark names vertex 4; there are 4"));
+    vtu.fieldData = Vtu::array("espalier:edge_vertices", "1 1", "Int64", 2) +
+                    Vtu::array("espalier:edge_sharpness", "1", "Float64");
+    EXPECT_THAT(vtu.refusal(), HasSubstr("a mark names edge (1, 1), which does not exist"));
+}
+
+/// The exception stays what it is, so that programs can ask for the cause.
+TEST(Vtu, TopologyErrorsKeepTheirCauseAndNameTheFile) {
+    const TemporaryFolder folder;
+    putLatticeFile(folder / "open.vtu",
+                   Vtu()
+                       .piece({4, 2}, kTetrahedronPoints,
+                              cells("0 1 2 3 0 1 2 3", "4 8", "10 42") +
+                                  Vtu::array("faces", "3 3 0 2 1 3 0 1 3 3 1 2 3") +
+                                  Vtu::array("faceoffsets", "-1 13"))
+                       .text());
+    try {
+        io::readLattice(folder / "open.vtu");
+        FAIL() << "an open cell was taken";
+    } catch (const far::TopologyError& error) {
+        EXPECT_EQ(error.cause(), far::TopologyCause::OpenCell);
+        EXPECT_EQ(error.entity(), (far::Entity{3, 1}));
+        EXPECT_THAT(error.what(),
+                    StartsWith((folder / "open.vtu").string() + ": cell 1 is open: "));
+    }
+}
+
+TEST(Vtu, ThatIsNotAVtuIsRefused) {
+    const auto refusal = [](const std::string& text) { return refusalOf("a.vtu", text); };
+    EXPECT_THAT(refusal(""), HasSubstr("is not well-formed XML"));
+    EXPECT_THAT(refusal("<a/>"), HasSubstr("it has no VTKFile element"));
+    EXPECT_THAT(refusal("<VTKFile type=\"PolyData\"><PolyData/></VTKFile>"),
+                HasSubstr("holds 'PolyData'; expected UnstructuredGrid"));
+    EXPECT_THAT(refusal("<VTKFile type=\"UnstructuredGrid\"></VTKFile>"),
+                HasSubstr("has no UnstructuredGrid element"));
+    EXPECT_THAT(refusal("<VTKFile type=\"UnstructuredGrid\">\n<UnstructuredGrid>\n</Unstr>"),
+                StartsWith(":3: is not well-formed XML"));
+    Vtu vtu = tetrahedron();
+    vtu.fileAttributes = "byte_order=\"Middle\"";
+    EXPECT_THAT(vtu.refusal(), HasSubstr("byte_order is 'Middle'; expected LittleEndian or Big"));
+    vtu.fileAttributes = "header_type=\"UInt16\"";
+    EXPECT_THAT(vtu.refusal(), HasSubstr("header_type is 'UInt16'; expected UInt32 or UInt64"));
+}
+
+TEST(Vtu, OtherCompressorsAreRefusedWhereTheyAreUsed) {
+    Vtu vtu = tetrahedron();
+    vtu.fileAttributes = "compressor=\"vtkLZ4DataCompressor\"";
+    EXPECT_EQ(vtu.refusal(), "");
+    vtu.pieces = "";
+    vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
+              "<DataArray type=\"Int8\" Name=\"x\" format=\"binary\">AAAA</DataArray>");
+    EXPECT_THAT(vtu.refusal(), HasSubstr("'x' is compressed with 'vtkLZ4DataCompressor'; only"));
+}
+
+TEST(Vtu, AppendedDataAreChecked) {
+    Vtu vtu;
+    vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
+              "<DataArray type=\"UInt8\" Name=\"x\" format=\"appended\" offset=\"4\"/>");
+    EXPECT_THAT(vtu.refusal(),
+                HasSubstr("'x' begins at offset 4 of the appended data, which have 0"));
+    // A 32-bit header, 4, and four bytes, of which the last two look like the end of the element.
+    vtu.tail = std::string("<AppendedData encoding=\"raw\">\n _1234\4\0\0\0\1\2</", 45) +
+               "\n</AppendedData>\n";
+    EXPECT_EQ(vtu.read().attributes.at(0).values, (std::vector<double>{1, 2, '<', '/'}));
+    vtu.tail = "<AppendedData encoding=\"raw\">1234</AppendedData>";
+    EXPECT_THAT(vtu.refusal(), HasSubstr("do not begin with '_'"));
+    vtu.tail = "<AppendedData encoding=\"hex\">_1234</AppendedData>";
+    EXPECT_THAT(vtu.refusal(), HasSubstr("is 'hex'; expected raw or base64"));
+    vtu.tail = "<AppendedData encoding=\"raw\">_1234";
+    EXPECT_THAT(vtu.refusal(), HasSubstr("the file ends inside the appended data"));
+    vtu.tail = "<AppendedData encoding=\"base64\">_1234BAAAAAECPC8=</AppendedData>";
+    EXPECT_EQ(vtu.read().attributes.at(0).values, (std::vector<double>{1, 2, '<', '/'}));
+}
+
+TEST(Vtu, ClaimsAreCheckedBeforeMemoryIsTaken) {
+    for (const char* claim : {"18446744073709551615", "4000000000", "99999999999999999999", "-1"}) {
+        std::string text = tetrahedron().text();
+        text.replace(text.find("NumberOfPoints=\"4\"") + 16, 1, claim);
+        EXPECT_NE(refusalOf("a.vtu", text), "") << claim;
+        text = tetrahedron().text();
+        text.replace(text.find("NumberOfCells=\"1\"") + 15, 1, claim);
+        EXPECT_NE(refusalOf("a.vtu", text), "") << claim;
+        text = tetrahedron().text();
+        text.replace(text.find("NumberOfComponents=\"3\"") + 20, 1, claim);
+        EXPECT_NE(refusalOf("a.vtu", text), "") << claim;
+    }
+}
+
+/// Elements in elements, as deep as a file of a few megabytes allows: no recursion on the input.
+TEST(Vtu, DepthDoesNoHarm) {
+    std::string deep;
+    for (int i = 0; i < 200000; ++i) deep += "<a>";
+    for (int i = 0; i < 200000; ++i) deep += "</a>";
+    Vtu vtu = tetrahedron();
+    vtu.pieces.insert(vtu.pieces.find("<PointData>"), deep);
+    EXPECT_EQ(vtu.refusal(), "");
+}
+
+TEST(Vtu, NamesAreEscaped) {
+    Lattice lattice = boxLattice();
+    lattice.attributes = {{"<a href=\"b\">&amp;\n'", 1, std::vector<double>(12, 1.0)}};
+    const Lattice got = latticeOf("a.vtu", writtenLattice("a.vtu", lattice));
+    EXPECT_EQ(got.attributes.at(0).name, lattice.attributes[0].name);
+}
+
+TEST(Vtu, StandardCellsHaveTheirOwnTypes) {
+    const std::string text = writtenLattice("a.vtu", mixedLattice(), {io::VtuEncoding::Ascii});
+    EXPECT_THAT(text, HasSubstr("Name=\"types\" format=\"ascii\">\n          12 14 13 10\n"));
+    EXPECT_EQ(text.find("faces"), std::string::npos);
+    const std::string other =
+        writtenLattice("a.vtu", polyhedralLattice(), {io::VtuEncoding::Ascii});
+    EXPECT_THAT(other, HasSubstr("Name=\"types\" format=\"ascii\">\n          42 12\n"));
+    // 7 faces, and for each its size and its vertices: 1 + 2 · 6 + 5 · 5 = 38.
+    EXPECT_THAT(other, HasSubstr("Name=\"faceoffsets\" format=\"ascii\">\n          38 -1\n"));
+}
+
+}  // namespace
+}  // namespace espalier::test
