@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/parallel.h>
-#include <espalier/io/lattice_file.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,10 +14,7 @@
 namespace espalier::cli {
 namespace {
 
-struct Options {
-    CommonOptions common;
-    std::string lattice;
-    int level = 2;
+struct Options : LatticeOptions {
     bool json = false;
 };
 
@@ -104,8 +100,8 @@ void printText(const LatticeReport& report, const std::string& name) {
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
-    const Lattice lattice = io::readLattice(options.lattice);
-    const auto refiner = refineLattice(options.lattice, lattice, options.common, options.level);
+    Stages stages(options.common.quiet);
+    const auto [lattice, refiner] = readAndRefine(options, stages);
     std::vector<std::vector<Point3>> positions;
     for (int level = 0; level <= options.level; ++level)
         positions.push_back(
@@ -121,13 +117,10 @@ void run(const Options& options) {
 
 void addInfoCommand(CLI::App& program) {
     auto options = std::make_shared<Options>();
-    CLI::App& command = *program.add_subcommand(
-        "info", "Counts per level, valences, types of cells, strata and quality of a lattice");
-    command.add_option("LATTICE", options->lattice, "The lattice: .ovm, .vtu or .vtk")->required();
-    addLevelOption(command, options->level, 0);
+    CLI::App& command = addLatticeCommand(
+        program, "info",
+        "Counts per level, valences, types of cells, strata and quality of a lattice", *options);
     command.add_flag("--json", options->json, "Print JSON");
-    addRefinementOptions(command, options->common);
-    addRunOptions(command, options->common);
     command.callback([options] { run(*options); });
 }
 

@@ -5,6 +5,16 @@
 
 namespace espalier::cli {
 
+CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,
+                            LatticeOptions& options) {
+    CLI::App& command = *program.add_subcommand(name, help);
+    command.add_option("LATTICE", options.lattice, "The lattice: .ovm, .vtu or .vtk")->required();
+    addLevelOption(command, options.level, 0);
+    addRefinementOptions(command, options.common);
+    addRunOptions(command, options.common);
+    return command;
+}
+
 void addRefinementOptions(CLI::App& command, CommonOptions& options) {
     addChoice<far::Boundary>(
         command, "--boundary", options.boundary,

@@ -6,6 +6,7 @@
 #include <espalier/stencils/masks.h>
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 namespace espalier::cli {
 
@@ -18,6 +19,17 @@ struct CommonOptions {
     bool quiet = false;
     int threads = 0;
 };
+
+/// What the commands take that look at one lattice.
+struct LatticeOptions {
+    CommonOptions common;
+    std::string lattice;
+    int level = 2;
+};
+
+/// Adds a command with LATTICE, -n, and the options of refinement and of the run.
+CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,
+                            LatticeOptions& options);
 
 /// Adds --boundary, --sharp-edges and --rules to a command.
 void addRefinementOptions(CLI::App& command, CommonOptions& options);

@@ -22,6 +22,14 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
     }
 }
 
+RefinedFile readAndRefine(const LatticeOptions& options, Stages& stages) {
+    Lattice lattice = stages.run("reading", [&] { return io::readLattice(options.lattice); });
+    auto refiner = stages.run("refining", [&] {
+        return refineLattice(options.lattice, lattice, options.common, options.level);
+    });
+    return {std::move(lattice), std::move(refiner)};
+}
+
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base) {
     const auto& [complex, strata] = refiner.level(level);

@@ -17,6 +17,15 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 
+/// A lattice and its refinement.
+struct RefinedFile {
+    Lattice lattice;
+    far::TopologyRefiner refiner;
+};
+
+/// Reads the lattice that a command names, and refines it to the level that it asks for.
+RefinedFile readAndRefine(const LatticeOptions& options, Stages& stages);
+
 /// The refined lattice as one of its own: with positions, attributes, and marks that keep its
 /// strata.
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,

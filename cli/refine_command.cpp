@@ -11,21 +11,17 @@
 namespace espalier::cli {
 namespace {
 
-struct Options {
-    CommonOptions common;
-    std::string lattice;
+struct Options : LatticeOptions {
     std::string output;
-    int level = 2;
 };
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     io::checkLatticeTarget(options.output);
     Stages stages(options.common.quiet);
-    const Lattice lattice = stages.run("reading", [&] { return io::readLattice(options.lattice); });
-    const Lattice refined = stages.run("refining", [&] {
-        const auto refiner = refineLattice(options.lattice, lattice, options.common, options.level);
-        return refinedLattice(refiner, options.level, options.common, lattice);
+    const RefinedFile file = readAndRefine(options, stages);
+    const Lattice refined = stages.run("placing", [&] {
+        return refinedLattice(file.refiner, options.level, options.common, file.lattice);
     });
     stages.run("writing", [&] { io::writeLattice(options.output, refined); });
     if (!options.common.quiet)
@@ -37,14 +33,11 @@ void run(const Options& options) {
 
 void addRefineCommand(CLI::App& program) {
     auto options = std::make_shared<Options>();
-    CLI::App& command = *program.add_subcommand(
-        "refine", "Write level N of a lattice: positions, cells, attributes and marks");
-    command.add_option("LATTICE", options->lattice, "The lattice: .ovm, .vtu or .vtk")->required();
-    addLevelOption(command, options->level, 0);
+    CLI::App& command = addLatticeCommand(
+        program, "refine", "Write level N of a lattice: positions, cells, attributes and marks",
+        *options);
     command.add_option("-o,--output", options->output, "The refined lattice: .ovm, .vtu or .vtk")
         ->required();
-    addRefinementOptions(command, options->common);
-    addRunOptions(command, options->common);
     command.callback([options] { run(*options); });
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/parallel.h>
-#include <espalier/io/lattice_file.h>
 #include <espalier/io/matrix_market.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
@@ -13,20 +12,16 @@
 namespace espalier::cli {
 namespace {
 
-struct Options {
-    CommonOptions common;
-    std::string lattice;
+struct Options : LatticeOptions {
     std::string output;
-    int level = 2;
 };
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
-    const Lattice lattice = stages.run("reading", [&] { return io::readLattice(options.lattice); });
+    const RefinedFile file = readAndRefine(options, stages);
     const auto table = stages.run("building", [&] {
-        const auto refiner = refineLattice(options.lattice, lattice, options.common, options.level);
-        return stencils::buildStencils(refiner, options.level, options.common.rules);
+        return stencils::buildStencils(file.refiner, options.level, options.common.rules);
     });
     const std::vector<std::string> comments = {
         fmt::format("S_{} of {}: rows are the vertices of level {}, in the order of espalier "
@@ -42,14 +37,11 @@ void run(const Options& options) {
 
 void addStencilsCommand(CLI::App& program) {
     auto options = std::make_shared<Options>();
-    CLI::App& command = *program.add_subcommand(
-        "stencils", "Write S_N, the weights of the level-N vertices over those of the lattice");
-    command.add_option("LATTICE", options->lattice, "The lattice: .ovm, .vtu or .vtk")->required();
-    addLevelOption(command, options->level, 0);
+    CLI::App& command = addLatticeCommand(
+        program, "stencils",
+        "Write S_N, the weights of the level-N vertices over those of the lattice", *options);
     command.add_option("-o,--output", options->output, "The matrix: Matrix Market, .mtx")
         ->required();
-    addRefinementOptions(command, options->common);
-    addRunOptions(command, options->common);
     command.callback([options] { run(*options); });
 }
 

@@ -13,11 +13,11 @@ ComplexBuilder::ComplexBuilder(int dimension, Index vertexCount)
 
 void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
                                Entity entity) const {
-    std::string text = "(";
-    for (const Index vertex : loop.first(std::min<std::size_t>(loop.size(), 32)))
-        text += (text.size() > 1 ? ", " : "") + std::to_string(vertex);
-    text += loop.size() > 32 ? ", ...)" : ")";
     const auto refuse = [&](TopologyCause cause, const std::string& why) {
+        std::string text = "(";
+        for (const Index vertex : loop.first(std::min<std::size_t>(loop.size(), 32)))
+            text += (text.size() > 1 ? ", " : "") + std::to_string(vertex);
+        text += loop.size() > 32 ? ", ...)" : ")";
         throw TopologyError(cause, entity,
                             std::string(dimensionName(entity.dimension)) + " " +
                                 std::to_string(entity.index) + ": loop " + text + why);

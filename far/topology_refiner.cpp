@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/far/topology_refiner.h>
 
+#include <string>
 #include <utility>
 
 namespace espalier::far {
@@ -23,6 +25,26 @@ void TopologyRefiner::refineUniform(int level) {
         refinements_.push_back(std::move(refinement));
         levels_.push_back(std::move(next));
     }
+}
+
+namespace {
+
+void checkLevel(int level, int least, int most) {
+    if (level < least || level > most)
+        throw Error("there is no level " + std::to_string(level) + " here: levels " +
+                    std::to_string(least) + " to " + std::to_string(most) + " have been refined");
+}
+
+}  // namespace
+
+const Level& TopologyRefiner::level(int level) const {
+    checkLevel(level, 0, maxLevel());
+    return levels_[static_cast<std::size_t>(level)];
+}
+
+const Refinement& TopologyRefiner::refinement(int level) const {
+    checkLevel(level, 1, maxLevel());
+    return refinements_[static_cast<std::size_t>(level) - 1];
 }
 
 }  // namespace espalier::far

@@ -37,7 +37,6 @@ public:
 
     /// Adds levels until maxLevel() is `level`; those already there stay.
     ///
-    /// \param level 0 or more
     /// \throws TopologyError (TooManyEntities; EmptyComplex under Boundary::Open). The levels made
     ///         before stay.
     /// \cost O(entries of the new levels)
@@ -50,13 +49,13 @@ public:
     int maxLevel() const { return static_cast<int>(levels_.size()) - 1; }
 
     /// \param level 0 to maxLevel()
-    const Level& level(int level) const { return levels_[static_cast<std::size_t>(level)]; }
+    /// \throws Error if it is none of these
+    const Level& level(int level) const;
 
     /// The split of level `level` − 1 into level `level`: parent and child maps.
     /// \param level 1 to maxLevel()
-    const Refinement& refinement(int level) const {
-        return refinements_[static_cast<std::size_t>(level) - 1];
-    }
+    /// \throws Error if it is none of these
+    const Refinement& refinement(int level) const;
 
 private:
     Boundary boundary_;

@@ -9,6 +9,7 @@ import json
 import math
 import os
 import pathlib
+import pty
 import subprocess
 import sys
 import tempfile
@@ -172,6 +173,21 @@ class RefineAndStencils(CliTest):
         count = int(lines[at + 1])
         return [tuple(map(float, line.split())) for line in lines[at + 2:at + 2 + count]]
 
+    def test_attributes_are_refined_with_the_positions(self):
+        # z of a cube as an attribute: on the refined lattice it is z again.
+        self.run_program("shape", "box", "-o", "b.vtk")
+        text = (self.path / "b.vtk").read_text()
+        points = text.split("double\n")[1].split("CELLS")[0].split()
+        self.assertEqual(len(points), 24)
+        with open(self.path / "b.vtk", "a") as file:
+            file.write("POINT_DATA 8\nSCALARS height double 1\nLOOKUP_TABLE default\n" +
+                       "\n".join(points[2::3]) + "\n")
+        self.run_program("refine", "b.vtk", "-n", 2, "-o", "r.ovm")
+        lines = (self.path / "r.ovm").read_text().splitlines()
+        at = next(i for i, line in enumerate(lines) if "height" in line)
+        heights = [float(line) for line in lines[at + 1:at + 1 + 125]]
+        self.assertEqual(heights, [p[2] for p in self.read_ovm_positions("r.ovm")])
+
     def test_marks_keep_the_strata_of_a_refined_lattice(self):
         self.run_program("shape", "cylinder", "-o", "c.vtu")
         self.run_program("refine", "c.vtu", "-n", 1, "--sharp-edges", "literal", "-o", "r.vtu")
@@ -222,6 +238,18 @@ class Deform(CliTest):
                        cwd=self.path, check=True, timeout=120)
         self.assertEqual((self.path / "example.obj").read_bytes(),
                          (self.path / "out.obj").read_bytes())
+
+    def test_terminal_shows_progress(self):
+        terminal, other_end = pty.openpty()
+        subprocess.run([ESPALIER, "deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk",
+                        "-o", "out.obj"], cwd=self.path, check=True, timeout=120,
+                       stdout=subprocess.DEVNULL, stderr=other_end)
+        os.close(other_end)
+        shown = os.read(terminal, 100000).decode()
+        os.close(terminal)
+        self.assertIn("embedding ...", shown)
+        self.assertIn("embedding ... 100 %", shown)
+        self.assertTrue(shown.endswith("\r\x1b[K"), "the line is cleared at the end")
 
     def test_quiet_is_silent(self):
         result = self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk",

@@ -222,6 +222,17 @@ TEST(Refinement, OpenRefusesALatticeWithoutInteriorVertex) {
     EXPECT_EQ(refiner.maxLevel(), 0);
 }
 
+TEST(Refinement, LevelsThatAreNotThereAreRefused) {
+    TopologyRefiner refiner(bipyramid(3));
+    refiner.refineUniform(2);
+    EXPECT_THROW(refiner.level(3), espalier::Error);
+    EXPECT_THROW(refiner.level(-1), espalier::Error);
+    EXPECT_THROW(refiner.refinement(0), espalier::Error);
+    EXPECT_THROW(refiner.refinement(3), espalier::Error);
+    refiner.refineUniform(1);
+    EXPECT_EQ(refiner.maxLevel(), 2) << "levels that are there stay";
+}
+
 // Face loops start at the point of the lower end: the diagonal from there to the upper end is the
 // same whatever the numbering, which the tetrahedra of type-n cells rely on.
 TEST(Refinement, LoopsRunFromTheLowerToTheUpperEnd) {
