@@ -9,6 +9,7 @@
 #ifdef ESPALIER_WITH_TBB
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #endif
 
 namespace espalier::far {
@@ -24,7 +25,7 @@ void parallelFor(Offset count, Offset grain, const std::function<void(Offset, Of
     std::atomic<Offset> failedChunk = chunkCount;
     std::exception_ptr failure;
     std::mutex failureMutex;
-    tbb::parallel_for(Offset{0}, chunkCount, [&](Offset chunk) {
+    const auto runChunk = [&](Offset chunk) {
         if (chunk > failedChunk.load(std::memory_order_relaxed)) return;
         try {
             body(chunk * grain, std::min((chunk + 1) * grain, count));
@@ -35,7 +36,9 @@ void parallelFor(Offset count, Offset grain, const std::function<void(Offset, Of
                 failure = std::current_exception();
             }
         }
-    });
+    };
+    // Isolated: the caller may hold a lock that other work of the arena wants.
+    tbb::this_task_arena::isolate([&] { tbb::parallel_for(Offset{0}, chunkCount, runChunk); });
     if (failure) std::rethrow_exception(failure);
 }
 

@@ -13,6 +13,9 @@ namespace espalier::far {
 /// The ranges run concurrently in the caller's oneTBB arena, or one after the other in a build
 /// without oneTBB. They do not depend on the number of threads: range k is
 /// [k·grain, min((k+1)·grain, count)), so a body that keeps a result per range is deterministic.
+/// Calls nest: a thread that waits here does nothing else meanwhile, so that the caller may hold a
+/// lock that other work of the arena wants.
+///
 /// Of the exceptions that bodies throw, that of the lowest range is rethrown here: errors too are
 /// the same for every number of threads.
 void parallelFor(Offset count, Offset grain, const std::function<void(Offset, Offset)>& body);
