@@ -85,7 +85,13 @@ void printStages(const Stages& stages) {
 std::vector<std::filesystem::path> outputPaths(const Options& options) {
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
-    for (int i = 0; i < count; ++i) paths.push_back(io::numberedPath(options.output, i, count));
+    std::vector<std::string> inputs = options.poses;
+    inputs.push_back(options.model);
+    if (!options.rest.empty()) inputs.push_back(options.rest);
+    for (int i = 0; i < count; ++i) {
+        paths.push_back(io::numberedPath(options.output, i, count));
+        checkOutput(paths.back(), inputs);
+    }
     return paths;
 }
 
@@ -120,6 +126,7 @@ void runDeform(const Options& options) {
 
 void runBind(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
+    checkOutput(options.output, {options.model, options.rest}, ".espb");
     Stages stages(options.common.quiet);
     const std::string bytes = stages.run("reading", [&] { return io::readFile(options.model); });
     const auto model = stages.run("reading", [&] { return io::readModel(options.model, bytes); });

@@ -41,7 +41,9 @@ int run(int argumentCount, char** arguments) {
 
 int main(int argumentCount, char** arguments) {
     try {
-        return run(argumentCount, arguments);
+        const int code = run(argumentCount, arguments);
+        if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+        fmt::print(stderr, "espalier: cannot write to standard output\n");
     } catch (const std::bad_alloc&) {
         fmt::print(stderr, "espalier: out of memory\n");
     } catch (const std::exception& error) {

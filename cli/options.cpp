@@ -31,6 +31,15 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options) {
 }
 
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
+    // Not CLI::Range, which lets NaN pass.
+    const CLI::Validator isFraction(
+        [](std::string& text) {
+            double number = 0;
+            const bool isOne =
+                CLI::detail::lexical_cast(text, number) && number >= 0 && number <= 1;
+            return isOne ? std::string() : "expected 0 to 1, got " + text;
+        },
+        "");
     addChoice<stencils::OutsidePolicy>(command, "--outside", options.embedding.outside,
                                        {{"keep", stencils::OutsidePolicy::Keep},
                                         {"nearest", stencils::OutsidePolicy::Nearest},
@@ -40,14 +49,14 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
     command
         .add_option("--tolerance", options.embedding.tolerance,
                     "How far outside still counts as inside, as a fraction of the lattice's size")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(isFraction)
         ->capture_default_str();
 }
 
 void addRunOptions(CLI::App& command, CommonOptions& options) {
     command.add_flag("--quiet", options.quiet, "Print nothing but errors");
     command.add_option("--threads", options.threads, "Threads at most; 0 is one a core")
-        ->check(CLI::NonNegativeNumber)
+        ->check(CLI::Range(0, 4096))
         ->capture_default_str();
 }
 

@@ -7,6 +7,8 @@
 #include <espalier/io/lattice_file.h>
 #include <espalier/stencils/composition.h>
 
+#include <system_error>
+
 namespace espalier::cli {
 
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
@@ -20,6 +22,18 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
     } catch (const far::TopologyError& error) {
         throw io::FileError(path, error.what());
     }
+}
+
+void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,
+                 const std::string& extension) {
+    std::error_code ignored;
+    for (const std::string& input : inputs)
+        if (std::filesystem::equivalent(output, input, ignored))
+            throw io::FileError(output, "is also an input: writing it would lose that");
+    const bool isSpecial = std::filesystem::exists(output, ignored) &&
+                           !std::filesystem::is_regular_file(output, ignored);
+    if (!extension.empty() && output.extension() != extension && !isSpecial)
+        throw io::FileError(output, "has another extension than " + extension);
 }
 
 RefinedFile readAndRefine(const LatticeOptions& options, Stages& stages) {

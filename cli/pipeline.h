@@ -17,6 +17,12 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 
+/// Refuses an output that would replace one of the inputs, before any work is done. With an
+/// `extension` (".mtx"), also one of another extension; devices and pipes may have any.
+/// \throws FileError
+void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,
+                 const std::string& extension = {});
+
 /// A lattice and its refinement.
 struct RefinedFile {
     Lattice lattice;

@@ -18,6 +18,7 @@ struct Options : LatticeOptions {
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     io::checkLatticeTarget(options.output);
+    checkOutput(options.output, {options.lattice});
     Stages stages(options.common.quiet);
     const RefinedFile file = readAndRefine(options, stages);
     const Lattice refined = stages.run("placing", [&] {

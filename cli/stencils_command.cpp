@@ -18,6 +18,7 @@ struct Options : LatticeOptions {
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
+    checkOutput(options.output, {options.lattice}, ".mtx");
     Stages stages(options.common.quiet);
     const RefinedFile file = readAndRefine(options, stages);
     const auto table = stages.run("building", [&] {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/canonical_loop.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/error.h>
 
@@ -42,7 +43,16 @@ void ComplexBuilder::appendLoop(std::span<const Index> loop) {
     loops_.offsets.push_back(static_cast<Offset>(loops_.values.size()));
 }
 
+void ComplexBuilder::checkDimension(int dimension) const {
+    if (dimension != dimension_)
+        throw TopologyError(TopologyCause::WrongDimension, {dimension, 0},
+                            std::string("a complex of dimension ") + std::to_string(dimension_) +
+                                " is made of " + dimensionName(dimension_) + "s; got a" +
+                                (dimension == 1 ? "n " : " ") + dimensionName(dimension));
+}
+
 Index ComplexBuilder::addCell(std::span<const std::vector<Index>> loops) {
+    checkDimension(3);
     const Entity cell{3, static_cast<Index>(cellOffsets_.size() - 1)};
     for (const auto& loop : loops) checkLoop(loop, 3, cell);
     for (const auto& loop : loops) appendLoop(loop);
@@ -64,6 +74,7 @@ Index ComplexBuilder::addCell(StandardCell cell, std::span<const Index> vertices
 }
 
 Index ComplexBuilder::addFace(std::span<const Index> loop) {
+    checkDimension(2);
     const Entity face{2, static_cast<Index>(loops_.offsets.size() - 1)};
     checkLoop(loop, 3, face);
     appendLoop(loop);
@@ -71,6 +82,7 @@ Index ComplexBuilder::addFace(std::span<const Index> loop) {
 }
 
 Index ComplexBuilder::addEdge(Index tail, Index head) {
+    checkDimension(1);
     const Entity edge{1, static_cast<Index>(loops_.offsets.size() - 1)};
     const Index ends[] = {tail, head};
     checkLoop(ends, 2, edge);
@@ -112,20 +124,6 @@ Classes classify(std::size_t count, Less less) {
         }
     }
     return classes;
-}
-
-/// The loop from its smallest vertex on, towards the smaller of that vertex's two neighbours: equal
-/// for all ways of writing one face.
-Rows<Index> canonicalLoops(const Incidence& loops) {
-    return buildRows<Index>(loops.rowCount(), [&](Index row, std::vector<Index>& out) {
-        const auto loop = loops[row];
-        const std::size_t n = loop.size();
-        const auto start =
-            static_cast<std::size_t>(std::min_element(loop.begin(), loop.end()) - loop.begin());
-        const bool forward = loop[(start + 1) % n] < loop[(start + n - 1) % n];
-        for (std::size_t i = 0; i < n; ++i)
-            out.push_back(loop[(start + (forward ? i : n - i)) % n]);
-    });
 }
 
 /// +1 if two ways of writing one face run the same way round, else −1.
@@ -234,7 +232,9 @@ private:
 
 CellComplex latticeOf(Index vertexCount, const Incidence& loops,
                       const std::vector<Offset>& cellOffsets) {
-    const Incidence canonical(canonicalLoops(loops));
+    const Incidence canonical(buildRows<Index>(
+        loops.rowCount(),
+        [&](Index row, std::vector<Index>& out) { appendCanonicalLoop(loops[row], out); }));
     const Classes faces =
         classify(static_cast<std::size_t>(loops.rowCount()), [&](Index a, Index b) {
             return std::lexicographical_compare(canonical[a].begin(), canonical[a].end(),

@@ -29,7 +29,7 @@ public:
 
     /// Adds a polyhedron bounded by the given loops of vertices. Returns its number.
     /// \throws TopologyError if a loop has under three vertices, names one twice, or one that does
-    ///         not exist; the builder is then as it was before
+    ///         not exist, or if this is not being built; the builder is then as it was before
     Index addCell(std::span<const std::vector<Index>> loops);
 
     /// Adds a tetrahedron, pyramid, wedge or hexahedron. Returns its number.
@@ -54,6 +54,7 @@ public:
     CellComplex build() const;
 
 private:
+    void checkDimension(int dimension) const;
     void checkLoop(std::span<const Index> loop, std::size_t least, Entity entity) const;
     void appendLoop(std::span<const Index> loop);
 

@@ -23,17 +23,19 @@ namespace espalier::far {
 enum class TopologyCause {
     EmptyComplex,      ///< no cell (lattice), no face (mesh) or no edge (curve)
     VertexOutOfRange,  ///< a loop, an edge or a mark names a vertex that does not exist
+    EntityOutOfRange,  ///< a cell names a face, or a face an edge, that does not exist
     UnusedEntity,      ///< a vertex, edge or face that bounds nothing
     TooFewVertices,    ///< a face of fewer than three vertices
     RepeatedVertex,    ///< a face or an edge that names a vertex twice
     OpenCell,          ///< an edge of a cell with only one face of that cell
     CrowdedEdge,       ///< an edge with more than two faces of one cell
     CrowdedFace,       ///< a face of more than two cells
-    RepeatedFace,      ///< a face twice in one cell, or twice in a mesh
+    RepeatedFace,      ///< a face twice in one cell
     RepeatedCell,      ///< two cells with the same faces
     PinchedCell,       ///< the faces of a cell at one of its vertices form more than one fan
     NotASphere,        ///< the surface of a cell is in pieces, or has a handle
     NotOrientable,     ///< the cells (or the faces of one cell) cannot be oriented coherently
+    WrongDimension,    ///< a cell for a mesh, a face for a lattice or a curve
     BadMark,           ///< a mark on an edge that does not exist, or of a value without meaning
     TooManyEntities    ///< more entities than an Index counts
 };

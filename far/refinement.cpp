@@ -31,6 +31,17 @@ void Refinement::numberChildren(const CellComplex& parent, const Strata* interio
                 return interior == nullptr || interior->of({lower, index}) == dimension_;
             };
             family.firstChild = static_cast<Index>(count);
+            // Counted before they are made.
+            if (d == 0) {
+                for (Index index = 0; index < parent.count(lower); ++index) count += isKept(index);
+            } else {
+                const auto parts = parent.relation(upper, lower).values();
+                count += std::count_if(parts.begin(), parts.end(), isKept);
+            }
+            if (count > kMaxIndex)
+                throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
+                                    "the refined complex has more than " +
+                                        std::to_string(kMaxIndex) + " entities of one dimension");
             family.lowerEnds = Incidence(
                 buildRows<Index>(parent.count(upper), [&](Index index, std::vector<Index>& row) {
                     if (d == 0) {
@@ -40,11 +51,6 @@ void Refinement::numberChildren(const CellComplex& parent, const Strata* interio
                     for (const Index part : parent.relation(upper, lower)[index])
                         if (isKept(part)) row.push_back(part);
                 }));
-            count += static_cast<Offset>(family.lowerEnds.values().size());
-            if (count > kMaxIndex)
-                throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
-                                    "the refined complex has more than " +
-                                        std::to_string(kMaxIndex) + " entities of one dimension");
         }
         childCounts_[static_cast<std::size_t>(d)] = static_cast<Index>(count);
     }

@@ -41,7 +41,7 @@ public:
     ///
     /// \throws TopologyError (TooManyEntities; EmptyComplex if no child of the parent's dimension
     ///         is left)
-    /// \cost O(entries of the child), in parallel
+    /// \cost O(entries of the child × entities of a parent cell), in parallel
     explicit Refinement(const CellComplex& parent, const Strata* interior = nullptr);
 
     const CellComplex& child() const { return child_; }

@@ -154,11 +154,13 @@ void lowerVertices(const CellComplex& complex, const Marks& marks, Strata& strat
         const auto sharpCount = std::count_if(edges.begin(), edges.end(), [&](Index edge) {
             return strata.of({1, edge}) <= 1;
         });
-        const bool forced = dimension >= 2 && !formOneFan(complex, strata, vertex);
+        const bool forced =
+            dimension >= 2 ? !formOneFan(complex, strata, vertex) : strata.of({0, vertex}) == 0;
         if (forced && mark == Sharpness::Smooth)
             throw TopologyError(TopologyCause::BadMark, {0, vertex},
-                                "vertex " + std::to_string(vertex) +
-                                    " is marked free, but its surface faces do not form one fan");
+                                "vertex " + std::to_string(vertex) + " is marked free, but " +
+                                    (dimension >= 2 ? "its surface faces do not form one fan"
+                                                    : "it is not between two edges"));
         const bool automatic = complex.relation(0, dimension)[vertex].size() == 1;
         if (forced || sharpCount > 2 || (mark ? *mark == Sharpness::Sharp : automatic))
             strata.lower({0, vertex}, 0);

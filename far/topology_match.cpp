@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/canonical_loop.h>
 #include <espalier/far/topology_match.h>
 
 #include <algorithm>
@@ -12,16 +13,15 @@ std::span<const Index> verticesOf(const CellComplex& complex, int dimension, con
     return dimension == 0 ? std::span(&index, 1) : complex.relation(dimension, 0)[index];
 }
 
-/// A cell of any dimension, in numbers that do not depend on how it was written down: the vertices
-/// of each of its sides, ascending, behind their number; the sides in order.
+/// A cell of any dimension, in numbers that do not depend on how it was written down: the canonical
+/// loop of each of its sides, behind its length; the sides in order.
 std::vector<Index> canonicalCell(const CellComplex& complex, Index cell) {
     const int dimension = complex.dimension();
     std::vector<std::vector<Index>> sides;
     for (const Index side : complex.boundary(dimension)[cell]) {
         const auto vertices = verticesOf(complex, dimension - 1, side);
-        std::vector<Index> key(vertices.begin(), vertices.end());
-        std::sort(key.begin(), key.end());
-        key.insert(key.begin(), static_cast<Index>(key.size()));
+        std::vector<Index> key = {static_cast<Index>(vertices.size())};
+        appendCanonicalLoop(vertices, key);
         sides.push_back(std::move(key));
     }
     std::sort(sides.begin(), sides.end());

@@ -195,6 +195,17 @@ void checkRepeatedCell(const CellComplex& complex, Index cell) {
     }
 }
 
+/// Checks that a row of a boundary relation names entities that exist.
+void checkRange(const CellComplex& complex, Entity entity) {
+    const int side = entity.dimension - 1;
+    for (const Index index : complex.boundary(entity.dimension)[entity.index])
+        if (index < 0 || index >= complex.count(side))
+            refuse(side == 0 ? TopologyCause::VertexOutOfRange : TopologyCause::EntityOutOfRange,
+                   entity,
+                   std::string(" names ") + dimensionName(side) + " " + std::to_string(index) +
+                       "; there are " + std::to_string(complex.count(side)));
+}
+
 template <class Check>
 void checkEach(const CellComplex& complex, int dimension, Check check) {
     parallelFor(complex.count(dimension), 1024, [&](Offset first, Offset last) {
@@ -210,6 +221,10 @@ void validate(const CellComplex& complex) {
         throw TopologyError(
             TopologyCause::EmptyComplex, {std::max(dimension, 1), 0},
             std::string("there is no ") + dimensionName(std::max(dimension, 1)) + " to refine");
+    for (int d = 1; d <= dimension; ++d)
+        checkEach(complex, d, [d](const CellComplex& c, Index index) {
+            checkRange(c, {d, index});
+        });
     checkEach(complex, 1, checkEdge);
     if (dimension >= 2) checkEach(complex, 2, checkFace);
     for (int d = dimension - 1; d >= 0; --d)

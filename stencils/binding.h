@@ -26,6 +26,7 @@ struct Binding {
 
 /// Collects D and what it keeps.
 /// \param points as they were embedded
+/// \throws Error if their number is not that of the embedding, or that is in another level
 template <class Real>
 Binding<Real> makeBinding(const far::TopologyRefiner& refiner, int level, Rules rules,
                           const Embedding& embedding, std::span<const Point3> points);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/sparse_matrix.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <numeric>
@@ -23,12 +22,18 @@ StencilTable<Real> selectionTable(Index columnCount, std::span<const Index> colu
 /// A table times values of `components` a source entry, source by source.
 std::vector<double> product(const StencilTable<double>& table, std::span<const double> values,
                             int components) {
-    using Dense = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const Eigen::Map<const Dense> source(values.data(), table.columnCount(), components);
-    std::vector<double> result(static_cast<std::size_t>(table.rowCount()) *
-                               static_cast<std::size_t>(components));
-    Eigen::Map<Dense>(result.data(), table.rowCount(), components).noalias() =
-        SparseView<double>(table).matrix() * source;
+    const auto width = static_cast<std::size_t>(components);
+    std::vector<double> result(static_cast<std::size_t>(table.rowCount()) * width, 0);
+    far::parallelFor(table.rowCount(), 4096, [&](Offset first, Offset last) {
+        for (Offset row = first; row < last; ++row) {
+            const auto columns = table.columns(static_cast<Index>(row));
+            const auto weights = table.weights(static_cast<Index>(row));
+            for (std::size_t k = 0; k < columns.size(); ++k)
+                for (std::size_t c = 0; c < width; ++c)
+                    result[static_cast<std::size_t>(row) * width + c] +=
+                        weights[k] * values[static_cast<std::size_t>(columns[k]) * width + c];
+        }
+    });
     return result;
 }
 
@@ -76,6 +81,7 @@ CompactTable compactColumns(const StencilTable<double>& table) {
 template <class Real>
 StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const Index> vertices) {
+    refiner.level(level);  // Throws if it is not there.
     if (level == 0) return selectionTable<Real>(refiner.level(0).complex.count(0), vertices);
     // Down the levels: what each row needs of the level before. Then up: their products.
     std::vector<CompactTable> chain;
@@ -100,6 +106,7 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
 
 std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const double> values, int components) {
+    refiner.level(level);  // Throws if it is not there.
     const Index baseCount = refiner.level(0).complex.count(0);
     if (components < 1 ||
         values.size() != static_cast<std::size_t>(baseCount) * static_cast<std::size_t>(components))

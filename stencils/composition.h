@@ -21,6 +21,7 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
                                      Rules rules = Rules::Siggraph96);
 
 /// Builds the rows of R_level for the given vertices of the level: row i is that of vertices[i].
+/// \throws Error for a vertex that the level does not have
 StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules,
                                      std::span<const Index> vertices);
 
@@ -38,6 +39,7 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
 /// Of each level, only the rows that these depend on are made.
 ///
 /// \param vertices in any order, repeats allowed
+/// \throws Error for a vertex that the level does not have
 template <class Real = double>
 StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const Index> vertices);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <sstream>
 #include <string>
 
 namespace espalier::stencils {
@@ -23,6 +24,20 @@ double Embedding::largestResidual() const {
     return largest;
 }
 
+namespace {
+
+[[noreturn]] void refusePoint(Offset index, const Point3& point, PointStatus status) {
+    std::ostringstream message;
+    message << "point " << index << " at (" << point[0] << ", " << point[1] << ", " << point[2]
+            << ") "
+            << (status == PointStatus::Outside
+                    ? "is outside the lattice"
+                    : "has no place in the lattice: its cell is degenerate, or it is not finite");
+    throw Error(message.str());
+}
+
+}  // namespace
+
 Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> positions,
                       std::span<const Point3> points, const EmbeddingOptions& options,
                       const std::function<void(Offset)>& progress) {
@@ -32,6 +47,7 @@ Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> p
     const PointLocator locator(complex, positions, options.tolerance);
     Embedding embedding;
     embedding.points.resize(points.size());
+    embedding.vertexCount = complex.count(0);
     std::atomic<Offset> done = 0;
     constexpr Offset kGrain = 1024;
     far::parallelFor(static_cast<Offset>(points.size()), kGrain, [&](Offset first, Offset last) {
@@ -40,11 +56,7 @@ Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> p
             LocatedPoint& located = embedding.points[static_cast<std::size_t>(i)];
             located = locator.locate(point, options.outside == OutsidePolicy::Nearest);
             if (options.outside == OutsidePolicy::Error && located.status != PointStatus::Inside)
-                throw Error("point " + std::to_string(i) + " at (" + std::to_string(point[0]) +
-                            ", " + std::to_string(point[1]) + ", " + std::to_string(point[2]) +
-                            (located.status == PointStatus::Outside
-                                 ? ") is outside the lattice"
-                                 : ") has no place in the lattice: the solve did not converge"));
+                refusePoint(i, point, located.status);
         }
         if (progress) progress(done += last - first);
     });
@@ -53,6 +65,10 @@ Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> p
 
 StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
                                          const Embedding& embedding) {
+    if (embedding.vertexCount != complex.count(0))
+        throw Error("the points were embedded in a lattice of " +
+                    std::to_string(embedding.vertexCount) + " vertices, not of " +
+                    std::to_string(complex.count(0)) + ": another level?");
     return buildTable<double>(static_cast<Index>(embedding.points.size()), complex.count(0),
                               [&](Index row, RowAccumulator& accumulator) {
                                   const auto& place =

@@ -31,6 +31,7 @@ struct EmbeddingOptions {
 /// Where each point of a model lies in level `level` of a lattice.
 struct Embedding {
     std::vector<LocatedPoint> points;  ///< one a point, in their order
+    Index vertexCount = 0;             ///< vertices of the refined lattice
 
     Index count(PointStatus status) const;
 
@@ -54,6 +55,7 @@ Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> p
 
 /// W: row i holds the weights of point i over the vertices of the refined lattice; 8 entries in a
 /// hexahedron, 2n + 2 in a type-n cell. Rows sum to 1; the row of a point without a place is empty.
+/// \throws Error if the embedding is in a lattice with another number of vertices
 StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
                                          const Embedding& embedding);
 

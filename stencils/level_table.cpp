@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <numeric>
+#include <string>
 
 namespace espalier::stencils {
 namespace {
@@ -62,6 +64,11 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
                                      std::span<const Index> vertices) {
     const far::Level& parent = refiner.level(level - 1);
     const far::Refinement& refinement = refiner.refinement(level);
+    const Index count = refinement.child().count(0);
+    for (const Index vertex : vertices)
+        if (vertex < 0 || vertex >= count)
+            throw Error("there is no vertex " + std::to_string(vertex) + " on level " +
+                        std::to_string(level) + ", which has " + std::to_string(count));
     return buildTable<double>(
         static_cast<Index>(vertices.size()), parent.complex.count(0),
         [&](Index row, RowAccumulator& accumulator) {

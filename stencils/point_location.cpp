@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/parallel.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/point_location.h>
 #include <espalier/stencils/simplex.h>
@@ -7,6 +8,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace espalier::stencils {
@@ -26,6 +28,10 @@ constexpr double kOnFace = 1e-10;
 /// Boxes are widened by this part of the bounding box, so that a point on a face lies in the boxes
 /// of both cells whatever way its coordinates were rounded.
 constexpr double kBoxSlack = 1e-12;
+
+/// A place must give its point back within this part of the lattice's size, or of how far off the
+/// point lies: what the project promises of the rest pose.
+constexpr double kResidual = 1e-12;
 
 std::array<double, 3> toArray(const Vector3d& v) {
     return {v[0], v[1], v[2]};
@@ -55,6 +61,10 @@ const far::CellComplex& checked(const far::CellComplex& complex,
     if (positions.size() != static_cast<std::size_t>(complex.count(0)))
         throw Error("got " + std::to_string(positions.size()) + " positions for " +
                     std::to_string(complex.count(0)) + " vertices");
+    for (std::size_t vertex = 0; vertex < positions.size(); ++vertex)
+        if (!Vector3d(positions[vertex].data()).allFinite())
+            throw Error("the position of lattice vertex " + std::to_string(vertex) +
+                        " is not finite");
     if (complex.dimension() != 3)
         throw Error("points can be embedded in a lattice only, not in a complex of dimension " +
                     std::to_string(complex.dimension()));
@@ -63,6 +73,22 @@ const far::CellComplex& checked(const far::CellComplex& complex,
             throw Error("face " + std::to_string(face) +
                         " is not a quadrilateral: embedding needs a lattice refined at least once");
     return complex;
+}
+
+double checkedTolerance(double tolerance) {
+    if (std::isfinite(tolerance) && tolerance >= 0) return tolerance;
+    throw Error("the tolerance is " + std::to_string(tolerance) + "; expected 0 or more");
+}
+
+std::vector<std::optional<std::array<Index, 8>>> hexahedra(const far::CellComplex& complex) {
+    std::vector<std::optional<std::array<Index, 8>>> corners(
+        static_cast<std::size_t>(complex.count(3)));
+    far::parallelFor(complex.count(3), 4096, [&](far::Offset first, far::Offset last) {
+        for (far::Offset cell = first; cell < last; ++cell)
+            corners[static_cast<std::size_t>(cell)] =
+                far::hexahedronVertices(complex, CellId(static_cast<Index>(cell)));
+    });
+    return corners;
 }
 
 /// The corners of a hexahedron, seen from a point.
@@ -80,9 +106,10 @@ PointLocator::PointLocator(const far::CellComplex& complex, std::span<const Poin
                            double tolerance)
     : complex_(checked(complex, positions)),
       positions_(positions.begin(), positions.end()),
-      tolerance_(tolerance * boundingBox(positions).diagonal().norm()),
-      tree_(cellBoxes(complex, positions,
-                      tolerance_ + kBoxSlack * boundingBox(positions).diagonal().norm())) {}
+      corners_(hexahedra(complex)),
+      size_(boundingBox(positions).diagonal().norm()),
+      tolerance_(checkedTolerance(tolerance) * size_),
+      tree_(cellBoxes(complex, positions, tolerance_ + kBoxSlack * size_)) {}
 
 Vector3d PointLocator::positionOf(const CellPlace& place) const {
     Vector3d sum = Vector3d::Zero();
@@ -100,7 +127,7 @@ Vector3d PointLocator::centreOf(CellId cell) const {
 
 std::optional<CellPlace> PointLocator::findInside(CellId cell, const Vector3d& point,
                                                   bool thoroughly) const {
-    if (const auto corners = far::hexahedronVertices(complex_, cell)) {
+    if (const auto& corners = cornersOf(cell)) {
         const Trilinear map = mapAround(*corners, positions_, point);
         const auto uvw = thoroughly ? map.findOriginInside(kOnFace) : map.findOrigin();
         if (!uvw || !isInUnitCube(*uvw, kOnFace)) return std::nullopt;
@@ -121,7 +148,7 @@ std::optional<CellPlace> PointLocator::findInside(CellId cell, const Vector3d& p
 }
 
 CellPlace PointLocator::nearestPlace(CellId cell, const Vector3d& point) const {
-    if (const auto corners = far::hexahedronVertices(complex_, cell)) {
+    if (const auto& corners = cornersOf(cell)) {
         const Trilinear map = mapAround(*corners, positions_, point);
         return {cell, 0, toArray(map.nearestToOrigin()), {}};
     }
@@ -147,7 +174,7 @@ CellPlace PointLocator::nearestPlace(CellId cell, const Vector3d& point) const {
 bool PointLocator::continueTo(const Vector3d& point, CellPlace& place) const {
     Matrix3d jacobian;
     Vector3d from;
-    if (const auto corners = far::hexahedronVertices(complex_, place.cell)) {
+    if (const auto& corners = cornersOf(place.cell)) {
         const Trilinear map = mapAround(*corners, positions_, point);
         jacobian = map.jacobian(Vector3d(place.uvw.data()));
         from = map.position(Vector3d(place.uvw.data()));
@@ -159,19 +186,30 @@ bool PointLocator::continueTo(const Vector3d& point, CellPlace& place) const {
         from = centre - point + jacobian * Vector3d(place.uvw.data());
     }
     const Vector3d offset = jacobian.fullPivLu().solve(-from);
-    // A singular Jacobian gives infinities, or a "solution" that does not solve.
-    constexpr double kSolved = 1e-6;
-    if (!offset.allFinite() || (jacobian * offset + from).norm() > kSolved * from.norm())
-        return false;
+    if (!offset.allFinite()) return false;
     place.offset = toArray(offset);
     return true;
 }
 
-/// Whether a place lies on a face, edge or vertex of the boundary of the lattice.
-bool PointLocator::isOnBoundary(const CellPlace& place) const {
+/// The vertices of the face, edge or vertex of its cell that a place on the cell's surface lies on.
+std::vector<Index> PointLocator::supportOf(const CellPlace& place) const {
     std::vector<Index> support;
-    for (const auto& [vertex, weight] : placeWeights(complex_, place))
-        if (weight > 0) support.push_back(vertex);
+    if (const auto& corners = cornersOf(place.cell)) {
+        const auto weights = Trilinear::weights(Vector3d(place.uvw.data()));
+        for (std::size_t i = 0; i < 8; ++i)
+            if (weights[i] > 0) support.push_back((*corners)[i]);
+        return support;
+    }
+    // On the base of its tetrahedron: the weight of the apex is 0, but for rounding.
+    const auto base = tetrahedronBase(complex_, place.cell, place.tetrahedron);
+    for (std::size_t i = 0; i < 3; ++i)
+        if (place.uvw[i] > 0) support.push_back(base[i]);
+    return support;
+}
+
+/// Whether a place on the surface of its cell lies on the boundary of the lattice.
+bool PointLocator::isOnBoundary(const CellPlace& place) const {
+    const std::vector<Index> support = supportOf(place);
     const auto faces = complex_.relation(0, 2)[support.front()];
     return std::any_of(faces.begin(), faces.end(), [&](Index face) {
         if (complex_.relation(2, 3)[face].size() == 2) return false;
@@ -191,11 +229,8 @@ LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) cons
     std::sort(candidates.begin(), candidates.end());
     for (const bool thoroughly : {false, true})
         for (const Index cell : candidates) {
-            result.place = findInside(CellId(cell), point, thoroughly);
-            if (!result.place) continue;
-            result.status = PointStatus::Inside;
-            result.residual = (positionOf(*result.place) - point).norm();
-            return result;
+            const auto place = findInside(CellId(cell), point, thoroughly);
+            if (place && settle(point, *place, result)) return result;
         }
     // A gap lies in the hull of the face it is at, and so in the boxes of the cells beside it: a
     // point in no box is outside.
@@ -207,17 +242,34 @@ LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) cons
         return (positionOf(nearestPlace(CellId(cell), point)) - point).norm();
     });
     CellPlace place = nearestPlace(CellId(nearest.index), point);
+    result.distance = nearest.distance;
     const bool isInside = nearest.distance <= tolerance_ || !isOnBoundary(place);
-    result.status = isInside ? PointStatus::Inside : PointStatus::Outside;
-    if (!isInside && !seekNearest) return result;
-    if (!continueTo(point, place)) {
-        result.status = PointStatus::NotConverged;
+    if (!isInside && !seekNearest) {
+        result.status = PointStatus::Outside;
         return result;
     }
-    result.place = place;
-    result.distance = nearest.distance;
-    result.residual = (positionOf(place) - point).norm();
+    // A point within the tolerance may be taken for its nearest place, if nothing better can be
+    // had.
+    if (!(continueTo(point, place) && settle(point, place, result)) &&
+        nearest.distance <= tolerance_) {
+        place.offset = {};
+        result.place = place;
+        result.residual = nearest.distance;
+        result.status = PointStatus::Inside;
+    }
+    if (result.place && !isInside) result.status = PointStatus::Outside;
     return result;
+}
+
+/// Takes a place for a point, if it gives the point back.
+bool PointLocator::settle(const Vector3d& point, const CellPlace& place,
+                          LocatedPoint& result) const {
+    const double residual = (positionOf(place) - point).norm();
+    if (!(residual <= kResidual * std::max(size_, point.norm()))) return false;
+    result.place = place;
+    result.residual = residual;
+    result.status = PointStatus::Inside;
+    return true;
 }
 
 }  // namespace espalier::stencils

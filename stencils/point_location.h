@@ -13,7 +13,7 @@ namespace espalier::stencils {
 enum class PointStatus : std::uint8_t {
     Inside,       ///< in a cell, in the gap between two, or within the tolerance of the region
     Outside,      ///< of the region that the cells fill
-    NotConverged  ///< no place could be computed: a degenerate cell, or a coordinate not finite
+    NotConverged  ///< no place gives it back: a degenerate cell, or a coordinate not finite
 };
 
 /// Where a point lies in a refined lattice.
@@ -24,20 +24,24 @@ struct LocatedPoint {
     /// (NotConverged).
     std::optional<CellPlace> place;
 
-    /// Distance from the nearest cell, 0 in a cell; not set where there is no place.
+    /// Distance from the nearest cell, 0 in a cell. Not computed for a point outside of which no
+    /// place was sought.
     double distance = 0;
 
-    /// Distance of the point from the position of the place: the rounding of the solve. Not set
-    /// where there is no place.
+    /// Distance of the point from the position of the place: the rounding of the solve, at most
+    /// 1e-12 of the size of the lattice or of the point's distance from the origin. Where the
+    /// nearest cell is too flat to solve for, a point within the tolerance has the place that is
+    /// nearest to it, and its distance from that. 0 without a place.
     double residual = 0;
 };
 
 /// Finds the cells of a refined lattice that hold given points.
 ///
-/// A point belongs to the cell of lowest number that contains it. Faces that are not flat leave
-/// small gaps (a hexahedron has a bilinear face, its type-n neighbour a folded one); a point in a
-/// gap belongs to the nearest cell, by continuing that cell's map along its tangent. Any number of
-/// threads may ask; answers depend on nothing but the point.
+/// A point belongs to the cell of lowest number that contains it. (In a cell so twisted that
+/// Newton's method from its centre misses the point, only if no other cell has it.) Faces that are
+/// not flat leave small gaps (a hexahedron has a bilinear face, its type-n neighbour a folded one);
+/// a point in a gap belongs to the nearest cell, by continuing that cell's map along its tangent.
+/// Any number of threads may ask; answers depend on nothing but the point.
 ///
 /// \cite MacCracken & Joy 1996, sections 4 to 6
 class PointLocator {
@@ -46,7 +50,9 @@ public:
     /// \param positions one a vertex; copied
     /// \param tolerance how far outside a point still counts as inside, as a fraction of the
     ///        diagonal of the lattice's bounding box, 0 or more
-    /// \throws Error if `complex` is not a refined lattice or `positions` do not fit it
+    /// \throws Error if `complex` is not a lattice of quadrilaterals, `positions` do not fit it or
+    /// are
+    ///         not finite, or `tolerance` is out of range
     /// \cost O(cells log cells)
     PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
                  double tolerance);
@@ -59,8 +65,13 @@ private:
                                         bool thoroughly) const;
     CellPlace nearestPlace(far::CellId cell, const Eigen::Vector3d& point) const;
     bool continueTo(const Eigen::Vector3d& point, CellPlace& place) const;
+    bool settle(const Eigen::Vector3d& point, const CellPlace& place, LocatedPoint& result) const;
+    std::vector<far::Index> supportOf(const CellPlace& place) const;
     bool isOnBoundary(const CellPlace& place) const;
 
+    const std::optional<std::array<far::Index, 8>>& cornersOf(far::CellId cell) const {
+        return corners_[static_cast<std::size_t>(cell.value)];
+    }
     Eigen::Vector3d positionOf(far::Index vertex) const {
         return Eigen::Vector3d(positions_[static_cast<std::size_t>(vertex)].data());
     }
@@ -69,6 +80,8 @@ private:
 
     far::CellComplex complex_;
     std::vector<Point3> positions_;
+    std::vector<std::optional<std::array<far::Index, 8>>> corners_;  ///< of the hexahedra
+    double size_;       ///< diagonal of the bounding box
     double tolerance_;  ///< as a length
     BoxTree tree_;
 };

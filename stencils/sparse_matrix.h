@@ -16,7 +16,7 @@ namespace espalier::stencils {
 /// whose columns and weights are those of the table, not copies. The row offsets are copied, since
 /// Eigen wants them in the width of the columns.
 ///
-/// The table must outlive the view.
+/// The table must outlive the view, and the view what matrix() returns.
 template <class Real>
 class SparseView {
 public:

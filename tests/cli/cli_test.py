@@ -10,6 +10,7 @@ import math
 import os
 import pathlib
 import pty
+import struct
 import subprocess
 import sys
 import tempfile
@@ -340,9 +341,52 @@ class Deform(CliTest):
         self.assertIn(".obj", self.error_of("deform", "model.obj", "--rest", "rest.vtu", "--to",
                                             "pose.vtk", "-o", "out.ply"))
 
+    def test_outputs_do_not_replace_inputs(self):
+        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-o", "m.espb")
+        for arguments in [["stencils", "rest.vtu", "-o", "rest.vtu"],
+                          ["refine", "rest.vtu", "-o", "./rest.vtu"],
+                          ["bind", "model.obj", "--rest", "rest.vtu", "-o", "model.obj"],
+                          ["bind", "model.obj", "--rest", "rest.vtu", "-o", "m.bin"],
+                          ["apply", "m.espb", "--to", "pose.vtk", "-o", "m.espb"],
+                          ["deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk", "-o",
+                           "model.obj"]]:
+            before = {name: (self.path / name).read_bytes() for name in os.listdir(self.path)}
+            self.error_of(*arguments)
+            self.assertEqual(before, {name: (self.path / name).read_bytes()
+                                      for name in os.listdir(self.path)})
+
+    def test_full_standard_output_is_an_error(self):
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([ESPALIER, "info", "rest.vtu"], cwd=self.path, stdout=full,
+                                    stderr=subprocess.PIPE, text=True, timeout=120)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("standard output", result.stderr)
+
+    def test_float_models_come_back_within_their_precision(self):
+        header = "ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(self.points)
+        header += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
+        numbers = [x for point in self.points for x in point]
+        (self.path / "m.ply").write_bytes(header.encode() + struct.pack(f"<{len(numbers)}f",
+                                                                       *numbers))
+        self.run_program("deform", "m.ply", "--rest", "rest.vtu", "--to", "rest.vtu", "-o",
+                         "out.ply")
+        self.assertEqual((self.path / "out.ply").read_bytes(), (self.path / "m.ply").read_bytes())
+
+    def test_rules_reach_the_weights(self):
+        # Five wedges meet in the axis of a pentagonal cylinder: there the editions differ.
+        self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 2, "-o", "c.ovm")
+        outputs = set()
+        for rules in ["siggraph96", "cse96"]:
+            self.run_program("stencils", "c.ovm", "-n", 1, "--rules", rules, "-o", "s.mtx")
+            outputs.add((self.path / "s.mtx").read_text())
+        self.assertEqual(len(outputs), 2)
+
     def test_usage_errors(self):
         for arguments in [[], ["unknown"], ["deform"], ["info", "rest.vtu", "-n", "many"],
                           ["info", "rest.vtu", "--rules", "other"],
+                          ["info", "rest.vtu", "--threads", -1],
+                          ["bind", "model.obj", "--rest", "rest.vtu", "-o", "m.espb",
+                           "--tolerance", "nan"],
                           ["deform", "model.obj", "--rest", "rest.vtu", "-n", 0, "--to",
                            "pose.vtk", "-o", "out.obj"]]:
             self.error_of(*arguments, code=2)

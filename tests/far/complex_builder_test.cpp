@@ -235,6 +235,46 @@ TEST(ComplexBuilderRefuses, CellWithAHandle) {
                   [&] { lattice(32, {surface}); });
 }
 
+TEST(ComplexBuilderRefuses, PartsOfAnotherDimension) {
+    ComplexBuilder mesh(2, 8), solid(3, 8), curve(1, 8);
+    expectRefused(TopologyCause::WrongDimension, {3, 0}, "dimension 2 is made of faces; got a cell",
+                  [&] { mesh.addCell(cube()); });
+    expectRefused(TopologyCause::WrongDimension, {2, 0}, "dimension 3 is made of cells; got a face",
+                  [&] {
+                      solid.addFace({0, 1, 2});
+                  });
+    expectRefused(TopologyCause::WrongDimension, {1, 0}, "got an edge",
+                  [&] { solid.addEdge(0, 1); });
+    expectRefused(TopologyCause::WrongDimension, {2, 0}, "dimension 1 is made of edges", [&] {
+        curve.addFace({0, 1, 2});
+    });
+}
+
+// validate() is for complexes of any origin: made of relations, too.
+TEST(ComplexBuilderRefuses, RelationsThatNameWhatIsNotThere) {
+    const CellComplex good = singleCell(StandardCell::Tetrahedron);
+    const auto damaged = [&](int dimension, Index row, Index index) {
+        CellComplex::Boundaries boundaries = {good.boundary(1), good.boundary(2), good.boundary(3)};
+        Rows<Signed> rows;
+        for (Index r = 0; r < good.count(dimension); ++r) {
+            for (std::size_t i = 0; i < good.boundary(dimension)[r].size(); ++i)
+                rows.values.push_back({r == row && i == 1 ? index : good.boundary(dimension)[r][i],
+                                       good.boundary(dimension).signs(r)[i]});
+            rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
+        }
+        boundaries[static_cast<std::size_t>(dimension) - 1] = SignedIncidence(rows);
+        return CellComplex(3, 4, boundaries);
+    };
+    expectRefused(TopologyCause::VertexOutOfRange, {1, 2}, "edge 2 names vertex 4; there are 4",
+                  [&] { validate(damaged(1, 2, 4)); });
+    expectRefused(TopologyCause::EntityOutOfRange, {2, 3}, "face 3 names edge -1; there are 6",
+                  [&] { validate(damaged(2, 3, -1)); });
+    expectRefused(TopologyCause::EntityOutOfRange, {3, 0}, "cell 0 names face 4; there are 4",
+                  [&] { validate(damaged(3, 0, 4)); });
+    expectRefused(TopologyCause::NotOrientable, {2, 0}, "do not form a loop",
+                  [&] { validate(damaged(2, 0, 5)); });
+}
+
 TEST(ComplexBuilderRefuses, UnusedVertexAndEmptyComplexes) {
     expectRefused(TopologyCause::UnusedEntity, {0, 8}, "vertex 8 belongs to no edge",
                   [&] { lattice(9, {cube()}); });

@@ -204,6 +204,9 @@ TEST(Strata, MeshesAndCurves) {
     const Strata open = strataOf(buildCurve(5, false)), closed = strataOf(buildCurve(5, true));
     EXPECT_EQ(countStrata(open, 0), (PerStratum{2, 3, 0, 0}));
     EXPECT_EQ(countStrata(closed, 0), (PerStratum{0, 5, 0, 0}));
+    EXPECT_THROW(
+        strataOf(buildCurve(5, false), SharpEdges::SingleCell, {.vertices = {{0, kSmooth}}}),
+        TopologyError);
     // Three faces at one edge, two faces that touch in a vertex.
     const CellComplex fins = buildMesh(5, Loops{{0, 1, 2}, {0, 1, 3}, {1, 0, 4}});
     EXPECT_EQ(countStrata(strataOf(fins), 0)[0], 5);

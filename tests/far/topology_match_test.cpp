@@ -40,6 +40,20 @@ TEST(TopologyMatch, SaysWhatDiffers) {
     EXPECT_NE(topologyHash(box), topologyHash(grid({2, 3, 2})));
 }
 
+// Two vertices of valence 2 on one edge, in either order: the faces have the same vertices, but the
+// edges differ.
+TEST(TopologyMatch, OrderOfVerticesInAFaceCounts) {
+    const auto solid = [](Index first, Index second) {
+        // A tetrahedron whose edge (0, 1) has two vertices in it.
+        return test::lattice(
+            6, {{{0, first, second, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1, second, first}}});
+    };
+    const CellComplex one = solid(4, 5), other = solid(5, 4);
+    EXPECT_TRUE(topologyDifference(one, other));
+    EXPECT_NE(topologyHash(one), topologyHash(other));
+    EXPECT_EQ(topologyDifference(one, solid(4, 5)), std::nullopt);
+}
+
 // The hash is stored in files: it must never change. Reference value computed by an independent
 // implementation of FNV-1a over the numbers 3, 4 (dimension, vertices), 16 (length), and the sides
 // 3 0 1 2, 3 0 1 3, 3 0 2 3, 3 1 2 3 as 64-bit little-endian integers.

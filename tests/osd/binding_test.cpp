@@ -74,6 +74,20 @@ TEST(Binding, TableCarriesAnyAttribute) {
     for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(values[i], expected[i], 1e-14);
 }
 
+TEST(Binding, RefusesOtherPointsThanWereEmbedded) {
+    const Lattice cube = shapes::box();
+    TopologyRefiner refiner(cube.complex);
+    refiner.refineUniform(1);
+    const auto positions = stencils::refinePositions(refiner, 1, Rules::Siggraph96, cube.positions);
+    const std::vector<Point3> points(3, Point3{0.5, 0.5, 0.5});
+    const auto embedding = stencils::embedPoints(refiner.level(1).complex, positions, points);
+    for (const std::size_t count : {2u, 4u}) {
+        const std::vector<Point3> others(count);
+        EXPECT_THROW(
+            stencils::makeBinding<double>(refiner, 1, Rules::Siggraph96, embedding, others), Error);
+    }
+}
+
 TEST(Binding, RefusesAPoseOfAnotherSize) {
     const Lattice cube = shapes::box();
     const auto binding = bindTo<double>(cube, 1, {{0.5, 0.5, 0.5}});

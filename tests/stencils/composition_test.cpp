@@ -202,6 +202,71 @@ TEST(Stencils, GoldenFacePointBetweenTwoPyramids) {
     for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(table.weights(row)[i], expected[i], 1e-16);
 }
 
+// Catmull-Clark on the closed mesh of a cube, by hand. A vertex of valence 3 is (Ā + 2M̄)/3. Ā gives
+// it 1/4, each of its 3 neighbours 1/6 and each of the 3 diagonals 1/12; M̄ gives it 1/2 and each
+// neighbour 1/6. So 5/12, 1/6 and 1/36. An edge point is (A₀ + A₁ + P₀ + P₁)/4: 3/8 of each end,
+// and 1/16 of each of the 4 other vertices of its faces.
+TEST(Stencils, GoldenRowsOfTheSurfaceOfACube) {
+    const auto mesh = far::buildMesh(8, far::faceLoops(far::StandardCell::Hexahedron));
+    TopologyRefiner refiner(mesh);
+    refiner.refineUniform(1);
+    const auto table = buildLevelTable(refiner, 1);
+    const auto sorted = [&](Index row) {
+        std::vector<double> weights(table.weights(row).begin(), table.weights(row).end());
+        std::sort(weights.begin(), weights.end());
+        return weights;
+    };
+    for (Index vertex = 0; vertex < 8; ++vertex)
+        EXPECT_THAT(sorted(vertex),
+                    ::testing::Pointwise(::testing::DoubleEq(), {1. / 36, 1. / 36, 1. / 36, 1. / 6,
+                                                                 1. / 6, 1. / 6, 5. / 12}));
+    for (Index edge = 8; edge < 20; ++edge)
+        EXPECT_THAT(sorted(edge), ElementsAre(1. / 16, 1. / 16, 1. / 16, 1. / 16, 3. / 8, 3. / 8));
+    EXPECT_THAT(table.weights(20), ElementsAre(.25, .25, .25, .25));
+}
+
+// A bipyramid's axis, cut into wedges: its n interior faces meet in the axis, an interior edge.
+// With n = 5, siggraph96 gives (C̄ + 2Ā + 2M)/5, cse96 (C̄ + 2Ā + M)/4. Each of the 5 wedge-shaped
+// cells has 4 vertices (a tetrahedron): C̄ gives an end of the axis 1/4 and a girdle vertex 2/20; Ā
+// gives an end 1/3 and a girdle vertex 1/15; M an end 1/2.
+TEST(Stencils, GoldenEdgeRowsOfBothEditions) {
+    const Index n = 5;
+    far::ComplexBuilder builder(3, n + 2);
+    for (Index i = 0; i < n; ++i)
+        builder.addCell(far::StandardCell::Tetrahedron, {i, (i + 1) % n, n + 1, n});
+    TopologyRefiner refiner(builder.build());
+    refiner.refineUniform(1);
+    const auto& [base, strata] = refiner.level(0);
+    Index axis = 0;
+    while (strata.of({1, axis}) != 3) ++axis;
+    const Index row = refiner.refinement(1).childOf({{1, axis}, {1, axis}})->index;
+    const double girdleC = 2. / 20, girdleA = 1. / 15;
+    const std::map<Rules, std::array<double, 2>> expected = {
+        {Rules::Siggraph96, {(girdleC + 2 * girdleA) / 5, (1. / 4 + 2. / 3 + 2 * 0.5) / 5}},
+        {Rules::Cse96, {(girdleC + 2 * girdleA) / 4, (1. / 4 + 2. / 3 + 0.5) / 4}}};
+    for (const auto& [rules, weights] : expected) {
+        const auto table = buildLevelTable(refiner, 1, rules);
+        ASSERT_EQ(table.columns(row).size(), 7u);
+        for (std::size_t i = 0; i < 7; ++i)
+            // Some twenty shares below 0.2, rounded each.
+            EXPECT_NEAR(table.weights(row)[i], weights[i < 5 ? 0 : 1], 4e-16);
+    }
+}
+
+TEST(Stencils, VerticesAndLevelsThatAreNotThereAreRefused) {
+    TopologyRefiner refiner(test::bipyramid(3));
+    refiner.refineUniform(1);
+    const auto build = [&](int level, Index vertex) {
+        return buildStencils(refiner, level, Rules::Siggraph96, std::vector<Index>{vertex});
+    };
+    EXPECT_NO_THROW(build(1, 0));
+    EXPECT_THROW(build(1, -1), Error);
+    EXPECT_THROW(build(1, refiner.level(1).complex.count(0)), Error);
+    EXPECT_THROW(build(0, 5), Error);
+    EXPECT_THROW(build(2, 0), Error);
+    EXPECT_THROW(build(-1, 0), Error);
+}
+
 TEST(Multiply, IsTheProductOfMatrices) {
     const StencilTable<double> left(3, {0, 2, 2, 3}, {0, 2, 1}, {2, 3, 5});
     const StencilTable<double> right(2, {0, 1, 2, 4}, {1, 0, 0, 1}, {7, 11, 13, 17});

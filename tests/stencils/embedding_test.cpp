@@ -236,8 +236,122 @@ TEST(Embedding, PointsOutside) {
         refined.embed(points, {.outside = OutsidePolicy::Error});
         FAIL() << "accepted";
     } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("point 0 at (2.0"));
+        EXPECT_THAT(error.what(), HasSubstr("point 0 at (2, 0.5, 0.5) "));
         EXPECT_THAT(error.what(), HasSubstr("outside the lattice"));
+    }
+}
+
+/// How far a point lies outside a convex lattice with flat sides: its distance from the planes of
+/// the faces, if it is beyond one.
+double distanceOutside(const Lattice& lattice, const Eigen::Vector3d& point) {
+    double farthest = 0;
+    for (Index face = 0; face < lattice.complex.count(2); ++face) {
+        const auto loop = lattice.complex.relation(2, 0)[face];
+        const auto at = [&](std::size_t i) {
+            return vec(lattice.positions[static_cast<std::size_t>(loop[i])]);
+        };
+        Eigen::Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+        if (normal.dot(at(0)) < 0) normal = -normal;
+        farthest = std::max(farthest, normal.dot(point - at(0)));
+    }
+    return farthest;
+}
+
+// Single cells about the origin with flat sides stay what they are when refined, so half-spaces
+// tell what is outside: near cells of types 3, 4, 5 and 6.
+TEST(Embedding, HalfSpacesTellWhatIsOutside) {
+    for (const Lattice& solid :
+         {shapes::cube(), shapes::octahedron(), shapes::icosahedron(), shapes::dodecahedron(),
+          shapes::bipyramid({.sides = 6}), shapes::prism({.sides = 5})})
+        for (const int level : {1, 2}) {
+            const Refined refined(solid, level);
+            const auto values = test::randomValues(3 * 1000, 9);
+            std::vector<Point3> points;
+            for (std::size_t i = 0; i < 1000; ++i)
+                points.push_back(
+                    {1.3 * values[3 * i], 1.3 * values[3 * i + 1], 1.3 * values[3 * i + 2]});
+            for (const OutsidePolicy policy : {OutsidePolicy::Keep, OutsidePolicy::Nearest}) {
+                const Embedding embedding = refined.embed(points, {.outside = policy});
+                for (std::size_t i = 0; i < points.size(); ++i) {
+                    const double outside = distanceOutside(solid, vec(points[i]));
+                    // Within the tolerance either answer is right.
+                    if (outside > 0 && outside < 1e-5) continue;
+                    ASSERT_EQ(embedding.points[i].status,
+                              outside > 0 ? PointStatus::Outside : PointStatus::Inside)
+                        << outside;
+                }
+            }
+        }
+}
+
+// A corner of the region, and a whole face of it, in a cell of type 5: the tolerance is a distance.
+TEST(Embedding, ToleranceReachesAllRoundTheRegion) {
+    const Lattice solid = shapes::icosahedron();
+    const Refined refined(solid, 1);
+    for (const Point3& corner : solid.positions) {
+        const Eigen::Vector3d near = vec(corner) * (1 + 5e-7), far = vec(corner) * (1 + 2e-5);
+        const Embedding embedding =
+            refined.embed({{near[0], near[1], near[2]}, {far[0], far[1], far[2]}});
+        EXPECT_EQ(embedding.points[0].status, PointStatus::Inside);
+        EXPECT_EQ(embedding.points[1].status, PointStatus::Outside);
+    }
+}
+
+// Rows of W and D sum to 1 like those of S: within 1e-14 inside. Outside, rows go on along a
+// tangent, and their weights grow with the distance: 1e-14 of the sum of their sizes.
+TEST(Embedding, RowsSumToOne) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const Refined refined(lattice, 2);
+        auto points = pointsIn(refined, 100, 11);
+        for (const double x : {-2.0, 3.5}) points.push_back({x, 0.3, 0.2});
+        const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
+        for (const auto& table :
+             {buildEmbeddingTable(refined.complex(), embedding),
+              buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, embedding)})
+            for (Index row = 0; row < table.rowCount(); ++row) {
+                double sum = 0, sizes = 0;
+                for (const double weight : table.weights(row)) {
+                    sum += weight;
+                    sizes += std::abs(weight);
+                }
+                ASSERT_NEAR(sum, 1, 1e-14 * sizes) << name << " row " << row;
+            }
+    }
+}
+
+// Without boundary control the region is the part of the lattice that is left.
+TEST(Embedding, OpenLattice) {
+    const Lattice box = shapes::box({.cells = {4, 4, 4}, .max = {4, 4, 4}});
+    TopologyRefiner refiner(box.complex, {.boundary = far::Boundary::Open});
+    refiner.refineUniform(2);
+    const auto positions = refinePositions(refiner, 2, Rules::Siggraph96, box.positions);
+    // Level 1 reaches from 1/2 to 7/2, level 2 from 3/4 to 13/4.
+    const std::vector<Point3> points = {{0.8, 2, 3.2}, {0.7, 2, 2}, {2, 2, 3.3}};
+    const Embedding embedding = embedPoints(refiner.level(2).complex, positions, points);
+    EXPECT_EQ(embedding.points[0].status, PointStatus::Inside);
+    EXPECT_EQ(embedding.points[1].status, PointStatus::Outside);
+    EXPECT_EQ(embedding.points[2].status, PointStatus::Outside);
+    const auto table = buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
+    EXPECT_LT(largestDistance({times(table, box.positions)[0]}, {points[0]}), 4e-12);
+}
+
+// Points of a boundary that is curved, rounded to single precision as files of floats have them,
+// are inside, and come back within that precision.
+TEST(Embedding, BoundaryPointsInSinglePrecisionAreInside) {
+    for (const Lattice& lattice :
+         {shapes::torus(), shapes::cylinder({.sectors = 5}), shapes::barbell()}) {
+        const Refined refined(lattice, 2);
+        std::vector<Point3> points;
+        for (Index v = 0; v < refined.complex().count(0); ++v) {
+            if (refined.refiner.level(2).strata.of({0, v}) == 3) continue;
+            Point3 p = refined.positions[static_cast<std::size_t>(v)];
+            for (double& x : p) x = static_cast<double>(static_cast<float>(x));
+            points.push_back(p);
+        }
+        const Embedding embedding = refined.embed(points);
+        EXPECT_EQ(embedding.count(PointStatus::Inside), static_cast<Index>(points.size()));
+        const auto table = buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, embedding);
+        EXPECT_LT(largestDistance(times(table, refined.base), points), 4e-12);
     }
 }
 
@@ -350,6 +464,35 @@ TEST(Embedding, NeedsARefinedLattice) {
     EXPECT_THROW(embedAtBase(), Error);
     const Refined refined(box, 1);
     EXPECT_THROW(embedPoints(refined.complex(), box.positions, std::vector<Point3>{}), Error);
+    auto broken = refined.positions;
+    broken[3][1] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(embedPoints(refined.complex(), broken, std::vector<Point3>{}), Error);
+    for (const double tolerance :
+         {-1e-6, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+        EXPECT_THROW(refined.embed({}, {.tolerance = tolerance}), Error) << tolerance;
+    // An embedding belongs to one level.
+    TopologyRefiner finer = refined.refiner;
+    finer.refineUniform(2);
+    EXPECT_THROW(buildDeformationTable(finer, 2, Rules::Siggraph96, refined.embed({{0, 0, 0}})),
+                 Error);
+}
+
+// Cells folded over by one vertex far away: points come back, or are said not to.
+TEST(Embedding, StatusIsHonestInATangledLattice) {
+    for (const double away : {3.0, 1e6, 1e300}) {
+        Lattice tangled = shapes::box({.cells = {2, 2, 2}});
+        tangled.positions[13] = {away, -away, away};
+        const Refined refined(tangled, 1);
+        const auto points = pointsIn(Refined(shapes::box({.cells = {2, 2, 2}}), 1), 300, 12);
+        const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
+        const auto table = buildDeformationTable(refined.refiner, 1, Rules::Siggraph96, embedding);
+        const auto back = times(table, refined.base);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            if (embedding.points[i].place) {
+                // 1e-12 of the lattice's size, and the tolerance where the nearest place is taken.
+                ASSERT_LE((vec(back[i]) - vec(points[i])).norm(), 2e-6 * (1 + away));
+            }
+    }
 }
 
 }  // namespace
