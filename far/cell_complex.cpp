@@ -74,7 +74,13 @@ Incidence cellClosure(const CellComplex& complex, int to) {
         }));
 }
 
+Incidence identity(Index count) {
+    return Incidence(buildRows<Index>(
+        count, [](Index index, std::vector<Index>& row) { row.push_back(index); }));
+}
+
 Incidence deriveRelation(const CellComplex& complex, int from, int to) {
+    if (from == to) return identity(complex.count(from));
     if (from < to) return complex.relation(to, from).transposed(complex.count(from));
     return from == 2 ? faceLoops(complex) : cellClosure(complex, to);
 }
@@ -82,7 +88,7 @@ Incidence deriveRelation(const CellComplex& complex, int from, int to) {
 }  // namespace
 
 const Incidence& CellComplex::relation(int from, int to) const {
-    assert(from != to);
+    assert(0 <= from && from <= data_->dimension && 0 <= to && to <= data_->dimension);
     if (from == to + 1) return boundary(from).unsignedRows();
     Data::Lazy& lazy = data_->derived[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
     std::call_once(lazy.once, [&] { lazy.incidence = deriveRelation(*this, from, to); });

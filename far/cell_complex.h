@@ -56,7 +56,9 @@ public:
     /// order (edge i joins vertices i and i + 1), edge → vertices (tail, head) and cell → faces
     /// (as given).
     ///
-    /// \param from, to different dimensions, 0 to dimension()
+    /// An entity contains itself: where the dimensions are the same, its row is itself.
+    ///
+    /// \param from, to dimensions, 0 to dimension()
     /// \cost O(entries) on the first call for a pair, then constant; thread-safe
     const Incidence& relation(int from, int to) const;
 

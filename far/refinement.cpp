@@ -32,22 +32,14 @@ void Refinement::numberChildren(const CellComplex& parent, const Strata* interio
             };
             family.firstChild = static_cast<Index>(count);
             // Counted before they are made.
-            if (d == 0) {
-                for (Index index = 0; index < parent.count(lower); ++index) count += isKept(index);
-            } else {
-                const auto parts = parent.relation(upper, lower).values();
-                count += std::count_if(parts.begin(), parts.end(), isKept);
-            }
+            const auto parts = parent.relation(upper, lower).values();
+            count += std::count_if(parts.begin(), parts.end(), isKept);
             if (count > kMaxIndex)
                 throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
                                     "the refined complex has more than " +
                                         std::to_string(kMaxIndex) + " entities of one dimension");
             family.lowerEnds = Incidence(
                 buildRows<Index>(parent.count(upper), [&](Index index, std::vector<Index>& row) {
-                    if (d == 0) {
-                        if (isKept(index)) row.push_back(index);
-                        return;
-                    }
                     for (const Index part : parent.relation(upper, lower)[index])
                         if (isKept(part)) row.push_back(part);
                 }));

@@ -8,18 +8,13 @@
 namespace espalier::far {
 namespace {
 
-/// The vertices of an entity of any dimension.
-std::span<const Index> verticesOf(const CellComplex& complex, int dimension, const Index& index) {
-    return dimension == 0 ? std::span(&index, 1) : complex.relation(dimension, 0)[index];
-}
-
 /// A cell of any dimension, in numbers that do not depend on how it was written down: the canonical
 /// loop of each of its sides, behind its length; the sides in order.
 std::vector<Index> canonicalCell(const CellComplex& complex, Index cell) {
     const int dimension = complex.dimension();
     std::vector<std::vector<Index>> sides;
     for (const Index side : complex.boundary(dimension)[cell]) {
-        const auto vertices = verticesOf(complex, dimension - 1, side);
+        const auto vertices = complex.relation(dimension - 1, 0)[side];
         std::vector<Index> key = {static_cast<Index>(vertices.size())};
         appendCanonicalLoop(vertices, key);
         sides.push_back(std::move(key));

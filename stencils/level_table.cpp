@@ -13,20 +13,10 @@ using far::CellComplex;
 using far::Entity;
 using far::Strata;
 
-/// The vertices of an entity; those of a vertex are itself.
-std::span<const Index> verticesOf(const CellComplex& complex, const Entity& entity) {
-    if (entity.dimension == 0) return {&entity.index, 1};
-    return complex.relation(entity.dimension, 0)[entity.index];
-}
-
 /// Calls visit(entity) for the entities of dimension `dimension` that are or contain `entity`, in
 /// the sub-complex of its own stratum.
 template <class Visit>
 void forEachAround(const far::Level& level, const Entity& entity, int dimension, Visit visit) {
-    if (dimension == entity.dimension) {
-        visit(entity);
-        return;
-    }
     const int stratum = level.strata.of(entity);
     for (const Index index : level.complex.relation(entity.dimension, dimension)[entity.index])
         if (level.strata.of({dimension, index}) <= stratum) visit(Entity{dimension, index});
@@ -51,7 +41,7 @@ void addRow(const far::Level& level, Rules rules, const Entity& entity, RowAccum
         if (weight == 0) continue;
         const Index count = countAround(level, entity, dimension);
         forEachAround(level, entity, dimension, [&](const Entity& around) {
-            const auto vertices = verticesOf(level.complex, around);
+            const auto vertices = level.complex.relation(dimension, 0)[around.index];
             const double share = weight / (count * static_cast<double>(vertices.size()));
             for (const Index vertex : vertices) row.add(vertex, share);
         });

@@ -10,24 +10,22 @@
 #include <thread>
 #include <vector>
 
-#ifdef ESPALIER_WITH_TBB
-#include <tbb/task_arena.h>
-#endif
+#include "support/threads.h"
 
 namespace espalier::far {
 namespace {
 
 TEST(ParallelFor, CoversEachItemOnceInFixedRanges) {
-    for (const int threads : {0, 1, 3}) {
-        const ThreadLimit limit(threads);
-        std::vector<std::atomic<int>> visits(1003);
-        parallelFor(1003, 10, [&](Offset first, Offset last) {
-            EXPECT_EQ(first % 10, 0);
-            EXPECT_EQ(last, std::min<Offset>(first + 10, 1003));
-            for (Offset i = first; i < last; ++i) ++visits[static_cast<std::size_t>(i)];
+    for (const int threads : {1, 3, 8})
+        test::withThreads(threads, [] {
+            std::vector<std::atomic<int>> visits(1003);
+            parallelFor(1003, 10, [&](Offset first, Offset last) {
+                EXPECT_EQ(first % 10, 0);
+                EXPECT_EQ(last, std::min<Offset>(first + 10, 1003));
+                for (Offset i = first; i < last; ++i) ++visits[static_cast<std::size_t>(i)];
+            });
+            for (const auto& count : visits) EXPECT_EQ(count, 1);
         });
-        for (const auto& count : visits) EXPECT_EQ(count, 1);
-    }
     parallelFor(0, 10, [](Offset, Offset) { FAIL() << "called for nothing"; });
 }
 
@@ -44,7 +42,6 @@ TEST(ParallelFor, RethrowsTheErrorOfTheLowestRange) {
     }
 }
 
-#ifdef ESPALIER_WITH_TBB
 // A body may hold a lock round a nested loop, as CellComplex::relation() does: a thread that waits
 // for the inner loop must not take up another range of the outer one, which would want the same
 // lock.
@@ -53,9 +50,7 @@ TEST(ParallelFor, WaitingThreadTakesUpNoOtherWork) {
     std::atomic<bool> isEnteredAgain = false;
     // More threads than the machine has cores: some must be free to help with the inner loop, so
     // that the one that began it has to wait for them.
-    const ThreadLimit limit(8);
-    tbb::task_arena arena(8);
-    arena.execute([&] {
+    test::withThreads(8, [&] {
         for (int repeat = 0; repeat < 300; ++repeat) {
             std::once_flag once;
             parallelFor(64, 1, [&](Offset, Offset) {
@@ -75,7 +70,6 @@ TEST(ParallelFor, WaitingThreadTakesUpNoOtherWork) {
     });
     EXPECT_FALSE(isEnteredAgain);
 }
-#endif
 
 }  // namespace
 }  // namespace espalier::far

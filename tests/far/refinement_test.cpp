@@ -21,8 +21,7 @@ struct Incidences {
         for (int upper = 0; upper <= 3; ++upper)
             for (int lower = 0; lower <= upper; ++lower)
                 pairs[lower][upper] =
-                    lower == upper ? complex.count(lower)
-                    : upper > complex.dimension()
+                    upper > complex.dimension()
                         ? 0
                         : static_cast<Offset>(complex.relation(upper, lower).values().size());
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <gmock/gmock.h>
@@ -8,6 +7,8 @@
 
 #include <cmath>
 #include <random>
+
+#include "support/threads.h"
 
 namespace espalier::osd {
 namespace {
@@ -120,10 +121,11 @@ TYPED_TEST(EvaluatorTest, RandomTables) {
                 ASSERT_LE(std::abs(destination[static_cast<std::size_t>(row * length + c)] - sum),
                           bound);
             }
-        for (const int threads : {1, 2, 5}) {
-            const far::ThreadLimit limit(threads);
+        for (const int threads : {1, 2, 8}) {
             std::vector<R> again(destination.size());
-            TestFixture::Evaluator::evaluate(table, source, layout, again, layout, {0, 5000});
+            test::withThreads(threads, [&] {
+                TestFixture::Evaluator::evaluate(table, source, layout, again, layout, {0, 5000});
+            });
             ASSERT_EQ(again, destination);
         }
     }

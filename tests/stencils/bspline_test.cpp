@@ -44,12 +44,8 @@ RefinedGrid baseGrid(const std::array<Index, 3>& n) {
 GridPoint halfPoint(const TopologyRefiner& refiner, const RefinedGrid& parent, int level,
                     Index vertex) {
     const far::Entity entity = refiner.refinement(level).parentOf({0, vertex}).upper;
-    std::vector<Index> vertices = {entity.index};
-    if (entity.dimension > 0) {
-        const auto row =
-            refiner.level(level - 1).complex.relation(entity.dimension, 0)[entity.index];
-        vertices.assign(row.begin(), row.end());
-    }
+    const auto vertices =
+        refiner.level(level - 1).complex.relation(entity.dimension, 0)[entity.index];
     GridPoint half = {};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         Index low = parent.cells[axis], high = 0;

@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "support/threads.h"
 #include "support/zoo.h"
 
 namespace espalier::stencils {
@@ -425,12 +426,14 @@ TEST(Embedding, DoesNotDependOnTheNumberOfThreads) {
     const Refined refined(shapes::torus(), 2);
     const auto points = pointsIn(refined, 5000, 7);
     const auto bind = [&](int threads) {
-        const far::ThreadLimit limit(threads);
-        return buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, refined.embed(points));
+        return test::withThreads(threads, [&] {
+            return buildDeformationTable(refined.refiner, 2, Rules::Siggraph96,
+                                         refined.embed(points));
+        });
     };
     const auto one = bind(1);
     EXPECT_EQ(one, bind(2));
-    EXPECT_EQ(one, bind(7));
+    EXPECT_EQ(one, bind(8));
 }
 
 TEST(Embedding, PointsThatAreNotFiniteDoNotConverge) {

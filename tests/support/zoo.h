@@ -133,11 +133,8 @@ inline std::vector<std::vector<Index>> matchLevels(const far::TopologyRefiner& f
     std::vector<std::vector<Index>> maps = {std::move(base)};
     for (int level = 1; level <= first.maxLevel(); ++level) {
         const auto keyOf = [&](const CellComplex& complex, far::Entity entity, bool rename) {
-            std::vector<Index> key = {entity.index};
-            if (entity.dimension > 0) {
-                const auto row = complex.relation(entity.dimension, 0)[entity.index];
-                key.assign(row.begin(), row.end());
-            }
+            const auto row = complex.relation(entity.dimension, 0)[entity.index];
+            std::vector<Index> key(row.begin(), row.end());
             if (rename)
                 for (Index& vertex : key) vertex = maps.back()[static_cast<std::size_t>(vertex)];
             std::sort(key.begin(), key.end());

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/parallel.h>
+
+#ifdef ESPALIER_WITH_TBB
+#include <tbb/task_arena.h>
+#endif
+
+namespace espalier::test {
+
+/// What `work` returns when so many threads do it: more than the machine has cores, if need be.
+template <class Work>
+auto withThreads(int threads, Work work) {
+    const far::ThreadLimit limit(threads);
+#ifdef ESPALIER_WITH_TBB
+    return tbb::task_arena(threads).execute(work);
+#else
+    return work();
+#endif
+}
+
+}  // namespace espalier::test
