@@ -53,10 +53,10 @@ std::map<Index, Sharpness> readEdgeMarks(const CellComplex& complex, const Marks
     std::map<Index, Sharpness> byEdge;
     for (const Marks::Edge& mark : marks.edges) {
         for (const Index vertex : mark.vertices) checkVertex(complex, vertex);
-        const auto [a, b] = mark.vertices;
+        const Index a = mark.vertices[0], b = mark.vertices[1];
         const std::string name = "edge (" + std::to_string(a) + ", " + std::to_string(b) + ")";
         const auto edges = complex.relation(0, 1)[a];
-        const auto edge = std::find_if(edges.begin(), edges.end(), [&, b = b](Index candidate) {
+        const auto edge = std::find_if(edges.begin(), edges.end(), [&](Index candidate) {
             return a != b && contains(complex.relation(1, 0)[candidate], b);
         });
         if (edge == edges.end())

@@ -107,7 +107,7 @@ PointLocator::PointLocator(const far::CellComplex& complex, std::span<const Poin
     : complex_(checked(complex, positions)),
       positions_(positions.begin(), positions.end()),
       corners_(hexahedra(complex)),
-      size_(boundingBox(positions).diagonal().norm()),
+      size_(boundingBox(positions).diagonal().stableNorm()),
       tolerance_(checkedTolerance(tolerance) * size_),
       tree_(cellBoxes(complex, positions, tolerance_ + kBoxSlack * size_)) {}
 
