@@ -486,7 +486,7 @@ TEST(Embedding, StatusIsHonestInATangledLattice) {
         Lattice tangled = shapes::box({.cells = {2, 2, 2}});
         tangled.positions[13] = {away, -away, away};
         const Refined refined(tangled, 1);
-        const auto points = pointsIn(Refined(shapes::box({.cells = {2, 2, 2}}), 1), 300, 12);
+        const auto points = pointsIn(Refined(shapes::box({.cells = {2, 2, 2}}), 1), 40, 12);
         const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
         const auto table = buildDeformationTable(refined.refiner, 1, Rules::Siggraph96, embedding);
         const auto back = times(table, refined.base);
