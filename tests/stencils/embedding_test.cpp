@@ -102,16 +102,14 @@ TEST(Embedding, ReproducesAffineMaps) {
         EXPECT_LT(embedding.largestResidual(), 1e-13) << name;
         const auto table = buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, embedding);
         EXPECT_LT(largestDistance(times(table, refined.base), points), 4e-12) << name;
-        std::vector<Point3> movedBase, movedPoints;
-        const auto move = [&](const std::vector<Point3>& from, std::vector<Point3>& to) {
-            for (const Point3& p : from) {
+        const auto moved = [&](std::vector<Point3> from) {
+            for (Point3& p : from) {
                 const Eigen::Vector3d q = linear * vec(p) + shift;
-                to.push_back({q[0], q[1], q[2]});
+                p = {q[0], q[1], q[2]};
             }
+            return from;
         };
-        move(refined.base, movedBase);
-        move(points, movedPoints);
-        EXPECT_LT(largestDistance(times(table, movedBase), movedPoints), 1e-11) << name;
+        EXPECT_LT(largestDistance(times(table, moved(refined.base)), moved(points)), 1e-11) << name;
     }
 }
 
@@ -266,9 +264,9 @@ TEST(Embedding, HalfSpacesTellWhatIsOutside) {
           shapes::bipyramid({.sides = 6}), shapes::prism({.sides = 5})})
         for (const int level : {1, 2}) {
             const Refined refined(solid, level);
-            const auto values = test::randomValues(3 * 1000, 9);
+            const auto values = test::randomValues(3 * 300, 9);
             std::vector<Point3> points;
-            for (std::size_t i = 0; i < 1000; ++i)
+            for (std::size_t i = 0; i < 300; ++i)
                 points.push_back(
                     {1.3 * values[3 * i], 1.3 * values[3 * i + 1], 1.3 * values[3 * i + 2]});
             for (const OutsidePolicy policy : {OutsidePolicy::Keep, OutsidePolicy::Nearest}) {
@@ -482,17 +480,17 @@ TEST(Embedding, NeedsARefinedLattice) {
 
 // Cells folded over by one vertex far away: points come back, or are said not to.
 TEST(Embedding, StatusIsHonestInATangledLattice) {
-    for (const double away : {3.0, 1e6, 1e300}) {
+    for (const double away : {3.0, 1e300}) {
         Lattice tangled = shapes::box({.cells = {2, 2, 2}});
         tangled.positions[13] = {away, -away, away};
         const Refined refined(tangled, 1);
-        const auto points = pointsIn(Refined(shapes::box({.cells = {2, 2, 2}}), 1), 40, 12);
+        const auto points = pointsIn(Refined(shapes::box({.cells = {2, 2, 2}}), 1), 8, 12);
         const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
         const auto table = buildDeformationTable(refined.refiner, 1, Rules::Siggraph96, embedding);
         const auto back = times(table, refined.base);
         for (std::size_t i = 0; i < points.size(); ++i)
+            // 1e-12 of the lattice's size, and the tolerance where the nearest place is taken.
             if (embedding.points[i].place) {
-                // 1e-12 of the lattice's size, and the tolerance where the nearest place is taken.
                 ASSERT_LE((vec(back[i]) - vec(points[i])).norm(), 2e-6 * (1 + away));
             }
     }
