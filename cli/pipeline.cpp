@@ -46,10 +46,11 @@ RefinedFile readAndRefine(const LatticeOptions& options, Stages& stages) {
 
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base) {
-    const auto& [complex, strata] = refiner.level(level);
+    const auto& [complex, strata, holes] = refiner.level(level);
     Lattice refined{
         complex, stencils::refinePositions(refiner, level, options.rules, base.positions), {}, {}};
-    if (refiner.boundary() == far::Boundary::Sharp) refined.marks = far::marksFor(complex, strata);
+    if (refiner.boundary() != far::Boundary::Open)
+        refined.marks = far::marksFor(complex, strata, far::Boundary::Sharp);
     for (const VertexAttribute& attribute : base.attributes)
         refined.attributes.push_back(
             {attribute.name, attribute.components,

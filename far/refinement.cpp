@@ -7,9 +7,9 @@
 
 namespace espalier::far {
 
-Refinement::Refinement(const CellComplex& parent, const Strata* interior)
+Refinement::Refinement(const CellComplex& parent, const Strata* open)
     : dimension_(parent.dimension()) {
-    numberChildren(parent, interior);
+    numberChildren(parent, open);
     if (childCounts_[static_cast<std::size_t>(dimension_)] == 0)
         throw TopologyError(TopologyCause::EmptyComplex, {dimension_, 0},
                             std::string("refined without boundary control, the complex has no ") +
@@ -20,7 +20,7 @@ Refinement::Refinement(const CellComplex& parent, const Strata* interior)
     child_ = CellComplex(dimension_, childCounts_[0], std::move(boundaries));
 }
 
-void Refinement::numberChildren(const CellComplex& parent, const Strata* interior) {
+void Refinement::numberChildren(const CellComplex& parent, const Strata* open) {
     for (int d = 0; d <= dimension_; ++d) {
         Offset count = 0;
         for (int lower = 0; lower + d <= dimension_; ++lower) {
@@ -28,7 +28,7 @@ void Refinement::numberChildren(const CellComplex& parent, const Strata* interio
             Family& family =
                 families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(upper)];
             const auto isKept = [&](Index index) {
-                return interior == nullptr || interior->of({lower, index}) == dimension_;
+                return open == nullptr || !open->isOpen({lower, index});
             };
             family.firstChild = static_cast<Index>(count);
             // Counted before they are made.
@@ -170,19 +170,6 @@ std::optional<Entity> Refinement::childOf(const Interval& interval) const {
     if (!contains(f.lowerEnds[interval.upper.index], interval.lower.index)) return std::nullopt;
     return Entity{interval.upper.dimension - interval.lower.dimension,
                   childIndex(interval.lower, interval.upper)};
-}
-
-Strata Refinement::inherit(const Strata& parent) const {
-    Strata strata(child_, dimension_);
-    for (int lower = 0; lower <= dimension_; ++lower)
-        for (int upper = lower; upper <= dimension_; ++upper) {
-            const Family& f = family(lower, upper);
-            for (Index row = 0; row < f.lowerEnds.rowCount(); ++row)
-                for (Offset at = f.lowerEnds.offset(row); at < f.lowerEnds.offset(row + 1); ++at)
-                    strata.lower({upper - lower, f.firstChild + static_cast<Index>(at)},
-                                 parent.of({upper, row}));
-        }
-    return strata;
 }
 
 }  // namespace espalier::far

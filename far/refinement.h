@@ -36,13 +36,13 @@ struct Interval {
 /// \cite MacCracken & Joy 1996, section 2.2; Joy & MacCracken CSE-96-1, section 6
 class Refinement {
 public:
-    /// Splits `parent`. With `interior`, just the intervals whose lower end is on the stratum of
-    /// the complex's own dimension are kept (Boundary::Open).
+    /// Splits `parent`. With `open`, the strata of a complex without boundary control, just the
+    /// intervals whose lower end is not open are kept.
     ///
     /// \throws TopologyError (TooManyEntities; EmptyComplex if no child of the parent's dimension
     ///         is left)
     /// \cost O(entries of the child × entities of a parent cell), in parallel
-    explicit Refinement(const CellComplex& parent, const Strata* interior = nullptr);
+    explicit Refinement(const CellComplex& parent, const Strata* open = nullptr);
 
     const CellComplex& child() const { return child_; }
 
@@ -53,8 +53,19 @@ public:
     /// `interval.upper` or was not kept. \cost O(entities in the upper end)
     std::optional<Entity> childOf(const Interval& interval) const;
 
-    /// The child strata under boundary control: [a, b] inherits the stratum of b.
-    Strata inherit(const Strata& parent) const;
+    /// Calls visit(child, interval) for every child, in the order of their dimensions and numbers.
+    /// \cost O(children)
+    template <class Visit>
+    void forEachChild(Visit visit) const {
+        for (int d = 0; d <= dimension_; ++d)
+            for (int lower = 0; lower + d <= dimension_; ++lower) {
+                const Family& f = family(lower, lower + d);
+                Index child = f.firstChild;
+                for (Index upper = 0; upper < f.lowerEnds.rowCount(); ++upper)
+                    for (const Index part : f.lowerEnds[upper])
+                        visit(Entity{d, child++}, Interval{{lower, part}, {lower + d, upper}});
+            }
+    }
 
 private:
     /// The kept intervals with ends of dimensions `lower` ≤ `upper`: row b lists the a in it.
@@ -66,7 +77,7 @@ private:
         return families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(upper)];
     }
     Index childIndex(Entity lower, Entity upper) const;
-    void numberChildren(const CellComplex& parent, const Strata* interior);
+    void numberChildren(const CellComplex& parent, const Strata* open);
     SignedIncidence childBoundary(const CellComplex& parent, int dimension) const;
     void appendBoundary(const CellComplex& parent, Entity lower, Entity upper,
                         std::vector<Signed>& boundary) const;

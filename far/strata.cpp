@@ -1,124 +1,105 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/refinement.h>
 #include <espalier/far/strata.h>
+#include <espalier/far/surface_fans.h>
 
 #include <algorithm>
-#include <map>
-#include <numeric>
-#include <optional>
 #include <string>
 
 namespace espalier::far {
+namespace {
 
-Strata::Strata(const CellComplex& complex, int stratum) {
-    for (int d = 0; d <= complex.dimension(); ++d)
-        strata_[static_cast<std::size_t>(d)].assign(static_cast<std::size_t>(complex.count(d)),
-                                                    static_cast<std::uint8_t>(stratum));
+std::size_t at(Index index) {
+    return static_cast<std::size_t>(index);
 }
 
-void Strata::lower(Entity entity, int stratum) {
-    std::uint8_t& current =
-        strata_[static_cast<std::size_t>(entity.dimension)][static_cast<std::size_t>(entity.index)];
-    current = std::min(current, static_cast<std::uint8_t>(stratum));
+/// A number for every entity of a complex.
+Strata::ByEntity filled(const CellComplex& complex, int value) {
+    Strata::ByEntity values;
+    for (int d = 0; d <= complex.dimension(); ++d)
+        values[at(d)].assign(at(complex.count(d)), static_cast<std::uint8_t>(value));
+    return values;
+}
+
+/// Sets the number of an entity and of all that it contains.
+void setClosure(const CellComplex& complex, Entity entity, int value, Strata::ByEntity& values) {
+    for (int d = 0; d <= entity.dimension; ++d)
+        for (const Index part : complex.relation(entity.dimension, d)[entity.index])
+            values[at(d)][at(part)] = static_cast<std::uint8_t>(value);
+}
+
+}  // namespace
+
+Strata::Strata(const CellComplex& complex, ByEntity smoothStrata, ByEntity isOpen,
+               SharpnessValues sharpness)
+    : smoothStrata_(std::move(smoothStrata)),
+      strata_(smoothStrata_),
+      isOpen_(std::move(isOpen)),
+      sharpness_(std::move(sharpness)) {
+    // Sharp edges at each vertex, of the surface if the vertex lies on it.
+    std::vector<Index> sharpEdges(sharpness_.vertices.size(), 0);
+    for (Index edge = 0; edge < complex.count(1); ++edge) {
+        if (sharpness_.edges[at(edge)] == kSmooth) continue;
+        strata_[1][at(edge)] = 1;
+        for (const Index vertex : complex.relation(1, 0)[edge])
+            if (inSubcomplex({0, vertex}, 1, {1, edge})) ++sharpEdges[at(vertex)];
+    }
+    for (std::size_t vertex = 0; vertex < sharpEdges.size(); ++vertex) {
+        if (sharpness_.vertices[vertex] > kSmooth || sharpEdges[vertex] > 2)
+            strata_[0][vertex] = 0;
+        else if (sharpEdges[vertex] == 2)
+            strata_[0][vertex] = 1;
+    }
+    const auto anySemiSharp = [](const std::vector<float>& values) {
+        return std::any_of(values.begin(), values.end(), isSemiSharp);
+    };
+    hasSemiSharp_ = anySemiSharp(sharpness_.vertices) || anySemiSharp(sharpness_.edges);
 }
 
 Index Strata::count(int dimension, int stratum) const {
-    const auto& strata = strata_[static_cast<std::size_t>(dimension)];
+    const auto& strata = strata_[at(dimension)];
     return static_cast<Index>(
         std::count(strata.begin(), strata.end(), static_cast<std::uint8_t>(stratum)));
 }
 
 namespace {
 
-/// Whether a sharpness is infinite or none.
-enum class Sharpness { Sharp, Smooth };
-
-Sharpness readSharpness(double sharpness, Entity entity, const std::string& name) {
-    constexpr double kOpenSubdivInfinite = 10;
-    if (sharpness >= kOpenSubdivInfinite) return Sharpness::Sharp;
-    if (sharpness == kSmooth) return Sharpness::Smooth;
-    throw TopologyError(TopologyCause::BadMark, entity,
-                        name + " is marked with sharpness " + std::to_string(sharpness) +
-                            "; expected 0 (smooth) or at least 10 (sharp)");
+/// The strata without sharpness: all of the complex's own dimension, but for the boundary faces of
+/// a lattice.
+Strata::ByEntity classifySmooth(const CellComplex& complex) {
+    Strata::ByEntity smooth = filled(complex, complex.dimension());
+    if (complex.dimension() < 3) return smooth;
+    for (Index face = 0; face < complex.count(2); ++face)
+        if (complex.relation(2, 3)[face].size() != 2) setClosure(complex, {2, face}, 2, smooth);
+    return smooth;
 }
 
-void checkVertex(const CellComplex& complex, Index vertex) {
-    if (vertex < 0 || vertex >= complex.count(0))
-        throw TopologyError(TopologyCause::VertexOutOfRange, {0, vertex},
-                            "a mark names vertex " + std::to_string(vertex) + "; there are " +
-                                std::to_string(complex.count(0)));
-}
-
-std::map<Index, Sharpness> readEdgeMarks(const CellComplex& complex, const Marks& marks) {
-    std::map<Index, Sharpness> byEdge;
-    for (const Marks::Edge& mark : marks.edges) {
-        for (const Index vertex : mark.vertices) checkVertex(complex, vertex);
-        const Index a = mark.vertices[0], b = mark.vertices[1];
-        const std::string name = "edge (" + std::to_string(a) + ", " + std::to_string(b) + ")";
-        const auto edges = complex.relation(0, 1)[a];
-        const auto edge = std::find_if(edges.begin(), edges.end(), [&](Index candidate) {
-            return a != b && contains(complex.relation(1, 0)[candidate], b);
-        });
-        if (edge == edges.end())
-            throw TopologyError(TopologyCause::BadMark, {0, a},
-                                "a mark names " + name + ", which does not exist");
-        byEdge[*edge] = readSharpness(mark.sharpness, {1, *edge}, name);
-    }
-    return byEdge;
-}
-
-std::map<Index, Sharpness> readVertexMarks(const CellComplex& complex, const Marks& marks) {
-    std::map<Index, Sharpness> byVertex;
-    for (const Marks::Vertex& mark : marks.vertices) {
-        checkVertex(complex, mark.vertex);
-        byVertex[mark.vertex] = readSharpness(mark.sharpness, {0, mark.vertex},
-                                              "vertex " + std::to_string(mark.vertex));
-    }
-    return byVertex;
-}
-
-template <class Key, class Value>
-std::optional<Value> lookUp(const std::map<Key, Value>& map, Key key) {
-    const auto at = map.find(key);
-    return at == map.end() ? std::nullopt : std::optional(at->second);
-}
-
-/// Lowers the entities of dimension d − 1 in other than two of dimension d, and all in them.
-void lowerBoundary(const CellComplex& complex, Strata& strata) {
+/// What lies on the open boundary of the region, given the sharpness that marks ask for.
+Strata::ByEntity classifyOpen(const CellComplex& complex, const SharpnessValues& sharpness) {
+    Strata::ByEntity isOpen = filled(complex, 0);
     const int side = complex.dimension() - 1;
+    const auto isSharp = [&](Index index) {
+        if (side == 2) return false;
+        return (side == 1 ? sharpness.edges : sharpness.vertices)[at(index)] == kInfinitelySharp;
+    };
     for (Index index = 0; index < complex.count(side); ++index) {
-        if (complex.relation(side, side + 1)[index].size() == 2) continue;
-        strata.lower({side, index}, side);
-        for (int d = 0; d < side; ++d)
-            for (const Index part : complex.relation(side, d)[index]) strata.lower({d, part}, side);
+        const auto wholes = complex.relation(side, side + 1)[index].size();
+        const bool isBoundary = complex.dimension() == 2 ? wholes == 1 : wholes != 2;
+        if (isBoundary && !isSharp(index)) setClosure(complex, {side, index}, 1, isOpen);
     }
+    return isOpen;
 }
 
-/// The faces of a row that lie on the surface: boundary faces of a lattice, all faces of a mesh.
-std::vector<Index> surfaceFaces(const Strata& strata, std::span<const Index> faces) {
-    std::vector<Index> result;
-    for (const Index face : faces)
-        if (strata.of({2, face}) <= 2) result.push_back(face);
-    return result;
+SharpnessValues markedSharpness(const CellComplex& complex, const MarkedSharpness& marked) {
+    SharpnessValues sharpness{std::vector<float>(at(complex.count(0)), kSmooth),
+                              std::vector<float>(at(complex.count(1)), kSmooth)};
+    for (const auto& [edge, value] : marked.edges) sharpness.edges[at(edge)] = value;
+    for (const auto& [vertex, value] : marked.vertices) sharpness.vertices[at(vertex)] = value;
+    return sharpness;
 }
 
-/// Whether the surface faces at a vertex form one fan, closed or open.
-bool formOneFan(const CellComplex& complex, const Strata& strata, Index vertex) {
-    const std::vector<Index> faces = surfaceFaces(strata, complex.relation(0, 2)[vertex]);
-    if (faces.empty()) return true;
-    // Cross from face to face over the edges at the vertex, and count what is reached.
-    std::vector<Index> reached = {faces.front()};
-    for (std::size_t next = 0; next < reached.size(); ++next)
-        for (const Index edge : complex.relation(2, 1)[reached[next]]) {
-            if (!contains(complex.relation(1, 0)[edge], vertex)) continue;
-            const auto across = surfaceFaces(strata, complex.relation(1, 2)[edge]);
-            if (across.size() > 2) return false;
-            for (const Index face : across)
-                if (!contains(reached, face)) reached.push_back(face);
-        }
-    return reached.size() == faces.size();
-}
-
+/// Whether a boundary edge of a lattice is sharp without a mark.
 bool isSharpByRule(const CellComplex& complex, SharpEdges rule, Index edge) {
     if (rule == SharpEdges::SingleCell) return complex.relation(1, 3)[edge].size() == 1;
     const auto ends = complex.relation(1, 0)[edge];
@@ -126,83 +107,200 @@ bool isSharpByRule(const CellComplex& complex, SharpEdges rule, Index edge) {
                        [&](Index vertex) { return complex.relation(0, 3)[vertex].size() <= 2; });
 }
 
-void lowerSharpEdges(const CellComplex& complex, SharpEdges rule, const Marks& marks,
-                     Strata& strata) {
-    const std::map<Index, Sharpness> byEdge = readEdgeMarks(complex, marks);
+/// Sharpness that the topology dictates, and that no mark may take away.
+void force(const MarkedSharpness& marked, Entity entity, const std::string& why,
+           SharpnessValues& sharpness) {
+    const auto& marks = entity.dimension == 0 ? marked.vertices : marked.edges;
+    const auto mark = marks.find(entity.index);
+    if (mark != marks.end() && mark->second == kSmooth)
+        throw TopologyError(TopologyCause::BadMark, entity,
+                            std::string(dimensionName(entity.dimension)) + " " +
+                                std::to_string(entity.index) + " is marked smooth, but " + why);
+    (entity.dimension == 0 ? sharpness.vertices : sharpness.edges)[at(entity.index)] =
+        kInfinitelySharp;
+}
+
+void sharpenEdges(const CellComplex& complex, const SurfaceFans& fans, Boundary boundary,
+                  SharpEdges rule, const MarkedSharpness& marked, SharpnessValues& sharpness) {
     for (Index edge = 0; edge < complex.count(1); ++edge) {
-        const std::optional<Sharpness> mark = lookUp(byEdge, edge);
-        const auto surface = surfaceFaces(strata, complex.relation(1, 2)[edge]);
-        const bool onSurface = !surface.empty();
-        const bool forced = onSurface && surface.size() != 2;
-        if (forced && mark == Sharpness::Smooth)
-            throw TopologyError(TopologyCause::BadMark, {1, edge},
-                                "edge " + std::to_string(edge) + " is marked smooth, but lies in " +
-                                    std::to_string(surface.size()) +
-                                    " faces of the surface; a smooth edge has 2");
-        const bool automatic =
-            complex.dimension() == 3 && onSurface && isSharpByRule(complex, rule, edge);
-        if (forced || (mark ? *mark == Sharpness::Sharp : automatic)) strata.lower({1, edge}, 1);
+        const SurfaceFans::EdgeKind kind = fans.edge(edge);
+        if (kind == SurfaceFans::EdgeKind::None) continue;
+        if (kind != SurfaceFans::EdgeKind::Manifold) {
+            const Index faces = fans.faceCount(edge);
+            force(marked, {1, edge},
+                  faces == 2
+                      ? std::string("its two faces run along it the same way")
+                      : "it lies in " + std::to_string(faces) + (faces == 1 ? " face" : " faces") +
+                            " of the surface; a smooth edge has 2",
+                  sharpness);
+        } else if (complex.dimension() == 3 && boundary != Boundary::Open &&
+                   marked.edges.count(edge) == 0 && isSharpByRule(complex, rule, edge)) {
+            sharpness.edges[at(edge)] = kInfinitelySharp;
+        }
     }
 }
 
-void lowerVertices(const CellComplex& complex, const Marks& marks, Strata& strata) {
+void sharpenVertices(const CellComplex& complex, const SurfaceFans& fans, Boundary boundary,
+                     const MarkedSharpness& marked, SharpnessValues& sharpness) {
     const int dimension = complex.dimension();
-    const std::map<Index, Sharpness> byVertex = readVertexMarks(complex, marks);
     for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
-        const std::optional<Sharpness> mark = lookUp(byVertex, vertex);
-        const auto edges = complex.relation(0, 1)[vertex];
-        const auto sharpCount = std::count_if(edges.begin(), edges.end(), [&](Index edge) {
-            return strata.of({1, edge}) <= 1;
-        });
-        const bool forced =
-            dimension >= 2 ? !formOneFan(complex, strata, vertex) : strata.of({0, vertex}) == 0;
-        if (forced && mark == Sharpness::Smooth)
-            throw TopologyError(TopologyCause::BadMark, {0, vertex},
-                                "vertex " + std::to_string(vertex) + " is marked free, but " +
-                                    (dimension >= 2 ? "its surface faces do not form one fan"
-                                                    : "it is not between two edges"));
-        const bool automatic = complex.relation(0, dimension)[vertex].size() == 1;
-        if (forced || sharpCount > 2 || (mark ? *mark == Sharpness::Sharp : automatic))
-            strata.lower({0, vertex}, 0);
-        else if (sharpCount == 2)
-            strata.lower({0, vertex}, 1);
+        const bool isAlone = complex.relation(0, dimension)[vertex].size() == 1;
+        if (fans.vertex(vertex) == SurfaceFans::VertexKind::NonManifold)
+            force(marked, {0, vertex}, "its surface faces do not form one fan", sharpness);
+        else if (isAlone && boundary == Boundary::Sharp && dimension == 2)
+            force(marked, {0, vertex},
+                  "it belongs to one face, and the corners of the boundary are sharp", sharpness);
+        else if (isAlone && boundary == Boundary::Sharp && marked.vertices.count(vertex) == 0)
+            sharpness.vertices[at(vertex)] = kInfinitelySharp;
     }
+}
+
+void sharpenEnds(const CellComplex& curve, const MarkedSharpness& marked,
+                 SharpnessValues& sharpness) {
+    for (Index vertex = 0; vertex < curve.count(0); ++vertex)
+        if (curve.relation(0, 1)[vertex].size() != 2)
+            force(marked, {0, vertex}, "it is not between two edges", sharpness);
 }
 
 }  // namespace
 
-Strata classifySharp(const CellComplex& complex, SharpEdges rule, const Marks& marks) {
-    Strata strata(complex, complex.dimension());
-    lowerBoundary(complex, strata);
-    if (complex.dimension() >= 2) lowerSharpEdges(complex, rule, marks, strata);
-    lowerVertices(complex, marks, strata);
-    return strata;
+Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule,
+                const Marks& marks) {
+    const MarkedSharpness marked = readMarks(complex, marks);
+    SharpnessValues sharpness = markedSharpness(complex, marked);
+    Strata::ByEntity smooth = classifySmooth(complex), isOpen;
+    if (boundary == Boundary::Open) isOpen = classifyOpen(complex, sharpness);
+    if (complex.dimension() == 1) {
+        sharpenEnds(complex, marked, sharpness);
+    } else {
+        std::vector<std::uint8_t> isSurfaceFace;
+        for (const std::uint8_t stratum : smooth[2]) isSurfaceFace.push_back(stratum == 2);
+        const SurfaceFans fans(complex, std::move(isSurfaceFace));
+        sharpenEdges(complex, fans, boundary, rule, marked, sharpness);
+        sharpenVertices(complex, fans, boundary, marked, sharpness);
+    }
+    return Strata(complex, std::move(smooth), std::move(isOpen), std::move(sharpness));
 }
 
-Marks marksFor(const CellComplex& complex, const Strata& strata) {
-    Marks marks;
-    if (complex.dimension() >= 2) {
-        const Strata automatic = classifySharp(complex, SharpEdges::SingleCell, {});
-        for (Index edge = 0; edge < complex.count(1); ++edge) {
-            const bool isSharp = strata.of({1, edge}) <= 1;
-            if (isSharp == (automatic.of({1, edge}) <= 1)) continue;
-            const auto ends = complex.relation(1, 0)[edge];
-            marks.edges.push_back({{ends[0], ends[1]}, isSharp ? kInfinitelySharp : kSmooth});
+namespace {
+
+/// The edges at a vertex whose sharpness counts there for `entity`, the vertex or an edge at it.
+std::vector<Index> sharpEdgesAt(const CellComplex& complex, const Strata& strata, Index vertex,
+                                const Entity& entity) {
+    std::vector<Index> edges;
+    for (const Index edge : complex.relation(0, 1)[vertex])
+        if (strata.sharpness({1, edge}) > kSmooth && strata.inSubcomplex(entity, 1, {1, edge}))
+            edges.push_back(edge);
+    return edges;
+}
+
+std::vector<float> sharpnessOf(const Strata& strata, std::span<const Index> edges) {
+    std::vector<float> values;
+    values.reserve(edges.size());
+    for (const Index edge : edges) values.push_back(strata.sharpness({1, edge}));
+    return values;
+}
+
+/// The sharpness of the child of an edge at one of its ends.
+float subdivideAtEnd(const CellComplex& complex, const Strata& strata, Creasing creasing,
+                     const Entity& edge, Index vertex) {
+    const float sharpness = strata.sharpness(edge);
+    if (creasing == Creasing::Uniform) return subdivideSharpness(sharpness);
+    return subdivideEdgeSharpness(creasing, sharpness,
+                                  sharpnessOf(strata, sharpEdgesAt(complex, strata, vertex, edge)));
+}
+
+}  // namespace
+
+Strata refineStrata(const CellComplex& parent, const Strata& strata, const Refinement& refinement,
+                    Boundary boundary, Creasing creasing) {
+    const CellComplex& child = refinement.child();
+    Strata::ByEntity smooth = filled(child, 0), isOpen;
+    SharpnessValues sharpness{std::vector<float>(at(child.count(0)), kSmooth),
+                              std::vector<float>(at(child.count(1)), kSmooth)};
+    refinement.forEachChild([&](Entity entity, const Interval& interval) {
+        smooth[at(entity.dimension)][at(entity.index)] =
+            static_cast<std::uint8_t>(strata.smoothStratum(interval.upper));
+        if (interval.upper.dimension == 0 && entity.dimension == 0) {
+            sharpness.vertices[at(entity.index)] =
+                subdivideSharpness(strata.sharpness(interval.upper));
+        } else if (interval.upper.dimension == 1 && entity.dimension == 1 &&
+                   strata.sharpness(interval.upper) > kSmooth) {
+            sharpness.edges[at(entity.index)] =
+                subdivideAtEnd(parent, strata, creasing, interval.upper, interval.lower.index);
         }
-    }
-    const Strata withEdges = classifySharp(complex, SharpEdges::SingleCell, marks);
-    for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
-        const bool isCorner = strata.of({0, vertex}) == 0;
-        if (isCorner != (withEdges.of({0, vertex}) == 0))
-            marks.vertices.push_back({vertex, isCorner ? kInfinitelySharp : kSmooth});
-    }
-    return marks;
+    });
+    if (boundary == Boundary::Open) isOpen = classifyOpen(child, sharpness);
+    return Strata(child, std::move(smooth), std::move(isOpen), std::move(sharpness));
 }
 
-Strata classifyOpen(const CellComplex& complex) {
-    Strata strata(complex, complex.dimension());
-    lowerBoundary(complex, strata);
-    return strata;
+namespace {
+
+std::optional<Fading> fadingOfEdge(const CellComplex& complex, const Strata& strata,
+                                   Creasing creasing, const Entity& edge) {
+    const float sharpness = strata.sharpness(edge);
+    if (!isSemiSharp(sharpness)) return std::nullopt;
+    for (const Index end : complex.relation(1, 0)[edge.index])
+        if (subdivideAtEnd(complex, strata, creasing, edge, end) == kSmooth)
+            return Fading{strata.smoothStratum(edge), sharpness, {}};
+    return std::nullopt;
+}
+
+std::optional<Fading> fadingOfVertex(const CellComplex& complex, const Strata& strata,
+                                     Creasing creasing, const Entity& vertex) {
+    const int stratum = strata.of(vertex);
+    if (stratum == strata.smoothStratum(vertex)) return std::nullopt;
+    const float own = strata.sharpness(vertex), ownChild = subdivideSharpness(own);
+    const std::vector<Index> edges = sharpEdgesAt(complex, strata, vertex.index, vertex);
+    const std::vector<float> around = sharpnessOf(strata, edges);
+
+    Fading fading;
+    float sum = 0;
+    int fadeCount = 0, sharpCount = 0;
+    const auto fade = [&](float sharpness) {
+        sum += sharpness;
+        ++fadeCount;
+    };
+    if (own > kSmooth && ownChild == kSmooth) fade(own);
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        if (subdivideEdgeSharpness(creasing, around[i], around) == kSmooth)
+            fade(around[i]);
+        else if (sharpCount++ < 2)
+            fading.staySharp[static_cast<std::size_t>(sharpCount) - 1] = edges[i];
+    }
+    fading.next = ownChild > kSmooth || sharpCount > 2 ? 0
+                  : sharpCount == 2                    ? 1
+                                                       : strata.smoothStratum(vertex);
+    if (fading.next == stratum) return std::nullopt;
+    fading.weight = std::min(sum / static_cast<float>(fadeCount), 1.0F);
+    return fading;
+}
+
+}  // namespace
+
+std::optional<Fading> fadingOf(const CellComplex& complex, const Strata& strata, Creasing creasing,
+                               const Entity& entity) {
+    if (!strata.hasSemiSharp() || entity.dimension > 1) return std::nullopt;
+    return entity.dimension == 1 ? fadingOfEdge(complex, strata, creasing, entity)
+                                 : fadingOfVertex(complex, strata, creasing, entity);
+}
+
+Marks marksFor(const CellComplex& complex, const Strata& strata, Boundary boundary) {
+    const Strata automatic = classify(complex, boundary, SharpEdges::SingleCell, {});
+    Marks marks;
+    const auto toMark = [&](Entity entity) {
+        return strata.sharpness(entity) != automatic.sharpness(entity) ||
+               (entity.dimension == complex.dimension() - 1 &&
+                strata.isOpen(entity) != automatic.isOpen(entity));
+    };
+    for (Index edge = 0; edge < complex.count(1); ++edge) {
+        if (!toMark({1, edge})) continue;
+        const auto ends = complex.relation(1, 0)[edge];
+        marks.edges.push_back({{ends[0], ends[1]}, strata.sharpness({1, edge})});
+    }
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex)
+        if (toMark({0, vertex})) marks.vertices.push_back({vertex, strata.sharpness({0, vertex})});
+    return marks;
 }
 
 }  // namespace espalier::far

@@ -2,19 +2,28 @@
 #pragma once
 
 #include <espalier/far/cell_complex.h>
+#include <espalier/far/marks.h>
+#include <espalier/far/sharpness.h>
 
 #include <array>
 #include <cstdint>
-#include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace espalier::far {
 
+class Refinement;
+
 /// What happens at the boundary of the region.
 enum class Boundary {
     Sharp,  ///< boundary control: corners, sharp edges and boundary surfaces have their own rules
-            ///< (MacCracken & Joy 1996, section 3)
-    Open    ///< none: uniform B-spline behaviour, the region shrinks (the same, section 2.2)
+            ///< (MacCracken & Joy 1996, section 3). On a mesh, OpenSubdiv's "edge and corner"
+    EdgeOnly,  ///< the same, but a vertex is not a corner for being in one cell (lattice) or one
+               ///< face (mesh). On a mesh, OpenSubdiv's "edge only"
+    Open       ///< none: uniform B-spline behaviour, the region shrinks (the same, section 2.2).
+               ///< OpenSubdiv's "none" leaves out the faces that shrink away; here, what is left
+               ///< of them stays
 };
 
 /// Which boundary edges of a lattice are sharp when no mark says otherwise.
@@ -24,32 +33,10 @@ enum class SharpEdges {
                  ///< which make more edges sharp where a lattice is one cell thick
 };
 
-/// Sharpness that no refinement uses up; at least 10, as in OpenSubdiv, counts as infinite.
-inline constexpr double kInfinitelySharp = std::numeric_limits<double>::infinity();
-inline constexpr double kSmooth = 0;
-
-/// Edges and vertices marked by hand; a mark overrides the automatic choice (the paper, section 5).
-///
-/// An edge is named by its two vertices. Sharpness is kInfinitelySharp (a sharp edge, a corner) or
-/// kSmooth (a smooth edge, a vertex that is free). A free vertex loses the mark of being the vertex
-/// of one cell; three or more sharp edges still make a corner, as in OpenSubdiv. Of two marks on
-/// the same edge or vertex the later one counts.
-struct Marks {
-    struct Edge {
-        std::array<Index, 2> vertices = {};
-        double sharpness = kInfinitelySharp;
-        friend bool operator==(const Edge&, const Edge&) = default;
-    };
-    struct Vertex {
-        Index vertex = 0;
-        double sharpness = kInfinitelySharp;
-        friend bool operator==(const Vertex&, const Vertex&) = default;
-    };
-    std::vector<Edge> edges = {};
-    std::vector<Vertex> vertices = {};
-
-    bool empty() const { return edges.empty() && vertices.empty(); }
-    friend bool operator==(const Marks&, const Marks&) = default;
+/// A number for each vertex and each edge of a complex.
+struct SharpnessValues {
+    std::vector<float> vertices;
+    std::vector<float> edges;
 };
 
 /// The stratum of each entity: the dimension of the feature that it lies on.
@@ -60,55 +47,132 @@ struct Marks {
 ///     3   interior (lattice)
 ///
 /// The point of an entity of stratum s is computed with the s-dimensional rule, in the sub-complex
-/// of the entities whose stratum is at most s.
+/// of the entities that inSubcomplex() names.
+///
+/// The stratum of a level follows from the sharpness that is left on it. Semi-sharp features fade:
+/// see fadingOf().
 ///
 /// \cite MacCracken & Joy 1996, section 3
 class Strata {
 public:
     Strata() = default;
 
-    /// All entities of `complex` on `stratum`.
-    Strata(const CellComplex& complex, int stratum);
+    /// One number for each entity, by its dimension.
+    using ByEntity = std::array<std::vector<std::uint8_t>, kMaxDimension + 1>;
 
-    int of(Entity entity) const {
-        return strata_[static_cast<std::size_t>(entity.dimension)]
-                      [static_cast<std::size_t>(entity.index)];
+    /// The strata that follow from sharpness: an edge that is sharp has stratum 1; a vertex that is
+    /// sharp, or in which three or more sharp edges of its surface meet, has 0, and with two 1.
+    ///
+    /// \param smoothStrata what the strata would be without sharpness
+    /// \param isOpen not 0 for the entities on the open boundary; may be left empty
+    Strata(const CellComplex& complex, ByEntity smoothStrata, ByEntity isOpen,
+           SharpnessValues sharpness);
+
+    int of(Entity entity) const { return valueAt(strata_, entity); }
+
+    /// The stratum without sharpness: 2 on the surface of a lattice and 3 inside it, 2 on a mesh,
+    /// 1 on a curve.
+    int smoothStratum(Entity entity) const { return valueAt(smoothStrata_, entity); }
+
+    /// Whether `other`, which contains `entity` or is it, belongs to the sub-complex that the rule
+    /// of `stratum` averages over: it lies on that stratum or a lower one, and on the surface if
+    /// `entity` does. So a sharp edge inside a lattice that ends on the surface leaves the surface
+    /// as it is.
+    bool inSubcomplex(Entity entity, int stratum, Entity other) const {
+        return of(other) <= stratum &&
+               (smoothStratum(entity) == kMaxDimension || smoothStratum(other) < kMaxDimension);
     }
 
-    /// Lowers the stratum of an entity to at most `stratum`.
-    void lower(Entity entity, int stratum);
+    /// Whether the entity is on the boundary of a region without boundary control. Such entities
+    /// have no rule; refinement leaves out the children whose lower end they are.
+    bool isOpen(Entity entity) const {
+        return !isOpen_[0].empty() && valueAt(isOpen_, entity) != 0;
+    }
+
+    /// What is left of the sharpness of a vertex or an edge.
+    float sharpness(Entity entity) const {
+        const auto& values = entity.dimension == 0 ? sharpness_.vertices : sharpness_.edges;
+        return values[static_cast<std::size_t>(entity.index)];
+    }
+
+    /// Whether any sharpness is neither 0 nor infinite.
+    bool hasSemiSharp() const { return hasSemiSharp_; }
 
     /// Number of entities of a dimension on a stratum.
     Index count(int dimension, int stratum) const;
 
 private:
-    std::array<std::vector<std::uint8_t>, kMaxDimension + 1> strata_;
+    static std::uint8_t valueAt(const ByEntity& values, Entity entity) {
+        return values[static_cast<std::size_t>(entity.dimension)]
+                     [static_cast<std::size_t>(entity.index)];
+    }
+
+    ByEntity smoothStrata_;
+    ByEntity strata_;
+    ByEntity isOpen_;
+    SharpnessValues sharpness_;
+    bool hasSemiSharp_ = false;
 };
 
-/// Strata under boundary control.
+/// The strata of a base complex.
 ///
-/// - An entity of dimension d − 1 in other than two of dimension d is on the boundary, with all
-///   that it contains (d is the dimension of the complex).
-/// - A boundary edge of a lattice is sharp if `rule` or a mark says so, or if it lies in other than
-///   two boundary faces.
-/// - A vertex is a corner if three or more sharp edges meet in it, if it belongs to exactly one
-/// cell
-///   of dimension d, if its surface faces do not form one fan, or if it is marked. With two sharp
-///   edges it lies on the curve, with one (a dart) or none on the surface.
+/// Surface faces are the faces of a mesh, and the faces of a lattice in one cell. With boundary
+/// control:
 ///
-/// \throws TopologyError (VertexOutOfRange, BadMark) for a mark on what does not exist, of a
-///         sharpness that is neither, or smooth on an edge or vertex that cannot be
+/// - An edge in one or in more than two surface faces is sharp, and so is an edge of a mesh whose
+///   two faces run along it the same way (OpenSubdiv's non-manifold edges).
+/// - A boundary edge of a lattice is sharp if `rule` says so; a mark overrides that.
+/// - A vertex whose surface faces do not form one fan is a corner, unless it has three
+///   fans or more and all run between the same two edges: these form a crease.
+/// - Under Boundary::Sharp, a vertex of one face of a mesh is a corner, and so is a vertex of one
+///   cell of a lattice; the latter a mark overrides.
+/// - Both ends of a curve are corners.
+/// - A mark on anything else, inside a lattice too, counts as it is.
+///
+/// Without it, what a boundary face of a lattice, a boundary edge of a mesh or an end of a curve
+/// contains is open, unless that edge or end is marked infinitely sharp.
+///
+/// \throws TopologyError (VertexOutOfRange, BadMark) as readMarks(), and for a mark that says
+///         smooth where the topology makes an edge sharp or a vertex a corner
 /// \cost O(entries)
-/// \cite MacCracken & Joy 1996, section 3; the counting rule of vertices is OpenSubdiv's
-Strata classifySharp(const CellComplex& complex, SharpEdges rule, const Marks& marks);
+/// \cite MacCracken & Joy 1996, section 3; the counting rule of vertices, and what is sharp on a
+///       mesh, are OpenSubdiv's, with non-manifold creases as in its release 3.6.1 (pull request
+///       1338: releases before it take some corners for creases)
+Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule, const Marks& marks);
 
-/// Marks with which classifySharp(complex, SharpEdges::SingleCell, marks) gives back `strata`: none
-/// on what is so without a mark. They keep the features of a refined lattice that is written to a
-/// file. \param strata under boundary control, of `complex` or inherited by it
-Marks marksFor(const CellComplex& complex, const Strata& strata);
+/// The strata one level on: a child [a, b] inherits what b is without sharpness; a child edge
+/// [v, e] has the sharpness of e as it is subdivided at v, and a child vertex [v, v] that of v.
+///
+/// Without boundary control and with Creasing::Chaikin, the average at a vertex of the shrinking
+/// border is taken over the edges that are left.
+///
+/// \cost O(entries)
+Strata refineStrata(const CellComplex& parent, const Strata& strata, const Refinement& refinement,
+                    Boundary boundary, Creasing creasing);
 
-/// Strata without boundary control: an entity is on the boundary (dimension of the complex − 1) or
-/// interior (dimension of the complex).
-Strata classifyOpen(const CellComplex& complex);
+/// An edge or vertex that loses its stratum in the next split, with sharpness that runs out. Its
+/// new point is `weight` of the rule of its stratum and 1 − weight of the rule of stratum `next`.
+struct Fading {
+    int next = 0;
+    double weight = 1;
+    std::array<Index, 2> staySharp = {};  ///< the edges of the crease, where `next` is 1
+};
+
+/// How an entity fades in the next split, if it does.
+///
+/// The weight of an edge is its sharpness, that of a vertex the mean sharpness of all that fades
+/// in it, at most 1. Under Creasing::Chaikin an edge that fades at one end only may have a
+/// sharpness above 1; the rules are then extrapolated, as in OpenSubdiv.
+///
+/// \cost O(edges at the ends of the entity); constant if nothing is semi-sharp
+/// \cite OpenSubdiv 3.5, Sdc::Scheme::ComputeVertexVertexMask and ComputeEdgeVertexMask
+std::optional<Fading> fadingOf(const CellComplex& complex, const Strata& strata, Creasing creasing,
+                               const Entity& entity);
+
+/// Marks with which classify(complex, boundary, SharpEdges::SingleCell, marks) gives back `strata`:
+/// none on what is so without a mark. They keep the features of a refined complex that is written
+/// to a file.
+/// \param strata of `complex`, under boundary control
+Marks marksFor(const CellComplex& complex, const Strata& strata, Boundary boundary);
 
 }  // namespace espalier::far

@@ -2,26 +2,43 @@
 #include <espalier/far/error.h>
 #include <espalier/far/topology_refiner.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 namespace espalier::far {
 
 TopologyRefiner::TopologyRefiner(CellComplex base, const RefinerOptions& options)
-    : boundary_(options.boundary) {
-    Strata strata = boundary_ == Boundary::Sharp
-                        ? classifySharp(base, options.sharpEdges, options.marks)
-                        : classifyOpen(base);
-    levels_.push_back({std::move(base), std::move(strata)});
+    : options_(options) {
+    Strata strata = classify(base, options.boundary, options.sharpEdges, options.marks);
+    std::vector<Index> holes = readHoles(base, options.marks);
+    levels_.push_back({std::move(base), std::move(strata), std::move(holes)});
 }
+
+namespace {
+
+/// The children [v, f] of the holes.
+std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement) {
+    std::vector<Index> holes;
+    for (const Index face : parent.holes)
+        for (const Index vertex : parent.complex.relation(2, 0)[face])
+            if (const auto child = refinement.childOf({{0, vertex}, {2, face}}))
+                holes.push_back(child->index);
+    std::sort(holes.begin(), holes.end());
+    return holes;
+}
+
+}  // namespace
 
 void TopologyRefiner::refineUniform(int level) {
     while (maxLevel() < level) {
-        const auto& [parent, strata] = levels_.back();
-        const bool open = boundary_ == Boundary::Open;
-        Refinement refinement(parent, open ? &strata : nullptr);
-        Level next{refinement.child(),
-                   open ? classifyOpen(refinement.child()) : refinement.inherit(strata)};
+        const Level& parent = levels_.back();
+        Refinement refinement(parent.complex,
+                              boundary() == Boundary::Open ? &parent.strata : nullptr);
+        Level next{
+            refinement.child(),
+            refineStrata(parent.complex, parent.strata, refinement, boundary(), options_.creasing),
+            refineHoles(parent, refinement)};
         refinements_.push_back(std::move(refinement));
         levels_.push_back(std::move(next));
     }

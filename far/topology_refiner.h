@@ -9,17 +9,26 @@
 
 namespace espalier::far {
 
+/// The weights of a triangle at a smooth edge of a surface.
+enum class TriangleSubdivision {
+    Catmark,  ///< those of every face
+    Smooth    ///< 0.47 in place of 1/4 for its centroid: OpenSubdiv's "smooth triangles"
+};
+
 /// How a complex is refined; decided once, at level 0.
 struct RefinerOptions {
     Boundary boundary = Boundary::Sharp;
     SharpEdges sharpEdges = SharpEdges::SingleCell;
-    Marks marks = {};  ///< not used under Boundary::Open, which has no boundary features
+    Creasing creasing = Creasing::Uniform;
+    TriangleSubdivision triangles = TriangleSubdivision::Catmark;
+    Marks marks = {};
 };
 
 /// One level of the chain: a complex and the strata of its entities.
 struct Level {
     CellComplex complex;
     Strata strata;
+    std::vector<Index> holes = {};  ///< of a mesh: faces, ascending
 };
 
 /// The chain of refined complexes. Level 0 is the base; level k has about 8 times (lattice), 4
@@ -43,7 +52,8 @@ public:
     void refineUniform(int level);
 
     int dimension() const { return level(0).complex.dimension(); }
-    Boundary boundary() const { return boundary_; }
+    Boundary boundary() const { return options_.boundary; }
+    const RefinerOptions& options() const { return options_; }
 
     /// The finest level so far.
     int maxLevel() const { return static_cast<int>(levels_.size()) - 1; }
@@ -58,7 +68,7 @@ public:
     const Refinement& refinement(int level) const;
 
 private:
-    Boundary boundary_;
+    RefinerOptions options_;
     std::vector<Level> levels_;
     std::vector<Refinement> refinements_;
 };

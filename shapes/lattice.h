@@ -3,8 +3,9 @@
 
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/point.h>
-#include <espalier/far/strata.h>
+#include <espalier/far/topology_refiner.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,22 @@ struct VertexAttribute {
     std::vector<double> values;  ///< `components` a vertex, vertex by vertex
 };
 
-/// A complex (mostly of dimension 3) placed in space.
+/// How a file asks to be refined, where it does; OBJ meshes carry such tags. They win over a
+/// program's defaults, and its user's choices over them.
+struct RefinementTags {
+    std::optional<far::Boundary> boundary = {};
+    std::optional<far::Creasing> creasing = {};
+    std::optional<far::TriangleSubdivision> triangles = {};
+    friend bool operator==(const RefinementTags&, const RefinementTags&) = default;
+};
+
+/// A complex (a lattice, of dimension 3, or a mesh or a curve) placed in space.
 struct Lattice {
     far::CellComplex complex;
     std::vector<Point3> positions;  ///< one a vertex
     far::Marks marks;
     std::vector<VertexAttribute> attributes;
+    RefinementTags tags = {};
 };
 
 }  // namespace espalier

@@ -11,41 +11,74 @@ namespace {
 
 using far::CellComplex;
 using far::Entity;
-using far::Strata;
 
-/// Calls visit(entity) for the entities of dimension `dimension` that are or contain `entity`, in
-/// the sub-complex of its own stratum.
-template <class Visit>
-void forEachAround(const far::Level& level, const Entity& entity, int dimension, Visit visit) {
-    const int stratum = level.strata.of(entity);
-    for (const Index index : level.complex.relation(entity.dimension, dimension)[entity.index])
-        if (level.strata.of({dimension, index}) <= stratum) visit(Entity{dimension, index});
-}
+/// The sub-complex that a rule averages over: that of a stratum, less the edges that fade.
+struct Neighbourhood {
+    const far::Level& level;
+    const Entity& entity;
+    int stratum;
+    const far::Fading* faded = nullptr;  ///< of a vertex that is left on a crease
 
-Index countAround(const far::Level& level, const Entity& entity, int dimension) {
-    Index count = 0;
-    forEachAround(level, entity, dimension, [&](const Entity&) { ++count; });
-    return count;
-}
+    /// Calls visit(other) for the entities of a dimension that are or contain the entity.
+    template <class Visit>
+    void forEach(int dimension, Visit visit) const {
+        for (const Index index :
+             level.complex.relation(entity.dimension, dimension)[entity.index]) {
+            const Entity other{dimension, index};
+            if (!level.strata.inSubcomplex(entity, stratum, other)) continue;
+            if (faded != nullptr && dimension == 1 && !far::contains(faded->staySharp, index))
+                continue;
+            visit(other);
+        }
+    }
 
-/// Adds the row of the new point of `entity`: of each average in its mask, the centroids; of each
-/// centroid, the vertices.
-void addRow(const far::Level& level, Rules rules, const Entity& entity, RowAccumulator& row) {
-    const int stratum = level.strata.of(entity);
+    Index count(int dimension) const {
+        Index count = 0;
+        forEach(dimension, [&](const Entity&) { ++count; });
+        return count;
+    }
+};
+
+Mask maskOf(const Neighbourhood& around, Rules rules, far::TriangleSubdivision triangles) {
+    const auto& [level, entity, stratum, faded] = around;
+    const bool isSurfaceEdge = entity.dimension == 1 && stratum == 2;
+    if (isSurfaceEdge && triangles == far::TriangleSubdivision::Smooth) {
+        int triangleCount = 0;
+        around.forEach(2, [&](const Entity& face) {
+            triangleCount += level.complex.boundary(2)[face.index].size() == 3;
+        });
+        return smoothTriangleMask(triangleCount);
+    }
     // n of the rules: faces at an edge of the volume, edges at a vertex of the surface.
     const bool needsValence = entity.dimension == stratum - 2;
-    const Index valence = needsValence ? countAround(level, entity, entity.dimension + 1) : 0;
-    const Mask mask = refinementMask(rules, entity.dimension, stratum, valence);
-    for (int dimension = entity.dimension; dimension <= stratum; ++dimension) {
-        const double weight = mask[static_cast<std::size_t>(dimension)];
+    return refinementMask(rules, entity.dimension, stratum,
+                          needsValence ? around.count(entity.dimension + 1) : 0);
+}
+
+/// Adds `scale` times a mask: of each average in it, the centroids; of each centroid, the vertices.
+void addMask(const Neighbourhood& around, const Mask& mask, double scale, RowAccumulator& row) {
+    for (int dimension = around.entity.dimension; dimension <= around.stratum; ++dimension) {
+        const double weight = scale * mask[static_cast<std::size_t>(dimension)];
         if (weight == 0) continue;
-        const Index count = countAround(level, entity, dimension);
-        forEachAround(level, entity, dimension, [&](const Entity& around) {
-            const auto vertices = level.complex.relation(dimension, 0)[around.index];
+        const Index count = around.count(dimension);
+        around.forEach(dimension, [&](const Entity& other) {
+            const auto vertices = around.level.complex.relation(dimension, 0)[other.index];
             const double share = weight / (count * static_cast<double>(vertices.size()));
             for (const Index vertex : vertices) row.add(vertex, share);
         });
     }
+}
+
+/// Adds the row of the new point of `entity`.
+void addRow(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+            const Entity& entity, RowAccumulator& row) {
+    const far::RefinerOptions& options = refiner.options();
+    const Neighbourhood around{level, entity, level.strata.of(entity)};
+    const auto fading = far::fadingOf(level.complex, level.strata, options.creasing, entity);
+    addMask(around, maskOf(around, rules, options.triangles), fading ? fading->weight : 1, row);
+    if (!fading) return;
+    const Neighbourhood next{level, entity, fading->next, fading->next == 1 ? &*fading : nullptr};
+    addMask(next, maskOf(next, rules, options.triangles), 1 - fading->weight, row);
 }
 
 }  // namespace
@@ -63,7 +96,7 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
         static_cast<Index>(vertices.size()), parent.complex.count(0),
         [&](Index row, RowAccumulator& accumulator) {
             const Index vertex = vertices[static_cast<std::size_t>(row)];
-            addRow(parent, rules, refinement.parentOf({0, vertex}).upper, accumulator);
+            addRow(refiner, parent, rules, refinement.parentOf({0, vertex}).upper, accumulator);
         });
 }
 

@@ -39,4 +39,10 @@ Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence)
     }
 }
 
+Mask smoothTriangleMask(int triangles) {
+    constexpr double kTriangle = 0.470, kOther = 0.25;
+    const double faces = triangles * kTriangle + (2 - triangles) * kOther;
+    return {0, 1 - faces, faces, 0};
+}
+
 }  // namespace espalier::stencils

@@ -43,4 +43,11 @@ using Mask = std::array<double, far::kMaxDimension + 1>;
 ///       "vertex" points (stratum 2); CSE-96-1, section 2 (stratum 1)
 Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence);
 
+/// The rule of an edge on stratum 2 under TriangleSubdivision::Smooth: M (1 − 2w) + 2w Ā, where w
+/// is the mean of 0.47 for each triangle and 1/4 for each other face at the edge.
+///
+/// \param triangles how many of the two faces at the edge are triangles: 0 to 2
+/// \cite OpenSubdiv 3.5, Sdc::Scheme<SCHEME_CATMARK>, after Stam
+Mask smoothTriangleMask(int triangles);
+
 }  // namespace espalier::stencils

@@ -136,7 +136,7 @@ TEST(Strata, BadMarksAreRefused) {
     expectRefused(TopologyCause::VertexOutOfRange, "vertex 12; there are 12",
                   {.edges = {{{0, 12}, kSmooth}}});
     expectRefused(TopologyCause::VertexOutOfRange, "vertex -1", {.vertices = {{-1, kSmooth}}});
-    expectRefused(TopologyCause::BadMark, "sharpness 2.5", {.edges = {{{0, 1}, 2.5}}});
+    expectRefused(TopologyCause::BadMark, "sharpness -2.5", {.edges = {{{0, 1}, -2.5}}});
     expectRefused(TopologyCause::BadMark, "sharpness nan",
                   {.vertices = {{0, std::numeric_limits<double>::quiet_NaN()}}});
 }
@@ -221,9 +221,9 @@ TEST(Strata, MarksForARefinedComplexGiveItsStrataBack) {
         TopologyRefiner refiner(base, {.sharpEdges = rule, .marks = marks});
         refiner.refineUniform(2);
         for (int level = 0; level <= 2; ++level) {
-            const auto& [complex, strata] = refiner.level(level);
-            const Marks kept = marksFor(complex, strata);
-            const Strata again = classifySharp(complex, SharpEdges::SingleCell, kept);
+            const auto& [complex, strata, holes] = refiner.level(level);
+            const Marks kept = marksFor(complex, strata, Boundary::Sharp);
+            const Strata again = classify(complex, Boundary::Sharp, SharpEdges::SingleCell, kept);
             for (int d = 0; d <= base.dimension(); ++d)
                 for (Index i = 0; i < complex.count(d); ++i)
                     ASSERT_EQ(again.of({d, i}), strata.of({d, i})) << level << " " << d << " " << i;
@@ -237,7 +237,8 @@ TEST(Strata, MarksForARefinedComplexGiveItsStrataBack) {
     expectKept(grid({2, 2, 2}), SharpEdges::SingleCell,
                {.edges = {{{0, 1}, kSmooth}, {{1, middle}, kInfinitelySharp}},
                 .vertices = {{0, kSmooth}, {26, kInfinitelySharp}, {middle, kInfinitelySharp}}});
-    expectKept(test::gridMesh(3, 2), SharpEdges::SingleCell, {.vertices = {{0, kSmooth}}});
+    expectKept(test::gridMesh(3, 2), SharpEdges::SingleCell,
+               {.edges = {{{5, 6}, 1.5}}, .vertices = {{5, 0.5}}});
     expectKept(buildCurve(5, false), SharpEdges::SingleCell, {.vertices = {{2, kInfinitelySharp}}});
 }
 

@@ -189,8 +189,8 @@ TEST(Extrude, carriesMarksToTheEndsAndAlongTheSweep) {
     EXPECT_EQ(lattice.marks, expected);
     expectSound(lattice);
     // The corner of the mesh is now the end of a sharp edge of the lattice.
-    const far::Strata strata =
-        far::classifySharp(lattice.complex, far::SharpEdges::SingleCell, lattice.marks);
+    const far::Strata strata = far::classify(lattice.complex, far::Boundary::Sharp,
+                                             far::SharpEdges::SingleCell, lattice.marks);
     EXPECT_EQ(strata.of({1, edgeBetween(lattice.complex, 2, 10)}), 1);
     EXPECT_EQ(strata.of({1, edgeBetween(lattice.complex, 1, 9)}), 2);
 }

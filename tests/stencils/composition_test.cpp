@@ -238,7 +238,7 @@ TEST(Stencils, GoldenEdgeRowsOfBothEditions) {
         builder.addCell(far::StandardCell::Tetrahedron, {i, (i + 1) % n, n + 1, n});
     TopologyRefiner refiner(builder.build());
     refiner.refineUniform(1);
-    const auto& [base, strata] = refiner.level(0);
+    const auto& [base, strata, holes] = refiner.level(0);
     Index axis = 0;
     while (strata.of({1, axis}) != 3) ++axis;
     const Index row = refiner.refinement(1).childOf({{1, axis}, {1, axis}})->index;

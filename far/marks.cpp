@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/marks.h>
+
+#include <algorithm>
+#include <string>
+
+namespace espalier::far {
+namespace {
+
+float readSharpness(double sharpness, Entity entity, const std::string& name) {
+    if (sharpness >= kSmooth) return storedSharpness(sharpness);
+    throw TopologyError(TopologyCause::BadMark, entity,
+                        name + " is marked with sharpness " + std::to_string(sharpness) +
+                            "; expected 0 (smooth) or more");
+}
+
+void checkVertex(const CellComplex& complex, Index vertex) {
+    if (vertex < 0 || vertex >= complex.count(0))
+        throw TopologyError(TopologyCause::VertexOutOfRange, {0, vertex},
+                            "a mark names vertex " + std::to_string(vertex) + "; there are " +
+                                std::to_string(complex.count(0)));
+}
+
+}  // namespace
+
+MarkedSharpness readMarks(const CellComplex& complex, const Marks& marks) {
+    MarkedSharpness marked;
+    for (const Marks::Edge& mark : marks.edges) {
+        for (const Index vertex : mark.vertices) checkVertex(complex, vertex);
+        const Index a = mark.vertices[0], b = mark.vertices[1];
+        const std::string name = "edge (" + std::to_string(a) + ", " + std::to_string(b) + ")";
+        const auto edges = complex.relation(0, 1)[a];
+        const auto edge = std::find_if(edges.begin(), edges.end(), [&](Index candidate) {
+            return a != b && contains(complex.relation(1, 0)[candidate], b);
+        });
+        if (edge == edges.end())
+            throw TopologyError(TopologyCause::BadMark, {0, a},
+                                "a mark names " + name + ", which does not exist");
+        marked.edges[*edge] = readSharpness(mark.sharpness, {1, *edge}, name);
+    }
+    for (const Marks::Vertex& mark : marks.vertices) {
+        checkVertex(complex, mark.vertex);
+        marked.vertices[mark.vertex] = readSharpness(mark.sharpness, {0, mark.vertex},
+                                                     "vertex " + std::to_string(mark.vertex));
+    }
+    return marked;
+}
+
+std::vector<Index> readHoles(const CellComplex& complex, const Marks& marks) {
+    std::vector<Index> holes = marks.holes;
+    std::sort(holes.begin(), holes.end());
+    holes.erase(std::unique(holes.begin(), holes.end()), holes.end());
+    for (const Index face : holes)
+        if (complex.dimension() != 2 || face < 0 || face >= complex.count(2))
+            throw TopologyError(
+                TopologyCause::BadMark, {2, face},
+                "face " + std::to_string(face) + " is marked as a hole, but " +
+                    (complex.dimension() == 2 ? "there are " + std::to_string(complex.count(2))
+                                              : std::string("only a mesh can have holes")));
+    return holes;
+}
+
+}  // namespace espalier::far

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <span>
+
+namespace espalier::far {
+
+// Sharpness is a number, as in OpenSubdiv: 0 is smooth, 10 and more is infinite, and what lies
+// between is semi-sharp: it loses 1 a level. It is held in single precision, as there, so that
+// Chaikin's averages are rounded alike. These are the rules of numbers alone; strata.h applies them
+// to a complex.
+//
+// \cite DeRose, Kass, Truong 1998, as OpenSubdiv 3.5 computes it (Sdc::Crease)
+
+/// Sharpness that no refinement uses up.
+inline constexpr float kInfinitelySharp = std::numeric_limits<float>::infinity();
+inline constexpr float kSmooth = 0;
+
+/// From this on, a sharpness counts as infinite.
+inline constexpr double kLeastInfinite = 10;
+
+/// How the sharpness of an edge goes over to its two children.
+enum class Creasing {
+    Uniform,  ///< less 1 at both ends
+    Chaikin   ///< less 1 after it is averaged with the other semi-sharp edges at that end
+};
+
+/// A sharpness as it is stored: in single precision, and infinite from kLeastInfinite on.
+/// \param sharpness 0 or more
+float storedSharpness(double sharpness);
+
+inline bool isSemiSharp(float sharpness) {
+    return sharpness > kSmooth && sharpness < kInfinitelySharp;
+}
+
+/// Sharpness one level on, without regard to what is around: that of a vertex, and of an edge under
+/// Creasing::Uniform.
+float subdivideSharpness(float sharpness);
+
+/// Sharpness of the child of an edge at one of its ends.
+/// \param around the sharpness of all edges at that end, the edge itself among them
+float subdivideEdgeSharpness(Creasing creasing, float sharpness, std::span<const float> around);
+
+}  // namespace espalier::far

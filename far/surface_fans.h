@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/cell_complex.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace espalier::far {
+
+/// How the faces of a surface meet: in its edges, and around its vertices. The surface is a mesh,
+/// or the boundary of a lattice.
+class SurfaceFans {
+public:
+    /// \param isSurfaceFace not 0 for the faces that form the surface, one a face of `complex`
+    SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> isSurfaceFace);
+
+    /// An edge by its faces on the surface.
+    enum class EdgeKind : std::uint8_t {
+        None,        ///< none
+        Boundary,    ///< one
+        Manifold,    ///< two, which run along it in opposite directions
+        NonManifold  ///< more, or two that run along it the same way
+    };
+    EdgeKind edge(Index edge) const { return edgeKinds_[static_cast<std::size_t>(edge)]; }
+
+    /// Number of faces of the surface at an edge.
+    Index faceCount(Index edge) const;
+
+    /// A vertex by its fans: sets of faces on the surface, joined across manifold edges at it.
+    enum class VertexKind {
+        None,        ///< no fan
+        Fan,         ///< one, closed or between two boundary edges
+        Crease,      ///< three or more, all between the same two non-manifold edges
+        NonManifold  ///< anything else
+    };
+    VertexKind vertex(Index vertex) const;
+
+private:
+    std::vector<Index> surfaceFaces(Index edge) const;
+    bool areCoherent(Index edge, Index first, Index second) const;
+
+    CellComplex complex_;
+    std::vector<std::uint8_t> isSurfaceFace_;
+    std::vector<EdgeKind> edgeKinds_;
+};
+
+}  // namespace espalier::far
