@@ -56,7 +56,8 @@ public:
     /// order (edge i joins vertices i and i + 1), edge → vertices (tail, head) and cell → faces
     /// (as given).
     ///
-    /// An entity contains itself: where the dimensions are the same, its row is itself.
+    /// An entity contains itself: where the dimensions are the same, its row is itself. Where a
+    /// face of a mesh passes a vertex or an edge more than once, both rows name the other as often.
     ///
     /// \param from, to dimensions, 0 to dimension()
     /// \cost O(entries) on the first call for a pair, then constant; thread-safe
@@ -82,8 +83,10 @@ private:
 /// a sphere (each of its edges in two of its faces, one fan of faces at each vertex, connected,
 /// Euler characteristic 2) and differs from every other cell; each face bounds one or two cells,
 /// with opposite signs if two; every vertex, edge and face bounds something. Separate pieces, and
-/// pieces that meet in a vertex or an edge only, are fine. For a mesh and a curve the same, as far
-/// as it applies; a mesh edge may have any number of faces, with any signs.
+/// pieces that meet in a vertex or an edge only, are fine. For a curve the same, as far as it
+/// applies. A mesh is taken as it comes, as OpenSubdiv does: an edge may have any number of faces,
+/// with any signs; a face of three or more corners may pass a vertex more than once, and an edge
+/// may join a vertex to itself; a vertex may belong to nothing.
 ///
 /// \throws TopologyError naming the first offender
 /// \cost O(entries), in parallel

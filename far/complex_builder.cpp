@@ -31,6 +31,7 @@ void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
             refuse(TopologyCause::VertexOutOfRange, " names vertex " + std::to_string(vertex) +
                                                         "; there are " +
                                                         std::to_string(vertexCount_));
+    if (dimension_ == 2) return;
     std::vector<Index> sorted(loop.begin(), loop.end());
     std::sort(sorted.begin(), sorted.end());
     const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
@@ -140,14 +141,29 @@ struct Steps {
     Classes edges;                           ///< steps with the same two ends are one edge
 
     explicit Steps(const Incidence& loops) {
+        // 0, or for a step that its loop has made before, and for one that leads nowhere, a number
+        // of its own: such steps are edges of their own.
+        std::vector<Index> repeats;
         for (Index row = 0; row < loops.rowCount(); ++row) {
             const auto loop = loops[row];
-            for (std::size_t i = 0; i < loop.size(); ++i)
-                ends.push_back({loop[i], loop[(i + 1) % loop.size()]});
+            const std::size_t first = ends.size();
+            for (std::size_t i = 0; i < loop.size(); ++i) {
+                const std::array<Index, 2> step = {loop[i], loop[(i + 1) % loop.size()]};
+                const bool isRepeat = step[0] == step[1] ||
+                                      std::any_of(ends.begin() + static_cast<std::ptrdiff_t>(first),
+                                                  ends.end(), [&](const auto& earlier) {
+                                                      return std::minmax(earlier[0], earlier[1]) ==
+                                                             std::minmax(step[0], step[1]);
+                                                  });
+                ends.push_back(step);
+                repeats.push_back(isRepeat ? static_cast<Index>(ends.size()) : 0);
+            }
         }
-        edges = classify(ends.size(), [&](Index a, Index b) {
-            return std::minmax(at(a)[0], at(a)[1]) < std::minmax(at(b)[0], at(b)[1]);
-        });
+        const auto key = [&](Index step) {
+            const auto [low, high] = std::minmax(at(step)[0], at(step)[1]);
+            return std::array{low, high, repeats[static_cast<std::size_t>(step)]};
+        };
+        edges = classify(ends.size(), [&](Index a, Index b) { return key(a) < key(b); });
     }
 
     const std::array<Index, 2>& at(Index step) const {

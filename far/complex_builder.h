@@ -39,7 +39,10 @@ public:
         return addCell(cell, std::span(vertices.begin(), vertices.size()));
     }
 
-    /// Adds a face of a mesh. Its winding is kept. Returns its number. Throws as addCell does.
+    /// Adds a face of a mesh. Its winding is kept. Returns its number. Throws as addCell does, but
+    /// a loop may name a vertex more than once, as degenerate faces in files do; each step from a
+    /// vertex to itself, or between two that the loop has joined before, is then an edge of its own
+    /// (as in OpenSubdiv).
     Index addFace(std::span<const Index> loop);
     Index addFace(std::initializer_list<Index> loop) {
         return addFace(std::span(loop.begin(), loop.size()));

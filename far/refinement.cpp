@@ -55,20 +55,43 @@ Index Refinement::childIndex(Entity lower, Entity upper) const {
     return f.firstChild + static_cast<Index>(f.lowerEnds.offset(upper.index) + at);
 }
 
+/// The child whose lower end is at `position` in the parent's row of the upper end.
+Index Refinement::childAt(const CellComplex& parent, int lower, Entity upper,
+                          std::size_t position) const {
+    const Family& f = family(lower, upper.dimension);
+    const auto all = parent.relation(upper.dimension, lower)[upper.index];
+    const auto kept = f.lowerEnds[upper.index];
+    const auto dropped =
+        all.size() == kept.size()
+            ? 0
+            : std::count_if(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(position),
+                            [&](Index part) { return !contains(kept, part); });
+    return f.firstChild + static_cast<Index>(f.lowerEnds.offset(upper.index) +
+                                             static_cast<Offset>(position) - dropped);
+}
+
 SignedIncidence Refinement::childBoundary(const CellComplex& parent, int dimension) const {
     // Rows for all families of this dimension, one after the other: as the children are numbered.
     Rows<Signed> all;
     for (int lower = 0; lower + dimension <= dimension_; ++lower) {
         const Family& f = family(lower, lower + dimension);
-        std::vector<Entity> upperEnds;
-        upperEnds.reserve(f.lowerEnds.values().size());
-        for (Index upper = 0; upper < f.lowerEnds.rowCount(); ++upper)
-            upperEnds.insert(upperEnds.end(), f.lowerEnds[upper].size(),
-                             Entity{lower + dimension, upper});
+        const Incidence& parts = parent.relation(lower + dimension, lower);
+        // Of each child, the upper end and the position of the lower one in it.
+        std::vector<std::pair<Entity, std::size_t>> ends;
+        ends.reserve(f.lowerEnds.values().size());
+        for (Index upper = 0; upper < f.lowerEnds.rowCount(); ++upper) {
+            const bool isWhole = f.lowerEnds[upper].size() == parts[upper].size();
+            for (std::size_t position = 0; position < parts[upper].size(); ++position)
+                if (isWhole || contains(f.lowerEnds[upper], parts[upper][position]))
+                    ends.emplace_back(Entity{lower + dimension, upper}, position);
+        }
         const Rows<Signed> rows = buildRows<Signed>(
-            static_cast<Index>(upperEnds.size()), [&](Index child, std::vector<Signed>& out) {
-                const auto at = static_cast<std::size_t>(child);
-                appendBoundary(parent, {lower, f.lowerEnds.values()[at]}, upperEnds[at], out);
+            static_cast<Index>(ends.size()), [&](Index child, std::vector<Signed>& out) {
+                const auto& [upper, position] = ends[static_cast<std::size_t>(child)];
+                if (upper.dimension < kMaxDimension)
+                    appendBoundaryInLoop(parent, lower, upper, position, out);
+                else
+                    appendBoundaryInCell(parent, {lower, parts[upper.index][position]}, upper, out);
             });
         const Offset shift = all.offsets.back();
         for (std::size_t row = 1; row < rows.offsets.size(); ++row)
@@ -85,8 +108,41 @@ SignedIncidence Refinement::childBoundary(const CellComplex& parent, int dimensi
 // over the b' of one dimension less than b, and the a' of one more than a, inside [a,b]. The sign
 // (−1)^d makes the mixed terms of ∂∂ cancel, so a coherently oriented parent has a coherently
 // oriented child, and [v,c] is oriented as c is.
-void Refinement::appendBoundary(const CellComplex& parent, Entity lower, Entity upper,
-                                std::vector<Signed>& boundary) const {
+
+/// The boundary of [a, b] in an edge or a face b. By positions, not by names: a loop may pass a
+/// vertex or an edge more than once (degenerate faces of meshes).
+void Refinement::appendBoundaryInLoop(const CellComplex& parent, int lower, Entity upper,
+                                      std::size_t position, std::vector<Signed>& boundary) const {
+    const SignedIncidence& sides = parent.boundary(upper.dimension);
+    const auto vertexChild = [&](Entity entity) {
+        return childAt(parent, entity.dimension, entity, 0);
+    };
+    const auto negated = [](int sign) { return static_cast<std::int8_t>(-sign); };
+    if (lower + 1 == upper.dimension) {
+        // From [a,a] to [b,b], or the other way round; the tail comes first.
+        const std::int8_t sign = sides.signs(upper.index)[position];
+        const Signed first{vertexChild({lower, sides[upper.index][position]}), sign};
+        const Signed last{vertexChild(upper), negated(sign)};
+        boundary.insert(boundary.end(), {sign < 0 ? first : last, sign < 0 ? last : first});
+        return;
+    }
+    // A corner of a face: the loop leaves the vertex along one edge, and has entered along another.
+    const auto edges = sides[upper.index];
+    const std::size_t before = (position + edges.size() - 1) % edges.size();
+    const Entity leaving{1, edges[position]}, entering{1, edges[before]};
+    const std::int8_t leavingSign = sides.signs(upper.index)[position];
+    const std::int8_t enteringSign = sides.signs(upper.index)[before];
+    const std::size_t tailOfLeaving = leavingSign > 0 ? 0 : 1;
+    const std::size_t headOfEntering = enteringSign > 0 ? 1 : 0;
+    boundary.insert(boundary.end(), {{childAt(parent, 0, leaving, tailOfLeaving), leavingSign},
+                                     {childAt(parent, 1, upper, position), negated(leavingSign)},
+                                     {childAt(parent, 1, upper, before), enteringSign},
+                                     {childAt(parent, 0, entering, headOfEntering), enteringSign}});
+}
+
+/// The boundary of [a, b] in a cell b.
+void Refinement::appendBoundaryInCell(const CellComplex& parent, Entity lower, Entity upper,
+                                      std::vector<Signed>& boundary) const {
     const int d = upper.dimension - lower.dimension;
     const auto begin = static_cast<std::ptrdiff_t>(boundary.size());
 

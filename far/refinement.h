@@ -50,7 +50,8 @@ public:
     Interval parentOf(Entity child) const;
 
     /// The child that stands for an interval; nothing if `interval.lower` is not in
-    /// `interval.upper` or was not kept. \cost O(entities in the upper end)
+    /// `interval.upper` or was not kept. Where a face of a mesh passes its lower end more than once
+    /// there is a child for each time, and this is the first. \cost O(entities in the upper end)
     std::optional<Entity> childOf(const Interval& interval) const;
 
     /// Calls visit(child, interval) for every child, in the order of their dimensions and numbers.
@@ -76,11 +77,14 @@ private:
     const Family& family(int lower, int upper) const {
         return families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(upper)];
     }
-    Index childIndex(Entity lower, Entity upper) const;
     void numberChildren(const CellComplex& parent, const Strata* open);
     SignedIncidence childBoundary(const CellComplex& parent, int dimension) const;
-    void appendBoundary(const CellComplex& parent, Entity lower, Entity upper,
-                        std::vector<Signed>& boundary) const;
+    void appendBoundaryInLoop(const CellComplex& parent, int lower, Entity upper,
+                              std::size_t position, std::vector<Signed>& boundary) const;
+    void appendBoundaryInCell(const CellComplex& parent, Entity lower, Entity cell,
+                              std::vector<Signed>& boundary) const;
+    Index childIndex(Entity lower, Entity upper) const;
+    Index childAt(const CellComplex& parent, int lower, Entity upper, std::size_t position) const;
 
     int dimension_ = 0;
     std::array<std::array<Family, kMaxDimension + 1>, kMaxDimension + 1> families_;

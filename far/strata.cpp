@@ -145,7 +145,10 @@ void sharpenVertices(const CellComplex& complex, const SurfaceFans& fans, Bounda
     const int dimension = complex.dimension();
     for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
         const bool isAlone = complex.relation(0, dimension)[vertex].size() == 1;
-        if (fans.vertex(vertex) == SurfaceFans::VertexKind::NonManifold)
+        const SurfaceFans::VertexKind kind = fans.vertex(vertex);
+        if (kind == SurfaceFans::VertexKind::None && dimension == 2)
+            sharpness.vertices[at(vertex)] = kInfinitelySharp;
+        else if (kind == SurfaceFans::VertexKind::NonManifold)
             force(marked, {0, vertex}, "its surface faces do not form one fan", sharpness);
         else if (isAlone && boundary == Boundary::Sharp && dimension == 2)
             force(marked, {0, vertex},

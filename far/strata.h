@@ -120,13 +120,14 @@ private:
 /// control:
 ///
 /// - An edge in one or in more than two surface faces is sharp, and so is an edge of a mesh whose
-///   two faces run along it the same way (OpenSubdiv's non-manifold edges).
+///   two faces run along it the same way, or that joins a vertex to itself (OpenSubdiv's
+///   non-manifold edges).
 /// - A boundary edge of a lattice is sharp if `rule` says so; a mark overrides that.
 /// - A vertex whose surface faces do not form one fan is a corner, unless it has three
 ///   fans or more and all run between the same two edges: these form a crease.
 /// - Under Boundary::Sharp, a vertex of one face of a mesh is a corner, and so is a vertex of one
 ///   cell of a lattice; the latter a mark overrides.
-/// - Both ends of a curve are corners.
+/// - Both ends of a curve are corners, and vertices of a mesh that are in no face.
 /// - A mark on anything else, inside a lattice too, counts as it is.
 ///
 /// Without it, what a boundary face of a lattice, a boundary edge of a mesh or an end of a curve

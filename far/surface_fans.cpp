@@ -13,6 +13,8 @@ SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> i
         const std::vector<Index> faces = surfaceFaces(edge);
         if (faces.empty())
             edgeKinds_.push_back(EdgeKind::None);
+        else if (isDegenerate(edge))
+            edgeKinds_.push_back(EdgeKind::NonManifold);
         else if (faces.size() == 1)
             edgeKinds_.push_back(EdgeKind::Boundary);
         else if (faces.size() == 2 && areCoherent(edge, faces[0], faces[1]))
@@ -43,6 +45,19 @@ bool SurfaceFans::areCoherent(Index edge, Index first, Index second) const {
         return boundary.signs(face)[static_cast<std::size_t>(at)];
     };
     return signIn(first) != signIn(second);
+}
+
+bool SurfaceFans::isDegenerate(Index edge) const {
+    if (complex_.dimension() == 3) return false;
+    const auto ends = complex_.relation(1, 0)[edge];
+    if (ends[0] == ends[1]) return true;
+    for (const Index face : complex_.relation(1, 2)[edge])
+        for (const Index other : complex_.relation(2, 1)[face]) {
+            const auto otherEnds = complex_.relation(1, 0)[other];
+            if (other != edge && std::is_permutation(ends.begin(), ends.end(), otherEnds.begin()))
+                return true;
+        }
+    return false;
 }
 
 SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {

@@ -20,7 +20,8 @@ public:
         None,        ///< none
         Boundary,    ///< one
         Manifold,    ///< two, which run along it in opposite directions
-        NonManifold  ///< more, or two that run along it the same way
+        NonManifold  ///< more, or two that run along it the same way, or one of its ends is the
+                     ///< other
     };
     EdgeKind edge(Index edge) const { return edgeKinds_[static_cast<std::size_t>(edge)]; }
 
@@ -39,6 +40,7 @@ public:
 private:
     std::vector<Index> surfaceFaces(Index edge) const;
     bool areCoherent(Index edge, Index first, Index second) const;
+    bool isDegenerate(Index edge) const;
 
     CellComplex complex_;
     std::vector<std::uint8_t> isSurfaceFace_;

@@ -20,11 +20,12 @@ namespace {
 /// The children [v, f] of the holes.
 std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement) {
     std::vector<Index> holes;
-    for (const Index face : parent.holes)
-        for (const Index vertex : parent.complex.relation(2, 0)[face])
-            if (const auto child = refinement.childOf({{0, vertex}, {2, face}}))
-                holes.push_back(child->index);
-    std::sort(holes.begin(), holes.end());
+    if (parent.holes.empty()) return holes;
+    refinement.forEachChild([&](const Entity& child, const Interval& interval) {
+        if (child.dimension == 2 &&
+            std::binary_search(parent.holes.begin(), parent.holes.end(), interval.upper.index))
+            holes.push_back(child.index);
+    });
     return holes;
 }
 

@@ -46,7 +46,7 @@ private:
 
 void checkEdge(const CellComplex& complex, Index edge) {
     const auto ends = complex.relation(1, 0)[edge];
-    if (ends.size() != 2 || ends[0] == ends[1])
+    if (ends.size() != 2 || (ends[0] == ends[1] && complex.dimension() != 2))
         refuse(TopologyCause::RepeatedVertex, {1, edge}, " does not join two different vertices");
 }
 
@@ -61,6 +61,7 @@ void checkFace(const CellComplex& complex, Index face) {
         if (ends[signs[i] > 0 ? 1 : 0] != loop[(i + 1) % loop.size()])
             refuse(TopologyCause::NotOrientable, {2, face}, " has edges that do not form a loop");
     }
+    if (complex.dimension() == 2) return;
     std::vector<Index> sorted(loop.begin(), loop.end());
     std::sort(sorted.begin(), sorted.end());
     const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
@@ -227,7 +228,7 @@ void validate(const CellComplex& complex) {
         });
     checkEach(complex, 1, checkEdge);
     if (dimension >= 2) checkEach(complex, 2, checkFace);
-    for (int d = dimension - 1; d >= 0; --d)
+    for (int d = dimension - 1; d >= (dimension == 2 ? 1 : 0); --d)
         checkEach(complex, d, [d](const CellComplex& c, Index index) {
             if (c.relation(d, d + 1)[index].empty())
                 refuse(TopologyCause::UnusedEntity, {d, index},
