@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/point.h>
+#include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/masks.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace espalier::compare {
+
+using far::Index;
+
+/// What counts as agreement.
+struct Bounds {
+    /// Largest difference of a position, where random positions fill a cube of side 2, as a
+    /// fraction of that side. Rounding: some hundred operations on numbers of size 1.
+    double position = 1e-13;
+    /// Largest difference of a stencil's weight. Weights are of size 1.
+    double weight = 1e-14;
+    /// Largest difference between two evaluators of the same table, as a fraction like that of
+    /// `position`: OpenSubdiv's take single precision, whose unit is 6e-8, and the sums of a row
+    /// are made in another order.
+    double evaluator = 2e-6;
+};
+
+/// How one level of a surface agrees with OpenSubdiv's. Vertices, edges and faces are matched by
+/// topology, through the parent and child maps of both sides, never by position.
+struct LevelAgreement {
+    int level = 0;
+    std::array<Index, 3> counts = {};            ///< vertices, edges, faces
+    std::array<Index, 3> openSubdivCounts = {};  ///< those of OpenSubdiv
+    /// The first difference of topology, features or holes, in words; empty if there is none.
+    std::string topologyDifference = {};
+    double positionDifference = 0;  ///< the largest, for random positions; see Bounds
+    double weightDifference = 0;    ///< the largest between the two tables, row by row
+    /// The largest, for random positions, between our evaluator and OpenSubdiv's on our table, and
+    /// on theirs.
+    double evaluatorDifference = 0;
+
+    bool isWithin(const Bounds& bounds) const;
+};
+
+/// A surface at one level, in space, with how far OpenSubdiv's points are from ours there.
+struct SurfaceError {
+    int level = 0;
+    std::vector<Point3> positions;
+    std::vector<std::array<Index, 4>> faces;
+    std::vector<double>
+        errors;  ///< one a position, as a fraction of the size of the shape's bounds
+};
+
+/// The agreement of one shape, level by level.
+struct Agreement {
+    std::vector<LevelAgreement> levels = {};
+    SurfaceError picture = {};  ///< of a level with few enough faces to be drawn, or of none
+    std::string note = {};      ///< what a reader should know besides; mostly empty
+
+    bool isWithin(const Bounds& bounds) const;
+};
+
+/// The version of OpenSubdiv that is compared with: "3.5.0".
+std::string openSubdivVersion();
+
+}  // namespace espalier::compare

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/compare/comparison.h>
+#include <espalier/compare/level_match.h>
+#include <espalier/compare/open_subdiv_refiner.h>
+#include <espalier/compare/open_subdiv_tables.h>
+#include <espalier/far/error.h>
+#include <espalier/osd/cpu_evaluator.h>
+#include <espalier/osd/reference_evaluator.h>
+#include <espalier/stencils/composition.h>
+#include <opensubdiv/far/primvarRefiner.h>
+#include <opensubdiv/far/stencilTableFactory.h>
+#include <opensubdiv/osd/cpuEvaluator.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace espalier::compare {
+namespace {
+
+namespace Far = OpenSubdiv::Far;
+using far::Offset;
+using stencils::StencilTable;
+
+std::size_t at(Index index) {
+    return static_cast<std::size_t>(index);
+}
+
+}  // namespace
+
+struct Comparison::Data {
+    const far::TopologyRefiner& ours;
+    Surface base;
+    OpenSubdivRefiner theirs;
+    std::vector<LevelMatch> matches;                             ///< per level
+    std::vector<Surface> regions;                                ///< per level
+    std::unique_ptr<const Far::StencilTableReal<double>> table;  ///< levels 1 on
+
+    Far::TopologyLevel theirLevel(int level) const { return theirs.refiner->GetLevel(level); }
+
+    /// Row of the first vertex of a level in the table.
+    Index firstRow(int level) const {
+        Index row = 0;
+        for (int k = 1; k < level; ++k) row += theirLevel(k).GetNumVertices();
+        return row;
+    }
+};
+
+Comparison::Comparison(const far::TopologyRefiner& refiner) {
+    if (refiner.dimension() == 3 && refiner.boundary() == far::Boundary::Open)
+        throw Error(
+            "without boundary control, what is left of a lattice's boundary is not a subdivision "
+            "surface, and OpenSubdiv has nothing to compare it with");
+    const far::CellComplex& base = refiner.level(0).complex;
+    auto data = std::make_unique<Data>(Data{refiner, surfaceOf(base), {}, {}, {}, nullptr});
+    data->theirs = makeOpenSubdivRefiner(refiner, data->base);
+    for (int level = 0; level <= refiner.maxLevel(); ++level) {
+        data->matches.push_back(
+            level == 0 ? matchBase(base, data->base, data->theirLevel(0))
+                       : matchChildren(refiner.level(level - 1).complex, data->matches.back(),
+                                       refiner.refinement(level), data->theirLevel(level - 1)));
+        data->regions.push_back(
+            comparedRegion(refiner, level, data->matches.back(), data->theirLevel(level)));
+    }
+    if (refiner.maxLevel() > 0) {
+        using Factory = Far::StencilTableFactoryReal<double>;
+        Factory::Options options;
+        options.maxLevel = static_cast<unsigned>(refiner.maxLevel()) & 15U;
+        data->table.reset(Factory::Create(*data->theirs.refiner, options));
+    }
+    data_ = std::move(data);
+}
+
+Comparison::~Comparison() = default;
+
+const std::vector<Index>& Comparison::vertices(int level) const {
+    data_->ours.level(level);  // Throws if it is not there.
+    return data_->regions[at(level)].vertices;
+}
+
+Index Comparison::correctedCorners() const {
+    return data_->theirs.correctedCorners;
+}
+
+StencilTable<double> Comparison::openSubdivTable(int level) const {
+    data_->ours.refinement(level);  // Throws if it is not there.
+    const StencilTable<double> theirs = fromOpenSubdiv(*data_->table, data_->firstRow(level),
+                                                       data_->theirLevel(level).GetNumVertices());
+    std::vector<Offset> offsets = {0};
+    std::vector<Index> columns;
+    std::vector<double> weights;
+    for (const Index vertex : vertices(level)) {
+        const Index row = data_->matches[at(level)].of({0, vertex}).value();
+        // Their base vertices are ours of the surface in order, so that columns still ascend.
+        for (const Index column : theirs.columns(row))
+            columns.push_back(data_->base.vertices[at(column)]);
+        weights.insert(weights.end(), theirs.weights(row).begin(), theirs.weights(row).end());
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return StencilTable<double>(data_->ours.level(0).complex.count(0), std::move(offsets),
+                                std::move(columns), std::move(weights));
+}
+
+namespace {
+
+/// A point as OpenSubdiv's PrimvarRefiner takes it.
+struct Primvar {
+    Point3 point = {};
+    void Clear() { point = {}; }
+    void AddWithWeight(const Primvar& other, double weight) {
+        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] += weight * other.point[axis];
+    }
+};
+
+}  // namespace
+
+std::vector<Point3> Comparison::openSubdivPoints(int level,
+                                                 std::span<const Point3> positions) const {
+    std::vector<Primvar> points;
+    for (const Index vertex : data_->base.vertices) points.push_back({positions[at(vertex)]});
+    const Far::PrimvarRefinerReal<double> refiner(*data_->theirs.refiner);
+    for (int k = 1; k <= level; ++k) {
+        std::vector<Primvar> next(at(data_->theirLevel(k).GetNumVertices()));
+        Primvar* destination = next.data();
+        refiner.Interpolate(k, points.data(), destination);
+        points = std::move(next);
+    }
+    std::vector<Point3> result;
+    for (const Index vertex : vertices(level))
+        result.push_back(points[at(data_->matches[at(level)].of({0, vertex}).value())].point);
+    return result;
+}
+
+namespace {
+
+/// The largest difference of a weight between two tables of the same rows and columns.
+double largestDifference(const StencilTable<double>& a, const StencilTable<double>& b) {
+    double largest = 0;
+    for (Index row = 0; row < a.rowCount(); ++row) {
+        const auto aColumns = a.columns(row), bColumns = b.columns(row);
+        const auto aWeights = a.weights(row), bWeights = b.weights(row);
+        for (std::size_t i = 0, j = 0; i < aColumns.size() || j < bColumns.size();) {
+            const bool useA =
+                j == bColumns.size() || (i < aColumns.size() && aColumns[i] <= bColumns[j]);
+            const bool useB =
+                i == aColumns.size() || (j < bColumns.size() && bColumns[j] <= aColumns[i]);
+            const double difference = (useA ? aWeights[i++] : 0) - (useB ? bWeights[j++] : 0);
+            largest = std::max(largest, std::abs(difference));
+        }
+    }
+    return largest;
+}
+
+template <class Point>
+double largestDifference(std::span<const Point> a, std::span<const Point> b) {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            largest = std::max<double>(largest, std::abs(a[i][axis] - b[i][axis]));
+    return largest;
+}
+
+/// Positions that fill the cube from −1 to 1; the same on every platform.
+std::vector<Point3> randomPositions(Index count) {
+    std::mt19937 random(1);
+    std::vector<Point3> positions(at(count));
+    for (Point3& position : positions)
+        for (double& coordinate : position)
+            coordinate = 2 * (static_cast<double>(random()) / 4294967295.0) - 1;
+    return positions;
+}
+
+/// A table times positions.
+template <class Evaluator, class Real>
+std::vector<std::array<Real, 3>> evaluate(const StencilTable<Real>& table,
+                                          std::span<const std::array<Real, 3>> positions) {
+    std::vector<std::array<Real, 3>> result(at(table.rowCount()));
+    const auto layout = osd::BufferDescriptor::packed(3);
+    Evaluator::evaluate(table, std::span(positions.data()->data(), 3 * positions.size()), layout,
+                        std::span(result.data()->data(), 3 * result.size()), layout,
+                        {0, table.rowCount()});
+    return result;
+}
+
+using PointF = std::array<float, 3>;
+
+/// The largest difference between our evaluator and OpenSubdiv's on one table.
+double differenceOfEvaluators(const StencilTable<double>& table,
+                              std::span<const PointF> positions) {
+    const auto single = stencils::convertTable<float>(table);
+    const auto ours = evaluate<osd::CpuEvaluator, float>(single, positions);
+    const OpenSubdivTable<float> exported(single);
+    std::vector<PointF> theirs(ours.size());
+    const OpenSubdiv::Osd::BufferDescriptor layout(0, 3, 3);
+    OpenSubdiv::Osd::CpuEvaluator::EvalStencils(
+        positions.data()->data(), layout, theirs.data()->data(), layout, exported.GetSizes().data(),
+        exported.GetOffsets().data(), exported.GetControlIndices().data(),
+        exported.GetWeights().data(), 0, exported.GetNumStencils());
+    return largestDifference<PointF>(ours, theirs);
+}
+
+}  // namespace
+
+LevelAgreement Comparison::compare(int level, const StencilTable<double>& table) const {
+    const Surface& region = data_->regions[at(level)];
+    const LevelMatch& match = data_->matches[at(level)];
+    LevelAgreement agreement;
+    agreement.level = level;
+    agreement.counts = {static_cast<Index>(region.vertices.size()),
+                        static_cast<Index>(region.edges.size()),
+                        static_cast<Index>(region.faces.size())};
+    agreement.openSubdivCounts = countTheirs(data_->ours.boundary(), data_->theirLevel(level));
+    agreement.topologyDifference =
+        describeDifference(data_->ours, level, region, match, data_->theirLevel(level));
+    if (region.vertices.empty()) return agreement;
+    if (std::any_of(region.vertices.begin(), region.vertices.end(), [&](Index vertex) {
+            return !match.of({0, vertex});
+        })) {
+        agreement.positionDifference = agreement.weightDifference = agreement.evaluatorDifference =
+            std::numeric_limits<double>::infinity();
+        return agreement;
+    }
+
+    constexpr double kSide = 2;  // of the cube of random positions
+    const std::vector<Point3> positions = randomPositions(data_->ours.level(0).complex.count(0));
+    const StencilTable<double> theirs = openSubdivTable(level);
+    agreement.weightDifference = largestDifference(table, theirs);
+    agreement.positionDifference =
+        largestDifference<Point3>(evaluate<osd::ReferenceEvaluator, double>(table, positions),
+                                  openSubdivPoints(level, positions)) /
+        kSide;
+    std::vector<PointF> single;
+    for (const Point3& p : positions)
+        single.push_back(
+            {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+    agreement.evaluatorDifference =
+        std::max(differenceOfEvaluators(table, single), differenceOfEvaluators(theirs, single)) /
+        kSide;
+    return agreement;
+}
+
+namespace {
+
+/// The finest level that a picture can show, and whose file is not too large for it.
+constexpr std::size_t kMostFaces = 8000;
+
+double sizeOf(std::span<const Point3> positions) {
+    Point3 least = positions.front(), most = positions.front();
+    for (const Point3& position : positions)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            least[axis] = std::min(least[axis], position[axis]);
+            most[axis] = std::max(most[axis], position[axis]);
+        }
+    return std::hypot(most[0] - least[0], most[1] - least[1], most[2] - least[2]);
+}
+
+SurfaceError drawError(const far::TopologyRefiner& refiner, int level, const Surface& region,
+                       std::span<const Point3> base, std::vector<Point3> ours,
+                       std::span<const Point3> theirs) {
+    SurfaceError picture{level, std::move(ours), {}, {}};
+    const double size = sizeOf(base);
+    for (std::size_t i = 0; i < theirs.size(); ++i) {
+        const Point3 &a = picture.positions[i], &b = theirs[i];
+        const double distance = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+        picture.errors.push_back(size > 0 ? distance / size : distance);
+    }
+    for (const Index face : region.faces) {
+        const std::vector<Index> loop = surfaceLoop(refiner.level(level).complex, face);
+        std::array<Index, 4> corners = {};
+        for (std::size_t i = 0; i < 4; ++i) {
+            const auto place =
+                std::lower_bound(region.vertices.begin(), region.vertices.end(), loop[i]);
+            corners[i] = static_cast<Index>(place - region.vertices.begin());
+        }
+        picture.faces.push_back(corners);
+    }
+    return picture;
+}
+
+}  // namespace
+
+Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> positions) const {
+    Agreement agreement;
+    for (int level = 1; level <= data_->ours.maxLevel(); ++level) {
+        const StencilTable<double> table =
+            stencils::buildStencils(data_->ours, level, rules, vertices(level));
+        agreement.levels.push_back(compare(level, table));
+        const bool isMatched = std::isfinite(agreement.levels.back().positionDifference);
+        const Surface& region = data_->regions[at(level)];
+        if (isMatched && !region.faces.empty() && region.faces.size() <= kMostFaces)
+            agreement.picture =
+                drawError(data_->ours, level, region, positions,
+                          evaluate<osd::ReferenceEvaluator, double>(table, positions),
+                          openSubdivPoints(level, positions));
+    }
+    if (const Index count = correctedCorners(); count > 0)
+        agreement.note = "OpenSubdiv " + openSubdivVersion() + " takes " + std::to_string(count) +
+                         (count == 1 ? " non-manifold vertex" : " non-manifold vertices") +
+                         " for creases that form none (corrected in its release 3.6.1); marked as "
+                         "corners for it";
+    return agreement;
+}
+
+}  // namespace espalier::compare

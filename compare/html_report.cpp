@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "html_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "error_picture.h"
+#include "report_style.h"
+#include "report_text.h"
+
+namespace espalier::compare {
+namespace {
+
+/// One of the numbers that are measured at each level.
+struct Measure {
+    const char* name;
+    double LevelAgreement::*value;
+    double Bounds::*bound;
+    const char* what;
+};
+
+constexpr Measure kMeasures[] = {
+    {"Positions", &LevelAgreement::positionDifference, &Bounds::position,
+     "The largest distance of two matching vertices, for random positions of the control "
+     "vertices, as a fraction of the size of the cube that these fill."},
+    {"Weights", &LevelAgreement::weightDifference, &Bounds::weight,
+     "The largest difference of two weights of matching stencils: how much a control vertex counts "
+     "for a vertex of the level."},
+    {"Evaluators", &LevelAgreement::evaluatorDifference, &Bounds::evaluator,
+     "The largest difference, measured as positions are, between the evaluators of the two run on "
+     "the same stencil table, ours or theirs. OpenSubdiv's take single precision."}};
+
+/// Also of what is not a number.
+bool isOver(const Measure& measure, const LevelAgreement& level, const Bounds& bounds) {
+    return !(level.*measure.value <= bounds.*measure.bound);
+}
+
+std::string failureOf(const ReportedShape& shape) {
+    if (!shape.failure.empty()) return shape.failure;
+    return shape.agreement.levels.empty() ? "no level was compared" : "";
+}
+
+bool hasPicture(const ReportedShape& shape) {
+    return !shape.agreement.picture.faces.empty();
+}
+
+/// The name of a shape, as a link to its picture if it has one.
+std::string linkedName(const Report& report, std::size_t index) {
+    const ReportedShape& shape = report.shapes[index];
+    const std::string name = escaped(shape.name);
+    return hasPicture(shape) ? fmt::format("<a href=\"#shape-{}\">{}</a>", index + 1, name) : name;
+}
+
+/// What is counted for the verdict.
+struct Totals {
+    std::size_t levels = 0;
+    std::size_t levelsOver = 0;
+    std::size_t shapesOver = 0;
+    std::size_t failures = 0;
+
+    explicit Totals(const Report& report) {
+        for (const ReportedShape& shape : report.shapes) {
+            levels += shape.agreement.levels.size();
+            for (const LevelAgreement& level : shape.agreement.levels)
+                levelsOver += !level.isWithin(report.bounds);
+            shapesOver += !shape.agreement.isWithin(report.bounds);
+            failures += !failureOf(shape).empty();
+        }
+    }
+};
+
+std::string verdict(const Report& report) {
+    const Totals totals(report);
+    const std::string openSubdiv = fmt::format("OpenSubdiv {}", escaped(report.openSubdivVersion));
+    const std::string compared =
+        fmt::format("{}, {}", counted(report.shapes.size(), "shape", "shapes"),
+                    counted(totals.levels, "level", "levels"));
+    const std::string over = fmt::format("{} not within the bounds ({})",
+                                         counted(totals.shapesOver, "shape is", "shapes are"),
+                                         counted(totals.levelsOver, "level", "levels"));
+    const std::string failed =
+        counted(totals.failures, "shape", "shapes") + " could not be compared";
+    const auto paragraph = [](const char* kind, const std::string& head, const std::string& rest) {
+        return fmt::format("<p class=\"verdict {}\"><strong>{}.</strong> {}</p>\n", kind, head,
+                           rest);
+    };
+    if (report.shapes.empty()) return paragraph("bad", "Nothing was compared", "");
+    if (totals.shapesOver > 0)
+        return paragraph(
+            "bad", "Does not agree with " + openSubdiv,
+            fmt::format("{}: {}.", compared,
+                        totals.failures > 0 ? fmt::format("{}; {}", over, failed) : over));
+    if (totals.failures > 0)
+        return paragraph("bad", "Could not all be compared with " + openSubdiv,
+                         fmt::format("{}, all of them within the bounds; {}.", compared, failed));
+    return paragraph("good", "Agrees with " + openSubdiv,
+                     fmt::format("{}, all within the bounds.", compared));
+}
+
+/// The largest of a number over all shapes and levels, and where it is.
+std::string largestRow(const Report& report, const Measure& measure) {
+    std::optional<std::size_t> shape;
+    LevelAgreement largest;
+    bool isBad = false;
+    for (std::size_t i = 0; i < report.shapes.size(); ++i)
+        for (const LevelAgreement& level : report.shapes[i].agreement.levels) {
+            isBad = isBad || isOver(measure, level, report.bounds);
+            const double value = level.*measure.value;
+            // What is not a number counts as the largest.
+            if (std::isnan(largest.*measure.value) || value <= largest.*measure.value) continue;
+            largest = level;
+            shape = i;
+        }
+    const std::string where =
+        shape ? fmt::format("{}, level {}", linkedName(report, *shape), largest.level) : "nowhere";
+    return fmt::format(
+        "<tr><th scope=\"row\">{}</th><td class=\"number{}\">{}</td><td class=\"number\">{}</td>"
+        "<td class=\"words\">{}</td><td class=\"note\">{}</td></tr>\n",
+        measure.name, isBad ? " bad" : "", scientific(largest.*measure.value),
+        fmt::format("{:g}", report.bounds.*measure.bound), where, measure.what);
+}
+
+std::string largestDifferences(const Report& report) {
+    if (Totals(report).levels == 0) return "";
+    std::string rows;
+    for (const Measure& measure : kMeasures) rows += largestRow(report, measure);
+    return fmt::format(
+        R"(<section>
+<h2>Largest differences</h2>
+<div class="scroll" role="region" aria-label="Largest differences" tabindex="0">
+<table>
+<thead><tr><th scope="col">Difference</th><th scope="col" class="number">Largest</th>
+<th scope="col" class="number">Bound</th><th scope="col">Where</th>
+<th scope="col">What it is</th></tr></thead>
+<tbody>
+{}</tbody>
+</table>
+</div>
+<p class="note">Vertices, edges and faces of the two are matched by topology, through parents and
+children, never by position.</p>
+</section>
+)",
+        rows);
+}
+
+std::string countCell(Index ours, Index theirs) {
+    std::string cell = grouped(static_cast<std::size_t>(ours));
+    if (ours != theirs)
+        cell += fmt::format("<span class=\"theirs\">OpenSubdiv: {}</span>",
+                            grouped(static_cast<std::size_t>(theirs)));
+    return fmt::format("<td class=\"number{}\">{}</td>", ours != theirs ? " bad" : "", cell);
+}
+
+std::string levelCells(const LevelAgreement& level, const Bounds& bounds) {
+    std::string cells = fmt::format("<th scope=\"row\" class=\"number\">{}</th>", level.level);
+    for (std::size_t k = 0; k < 3; ++k)
+        cells += countCell(level.counts[k], level.openSubdivCounts[k]);
+    const bool hasEqualCounts = level.counts == level.openSubdivCounts;
+    const std::string difference = !level.topologyDifference.empty() || hasEqualCounts
+                                       ? level.topologyDifference
+                                       : "the counts differ";
+    cells += difference.empty()
+                 ? "<td class=\"words\">equal</td>"
+                 : fmt::format("<td class=\"words bad\">{}</td>", escaped(difference));
+    for (const Measure& measure : kMeasures)
+        cells += fmt::format("<td class=\"number{}\">{}</td>",
+                             isOver(measure, level, bounds) ? " bad" : "",
+                             scientific(level.*measure.value));
+    cells += level.isWithin(bounds) ? "<td class=\"verdicts good\">✓ agrees</td>"
+                                    : "<td class=\"verdicts bad\">✗ differs</td>";
+    return cells;
+}
+
+/// A group of rows: the levels of a shape, and why there are not more.
+std::string shapeRows(const Report& report, std::size_t index) {
+    const ReportedShape& shape = report.shapes[index];
+    const std::string failure = failureOf(shape);
+    const std::vector<LevelAgreement>& levels = shape.agreement.levels;
+    std::vector<std::string> rows;
+    for (const LevelAgreement& level : levels) rows.push_back(levelCells(level, report.bounds));
+    if (!shape.agreement.note.empty())
+        rows.push_back(fmt::format("<td colspan=\"9\" class=\"words note\">Note: {}</td>",
+                                   escaped(shape.agreement.note)));
+    if (!failure.empty())
+        rows.push_back(
+            fmt::format("<td colspan=\"8\" class=\"words bad\">could not be compared: "
+                        "{}</td><td class=\"verdicts bad\">✗ not compared</td>",
+                        escaped(failure)));
+    std::string group =
+        fmt::format("<tbody id=\"levels-{}\">\n<tr><th scope=\"rowgroup\" rowspan=\"{}\">{}</th>",
+                    index + 1, rows.size(), linkedName(report, index));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        group += fmt::format("{}{}</tr>\n", i > 0 ? "<tr>" : "", rows[i]);
+    group += "</tbody>\n";
+    return group;
+}
+
+std::string allLevels(const Report& report) {
+    if (report.shapes.empty()) return "";
+    std::string table =
+        "<section>\n<h2>Shapes and levels</h2>\n"
+        "<div class=\"scroll\" role=\"region\" aria-label=\"Shapes and levels\" tabindex=\"0\">\n"
+        "<table>\n<thead><tr><th scope=\"col\">Shape</th>";
+    for (const char* name : {"Level", "Vertices", "Edges", "Faces"})
+        table += fmt::format("<th scope=\"col\" class=\"number\">{}</th>", name);
+    table += "<th scope=\"col\">Topology</th>";
+    for (const Measure& measure : kMeasures)
+        table += fmt::format("<th scope=\"col\" class=\"number\">{}</th>", measure.name);
+    table += "<th scope=\"col\">Verdict</th></tr></thead>\n";
+    for (std::size_t i = 0; i < report.shapes.size(); ++i) table += shapeRows(report, i);
+    table += "</table>\n</div>\n</section>\n";
+    return table;
+}
+
+std::string positionText(const Point3& p) {
+    const double size = std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+    // What is left of rounding reads as 0.
+    const auto shown = [&](double x) { return std::abs(x) < 1e-9 * size ? 0 : x; };
+    return fmt::format("({:.4g}, {:.4g}, {:.4g})", shown(p[0]), shown(p[1]), shown(p[2]));
+}
+
+std::string figure(const Report& report, std::size_t index) {
+    const ReportedShape& shape = report.shapes[index];
+    const SurfaceError& picture = shape.agreement.picture;
+    std::string caption = fmt::format("Level {}, {}. ", picture.level,
+                                      counted(picture.faces.size(), "face", "faces"));
+    if (const auto vertex = largestErrorVertex(picture)) {
+        const auto v = static_cast<std::size_t>(*vertex);
+        caption += fmt::format("Largest error {}, at vertex {}, {}.", scientific(picture.errors[v]),
+                               *vertex, positionText(picture.positions[v]));
+    } else {
+        caption += "No vertex is off: all errors are 0.";
+    }
+    return fmt::format(
+        "<figure id=\"shape-{0}\">\n{1}<figcaption><strong>{2}</strong><br/>{3} "
+        "<a href=\"#levels-{0}\" aria-label=\"Levels of {2}\">Levels</a></figcaption>\n</figure>\n",
+        index + 1, errorPicture(picture, report.bounds), escaped(shape.name), caption);
+}
+
+std::string pictures(const Report& report) {
+    std::string figures;
+    for (std::size_t i = 0; i < report.shapes.size(); ++i)
+        if (hasPicture(report.shapes[i])) figures += figure(report, i);
+    if (figures.empty()) return "";
+    return fmt::format(R"(<section>
+<h2>Error over the surface</h2>
+<p class="note">How far the points of OpenSubdiv are from ours, as a fraction of the size of the
+shape. A face has the colour of the largest error of its corners: grey where there is none, green to
+blue up to the bound, red to purple above it. A ring is round the vertex of the largest error,
+broken where that is behind the surface.</p>
+<div class="figures">
+{}</div>
+</section>
+)",
+                       figures);
+}
+
+}  // namespace
+
+std::string htmlReport(const Report& report) {
+    return fmt::format(R"(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8"/>
+<meta name="viewport" content="width=device-width, initial-scale=1"/>
+<title>{0}</title>
+<style>{1}</style>
+</head>
+<body>
+<header>
+<h1>{0}</h1>
+{2}<dl>
+<dt>Compared with</dt><dd>OpenSubdiv {3}</dd>
+<dt>Made by</dt><dd><code>{4}</code></dd>
+</dl>
+</header>
+<main>
+{5}{6}{7}</main>
+</body>
+</html>
+)",
+                       escaped(report.title), kReportStyle, verdict(report),
+                       escaped(report.openSubdivVersion), escaped(report.command),
+                       largestDifferences(report), allLevels(report), pictures(report));
+}
+
+}  // namespace espalier::compare

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/compare/open_subdiv_tables.h>
+#include <espalier/far/error.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <string>
+
+namespace espalier::compare {
+
+using far::Index;
+using far::Offset;
+
+template <class Real>
+OpenSubdivTable<Real>::OpenSubdivTable(const stencils::StencilTable<Real>& table)
+    : columnCount_(table.columnCount()),
+      indices_(table.columns().begin(), table.columns().end()),
+      weights_(table.weights().begin(), table.weights().end()) {
+    if (table.entryCount() > std::numeric_limits<int>::max())
+        throw Error("a table of " + std::to_string(table.entryCount()) +
+                    " entries is too large for OpenSubdiv, whose offsets are of 32 bits");
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        sizes_.push_back(static_cast<int>(table.columns(row).size()));
+        offsets_.push_back(static_cast<int>(table.offsets()[static_cast<std::size_t>(row)]));
+    }
+}
+
+template <class Real>
+stencils::StencilTable<Real> fromOpenSubdiv(const OpenSubdiv::Far::StencilTableReal<Real>& table,
+                                            Index first, Index count) {
+    if (first < 0 || count < 0 || first > table.GetNumStencils() - count)
+        throw Error("there are no rows " + std::to_string(first) + " to " +
+                    std::to_string(first + count - 1) + " in a table of " +
+                    std::to_string(table.GetNumStencils()));
+    const std::vector<int>& sizes = table.GetSizes();
+    // By the sizes: GetOffsets() may be left out, and GetWeights() may be longer than the indices.
+    Offset at = std::accumulate(sizes.begin(), sizes.begin() + first, Offset{0});
+    std::vector<Offset> offsets = {0};
+    std::vector<Index> columns;
+    std::vector<Real> weights;
+    std::vector<std::pair<Index, Real>> row;
+    for (Index i = first; i < first + count; ++i) {
+        row.clear();
+        for (int k = 0; k < sizes[static_cast<std::size_t>(i)]; ++k, ++at)
+            row.emplace_back(table.GetControlIndices()[static_cast<std::size_t>(at)],
+                             table.GetWeights()[static_cast<std::size_t>(at)]);
+        std::sort(row.begin(), row.end(),
+                  [](const auto& a, const auto& b) { return a.first < b.first; });
+        for (const auto& [column, weight] : row) {
+            if (columns.size() > static_cast<std::size_t>(offsets.back()) &&
+                columns.back() == column) {
+                weights.back() += weight;
+                continue;
+            }
+            columns.push_back(column);
+            weights.push_back(weight);
+        }
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return stencils::StencilTable<Real>(table.GetNumControlVertices(), std::move(offsets),
+                                        std::move(columns), std::move(weights));
+}
+
+template class OpenSubdivTable<float>;
+template class OpenSubdivTable<double>;
+template stencils::StencilTable<float> fromOpenSubdiv(
+    const OpenSubdiv::Far::StencilTableReal<float>&, Index, Index);
+template stencils::StencilTable<double> fromOpenSubdiv(
+    const OpenSubdiv::Far::StencilTableReal<double>&, Index, Index);
+
+}  // namespace espalier::compare

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/stencil_table.h>
+#include <opensubdiv/far/stencilTable.h>
+
+#include <vector>
+
+namespace espalier::compare {
+
+/// A table in the form in which OpenSubdiv's evaluators take one: a STENCIL_TABLE of the templates
+/// Osd::CpuEvaluator::EvalStencils and its like. (A Far::StencilTable itself can be made by
+/// OpenSubdiv's factories only.)
+template <class Real>
+class OpenSubdivTable {
+public:
+    /// \throws Error if the table has more entries than OpenSubdiv's offsets count (2³¹ − 1)
+    /// \cost O(entries); a copy
+    explicit OpenSubdivTable(const stencils::StencilTable<Real>& table);
+
+    // OpenSubdiv's names.
+    int GetNumStencils() const { return static_cast<int>(sizes_.size()); }
+    int GetNumControlVertices() const { return columnCount_; }
+    const std::vector<int>& GetSizes() const { return sizes_; }
+    const std::vector<int>& GetOffsets() const { return offsets_; }
+    const std::vector<int>& GetControlIndices() const { return indices_; }
+    const std::vector<Real>& GetWeights() const { return weights_; }
+
+private:
+    int columnCount_;
+    std::vector<int> sizes_, offsets_, indices_;
+    std::vector<Real> weights_;
+};
+
+/// Rows `first` to `first` + `count` − 1 of one of OpenSubdiv's tables, columns ascending. Weights
+/// of a control vertex that is named twice in a row are added.
+///
+/// \throws Error if the table does not have these rows
+/// \cost O(entries of the table)
+template <class Real>
+stencils::StencilTable<Real> fromOpenSubdiv(const OpenSubdiv::Far::StencilTableReal<Real>& table,
+                                            far::Index first, far::Index count);
+
+}  // namespace espalier::compare
