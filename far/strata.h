@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -50,7 +49,7 @@ struct SharpnessValues {
 /// of the entities that inSubcomplex() names.
 ///
 /// The stratum of a level follows from the sharpness that is left on it. Semi-sharp features fade:
-/// see fadingOf().
+/// see fading.h.
 ///
 /// \cite MacCracken & Joy 1996, section 3
 class Strata {
@@ -150,25 +149,6 @@ Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule, 
 /// \cost O(entries)
 Strata refineStrata(const CellComplex& parent, const Strata& strata, const Refinement& refinement,
                     Boundary boundary, Creasing creasing);
-
-/// An edge or vertex that loses its stratum in the next split, with sharpness that runs out. Its
-/// new point is `weight` of the rule of its stratum and 1 − weight of the rule of stratum `next`.
-struct Fading {
-    int next = 0;
-    double weight = 1;
-    std::array<Index, 2> staySharp = {};  ///< the edges of the crease, where `next` is 1
-};
-
-/// How an entity fades in the next split, if it does.
-///
-/// The weight of an edge is its sharpness, that of a vertex the mean sharpness of all that fades
-/// in it, at most 1. Under Creasing::Chaikin an edge that fades at one end only may have a
-/// sharpness above 1; the rules are then extrapolated, as in OpenSubdiv.
-///
-/// \cost O(edges at the ends of the entity); constant if nothing is semi-sharp
-/// \cite OpenSubdiv 3.5, Sdc::Scheme::ComputeVertexVertexMask and ComputeEdgeVertexMask
-std::optional<Fading> fadingOf(const CellComplex& complex, const Strata& strata, Creasing creasing,
-                               const Entity& entity);
 
 /// Marks with which classify(complex, boundary, SharpEdges::SingleCell, marks) gives back `strata`:
 /// none on what is so without a mark. They keep the features of a refined complex that is written

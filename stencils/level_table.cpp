@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/fading.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/table_builder.h>
 

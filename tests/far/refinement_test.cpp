@@ -48,7 +48,11 @@ TEST(Refinement, CountsEulerCharacteristicAndValidityAtEveryLevel) {
          {singleCell(StandardCell::Tetrahedron), singleCell(StandardCell::Pyramid),
           singleCell(StandardCell::Wedge), singleCell(StandardCell::Hexahedron), bipyramid(3),
           bipyramid(5), bipyramid(6), grid({3, 2, 1}), test::gridMesh(3, 2), buildCurve(4, false),
-          buildCurve(4, true)}) {
+          buildCurve(4, true),
+          // Faces that pass a vertex more than once, and a vertex in no face.
+          buildMesh(6, test::Loops{{0, 1, 2, 2}, {1, 0, 3, 4}}),
+          buildMesh(5, test::Loops{{0, 1, 0, 2}, {1, 0, 3, 4}}),
+          buildMesh(1, test::Loops{{0, 0, 0, 0}})}) {
         TopologyRefiner refiner(base);
         refiner.refineUniform(3);
         expectCountsOfIntervals(refiner);

@@ -239,14 +239,107 @@ TEST(Strata, MarksForARefinedComplexGiveItsStrataBack) {
                 .vertices = {{0, kSmooth}, {26, kInfinitelySharp}, {middle, kInfinitelySharp}}});
     expectKept(test::gridMesh(3, 2), SharpEdges::SingleCell,
                {.edges = {{{5, 6}, 1.5}}, .vertices = {{5, 0.5}}});
+    // Semi-sharp marks in place of what is sharp by rule, and on what is not.
+    expectKept(grid({2, 2, 2}), SharpEdges::SingleCell,
+               {.edges = {{{0, 1}, 1.5}, {{1, middle}, 0.75}}, .vertices = {{0, 2}, {middle, 9}}});
     expectKept(buildCurve(5, false), SharpEdges::SingleCell, {.vertices = {{2, kInfinitelySharp}}});
 }
 
-TEST(Strata, OpenKnowsBoundaryAndInteriorOnly) {
+// OpenSubdiv's boundary modes on a mesh of 3 × 2 faces, of which 0 and 3 are corners.
+TEST(Strata, EdgeOnlyRoundsTheCornersOfAMesh) {
+    const CellComplex mesh = test::gridMesh(3, 2);
+    const auto strataIn = [&](Boundary boundary, const Marks& marks = {}) {
+        return classify(mesh, boundary, SharpEdges::SingleCell, marks);
+    };
+    EXPECT_EQ(countStrata(strataIn(Boundary::EdgeOnly), 0), (PerStratum{0, 10, 2, 0}));
+    EXPECT_EQ(strataIn(Boundary::EdgeOnly, {.vertices = {{0, 2.5}}}).of({0, 0}), 0);
+    EXPECT_EQ(strataIn(Boundary::EdgeOnly, {.vertices = {{0, 2.5}}}).sharpness({0, 0}), 2.5F);
+    // Under Boundary::Sharp a corner is infinitely sharp, whatever a mark adds.
+    EXPECT_EQ(strataIn(Boundary::Sharp, {.vertices = {{0, 2.5}}}).sharpness({0, 0}),
+              kInfinitelySharp);
+    EXPECT_THROW(strataIn(Boundary::Sharp, {.vertices = {{0, kSmooth}}}), TopologyError);
+    // On a lattice, a vertex of one cell is rounded as soon as its edges are.
+    const CellComplex cube = grid({1, 1, 1});
+    Marks smooth;
+    for (Index edge = 0; edge < cube.count(1); ++edge) {
+        const auto ends = cube.relation(1, 0)[edge];
+        smooth.edges.push_back({{ends[0], ends[1]}, kSmooth});
+    }
+    EXPECT_EQ(classify(cube, Boundary::EdgeOnly, SharpEdges::SingleCell, smooth).count(0, 2), 8);
+    EXPECT_EQ(classify(cube, Boundary::Sharp, SharpEdges::SingleCell, smooth).count(0, 0), 8);
+}
+
+// A sharp edge from the middle of a box to the middle of a side makes no dart of the latter: the
+// surface is refined as if it were alone.
+TEST(Strata, SharpEdgesInsideALatticeLeaveItsSurfaceAsItIs) {
+    const std::array<Index, 3> cells = {2, 2, 2};
+    const Index middle = gridVertex(cells, 1, 1, 1), side = gridVertex(cells, 1, 1, 0);
+    const Index opposite = gridVertex(cells, 1, 1, 2);
+    const CellComplex box = grid(cells);
+    const Strata strata = strataOf(box, SharpEdges::SingleCell,
+                                   {.edges = {{{middle, side}, kInfinitelySharp},
+                                              {{middle, opposite}, kInfinitelySharp},
+                                              {{1, side}, kInfinitelySharp},
+                                              {{side, 7}, kInfinitelySharp}}});
+    EXPECT_EQ(strata.of({0, middle}), 1) << "two sharp edges inside";
+    EXPECT_EQ(strata.of({0, opposite}), 2);
+    EXPECT_EQ(strata.of({0, side}), 1) << "two on the surface; the third does not count";
+    for (const Index edge : box.relation(0, 1)[opposite])
+        EXPECT_EQ(strata.inSubcomplex({0, opposite}, 2, {1, edge}),
+                  !contains(box.relation(1, 0)[edge], middle));
+}
+
+TEST(Strata, HolesHaveHolesForChildren) {
+    TopologyRefiner refiner(test::gridMesh(3, 2), {.marks = {.holes = {4, 1, 4}}});
+    refiner.refineUniform(2);
+    EXPECT_EQ(refiner.level(0).holes, (std::vector<Index>{1, 4}));
+    ASSERT_EQ(refiner.level(1).holes.size(), 8u);
+    EXPECT_EQ(refiner.level(2).holes.size(), 32u);
+    for (const Index hole : refiner.level(1).holes)
+        EXPECT_THAT((std::vector<Index>{1, 4}),
+                    ::testing::Contains(refiner.refinement(1).parentOf({2, hole}).upper.index));
+    EXPECT_THROW(TopologyRefiner(test::gridMesh(3, 2), {.marks = {.holes = {6}}}), TopologyError);
+    EXPECT_THROW(TopologyRefiner(grid({1, 1, 1}), {.marks = {.holes = {0}}}), TopologyError);
+}
+
+TEST(Strata, OpenLeavesTheBoundaryOut) {
+    const std::array<Index, 3> cells = {2, 2, 2};
     const Strata strata =
-        TopologyRefiner(grid({2, 2, 2}), {.boundary = Boundary::Open}).level(0).strata;
-    EXPECT_EQ(countStrata(strata, 0), (PerStratum{0, 0, 26, 1}));
+        TopologyRefiner(grid(cells), {.boundary = Boundary::Open}).level(0).strata;
+    for (Index vertex = 0; vertex < 27; ++vertex)
+        EXPECT_EQ(strata.isOpen({0, vertex}), vertex != gridVertex(cells, 1, 1, 1));
     EXPECT_EQ(countStrata(strata, 1), (PerStratum{0, 0, 48, 6}));
+}
+
+// An infinitely sharp boundary edge of a mesh stays without boundary control, as in OpenSubdiv's
+// mode "none"; a semi-sharp one does not.
+TEST(Strata, OpenKeepsBoundaryEdgesThatAreMarkedSharp) {
+    const CellComplex mesh = test::gridMesh(4, 4);
+    Marks marks;
+    for (Index i = 0; i < 4; ++i) {
+        marks.edges.push_back({{i, i + 1}, kInfinitelySharp});  // the first row
+        marks.edges.push_back({{20 + i, 21 + i}, 9.5});         // the last row
+    }
+    TopologyRefiner refiner(mesh, {.boundary = Boundary::Open, .marks = marks});
+    const Strata& strata = refiner.level(0).strata;
+    for (const Index vertex : {1, 2, 3, 6, 12, 18}) EXPECT_FALSE(strata.isOpen({0, vertex}));
+    for (const Index vertex : {0, 4, 5, 9, 20, 22, 24}) EXPECT_TRUE(strata.isOpen({0, vertex}));
+    EXPECT_EQ(strata.of({0, 2}), 1);
+    // Kept are 3 vertices in each of rows 0 to 3, and of each row of faces the 2 to 4 quarters at
+    // them: (2 · 4 − 2) × (2 · 4 − 1) quadrilaterals.
+    refiner.refineUniform(2);
+    EXPECT_EQ(refiner.level(1).complex.count(2), 6 * 7);
+    // The kept edges keep their mark when the refined mesh is marked anew.
+    const auto& [refined, refinedStrata, holes] = refiner.level(1);
+    const Marks kept = marksFor(refined, refinedStrata, Boundary::Open);
+    const Strata again = classify(refined, Boundary::Open, SharpEdges::SingleCell, kept);
+    for (int d = 0; d <= 2; ++d)
+        for (Index i = 0; i < refined.count(d); ++i) {
+            EXPECT_EQ(again.isOpen({d, i}), refinedStrata.isOpen({d, i}));
+            if (!again.isOpen({d, i})) {
+                EXPECT_EQ(again.of({d, i}), refinedStrata.of({d, i}));
+            }
+        }
 }
 
 }  // namespace

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/fading.h>
+#include <espalier/far/refinement.h>
+#include <espalier/far/strata.h>
+#include <espalier/far/surface_fans.h>
+
+#include <algorithm>
+#include <string>
+
+namespace espalier::far {
+namespace {
+
+std::size_t at(Index index) {
+    return static_cast<std::size_t>(index);
+}
+
+/// A number for every entity of a complex.
+Strata::ByEntity filled(const CellComplex& complex, int value) {
+    Strata::ByEntity values;
+    for (int d = 0; d <= complex.dimension(); ++d)
+        values[at(d)].assign(at(complex.count(d)), static_cast<std::uint8_t>(value));
+    return values;
+}
+
+/// Sets the number of an entity and of all that it contains.
+void setClosure(const CellComplex& complex, Entity entity, int value, Strata::ByEntity& values) {
+    for (int d = 0; d <= entity.dimension; ++d)
+        for (const Index part : complex.relation(entity.dimension, d)[entity.index])
+            values[at(d)][at(part)] = static_cast<std::uint8_t>(value);
+}
+
+/// The strata without sharpness: all of the complex's own dimension, but for the boundary faces of
+/// a lattice.
+Strata::ByEntity classifySmooth(const CellComplex& complex) {
+    Strata::ByEntity smooth = filled(complex, complex.dimension());
+    if (complex.dimension() < 3) return smooth;
+    for (Index face = 0; face < complex.count(2); ++face)
+        if (complex.relation(2, 3)[face].size() != 2) setClosure(complex, {2, face}, 2, smooth);
+    return smooth;
+}
+
+/// What lies on the open boundary of the region, given the sharpness that marks ask for.
+Strata::ByEntity classifyOpen(const CellComplex& complex, const SharpnessValues& sharpness) {
+    Strata::ByEntity isOpen = filled(complex, 0);
+    const int side = complex.dimension() - 1;
+    const auto isSharp = [&](Index index) {
+        if (side == 2) return false;
+        return (side == 1 ? sharpness.edges : sharpness.vertices)[at(index)] == kInfinitelySharp;
+    };
+    for (Index index = 0; index < complex.count(side); ++index) {
+        const auto wholes = complex.relation(side, side + 1)[index].size();
+        const bool isBoundary = complex.dimension() == 2 ? wholes == 1 : wholes != 2;
+        if (isBoundary && !isSharp(index)) setClosure(complex, {side, index}, 1, isOpen);
+    }
+    return isOpen;
+}
+
+SharpnessValues markedSharpness(const CellComplex& complex, const MarkedSharpness& marked) {
+    SharpnessValues sharpness{std::vector<float>(at(complex.count(0)), kSmooth),
+                              std::vector<float>(at(complex.count(1)), kSmooth)};
+    for (const auto& [edge, value] : marked.edges) sharpness.edges[at(edge)] = value;
+    for (const auto& [vertex, value] : marked.vertices) sharpness.vertices[at(vertex)] = value;
+    return sharpness;
+}
+
+/// Whether a boundary edge of a lattice is sharp without a mark.
+bool isSharpByRule(const CellComplex& complex, SharpEdges rule, Index edge) {
+    if (rule == SharpEdges::SingleCell) return complex.relation(1, 3)[edge].size() == 1;
+    const auto ends = complex.relation(1, 0)[edge];
+    return std::all_of(ends.begin(), ends.end(),
+                       [&](Index vertex) { return complex.relation(0, 3)[vertex].size() <= 2; });
+}
+
+/// Sharpness that the topology dictates, and that no mark may take away.
+void force(const MarkedSharpness& marked, Entity entity, const std::string& why,
+           SharpnessValues& sharpness) {
+    const auto& marks = entity.dimension == 0 ? marked.vertices : marked.edges;
+    const auto mark = marks.find(entity.index);
+    if (mark != marks.end() && mark->second == kSmooth)
+        throw TopologyError(TopologyCause::BadMark, entity,
+                            std::string(dimensionName(entity.dimension)) + " " +
+                                std::to_string(entity.index) + " is marked smooth, but " + why);
+    (entity.dimension == 0 ? sharpness.vertices : sharpness.edges)[at(entity.index)] =
+        kInfinitelySharp;
+}
+
+void sharpenEdges(const CellComplex& complex, const SurfaceFans& fans, Boundary boundary,
+                  SharpEdges rule, const MarkedSharpness& marked, SharpnessValues& sharpness) {
+    for (Index edge = 0; edge < complex.count(1); ++edge) {
+        const SurfaceFans::EdgeKind kind = fans.edge(edge);
+        if (kind == SurfaceFans::EdgeKind::None) continue;
+        if (kind != SurfaceFans::EdgeKind::Manifold) {
+            const Index faces = fans.faceCount(edge);
+            force(marked, {1, edge},
+                  faces == 2
+                      ? std::string("its two faces run along it the same way")
+                      : "it lies in " + std::to_string(faces) + (faces == 1 ? " face" : " faces") +
+                            " of the surface; a smooth edge has 2",
+                  sharpness);
+        } else if (complex.dimension() == 3 && boundary != Boundary::Open &&
+                   marked.edges.count(edge) == 0 && isSharpByRule(complex, rule, edge)) {
+            sharpness.edges[at(edge)] = kInfinitelySharp;
+        }
+    }
+}
+
+void sharpenVertices(const CellComplex& complex, const SurfaceFans& fans, Boundary boundary,
+                     const MarkedSharpness& marked, SharpnessValues& sharpness) {
+    const int dimension = complex.dimension();
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
+        const bool isAlone = complex.relation(0, dimension)[vertex].size() == 1;
+        const SurfaceFans::VertexKind kind = fans.vertex(vertex);
+        if (kind == SurfaceFans::VertexKind::None && dimension == 2)
+            sharpness.vertices[at(vertex)] = kInfinitelySharp;
+        else if (kind == SurfaceFans::VertexKind::NonManifold)
+            force(marked, {0, vertex}, "its surface faces do not form one fan", sharpness);
+        else if (isAlone && boundary == Boundary::Sharp && dimension == 2)
+            force(marked, {0, vertex},
+                  "it belongs to one face, and the corners of the boundary are sharp", sharpness);
+        else if (isAlone && boundary == Boundary::Sharp && marked.vertices.count(vertex) == 0)
+            sharpness.vertices[at(vertex)] = kInfinitelySharp;
+    }
+}
+
+void sharpenEnds(const CellComplex& curve, const MarkedSharpness& marked,
+                 SharpnessValues& sharpness) {
+    for (Index vertex = 0; vertex < curve.count(0); ++vertex)
+        if (curve.relation(0, 1)[vertex].size() != 2)
+            force(marked, {0, vertex}, "it is not between two edges", sharpness);
+}
+
+}  // namespace
+
+Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule,
+                const Marks& marks) {
+    const MarkedSharpness marked = readMarks(complex, marks);
+    SharpnessValues sharpness = markedSharpness(complex, marked);
+    Strata::ByEntity smooth = classifySmooth(complex), isOpen;
+    if (boundary == Boundary::Open) isOpen = classifyOpen(complex, sharpness);
+    if (complex.dimension() == 1) {
+        sharpenEnds(complex, marked, sharpness);
+    } else {
+        std::vector<std::uint8_t> isSurfaceFace;
+        for (const std::uint8_t stratum : smooth[2]) isSurfaceFace.push_back(stratum == 2);
+        const SurfaceFans fans(complex, std::move(isSurfaceFace));
+        sharpenEdges(complex, fans, boundary, rule, marked, sharpness);
+        sharpenVertices(complex, fans, boundary, marked, sharpness);
+    }
+    return Strata(complex, std::move(smooth), std::move(isOpen), std::move(sharpness));
+}
+
+Strata refineStrata(const CellComplex& parent, const Strata& strata, const Refinement& refinement,
+                    Boundary boundary, Creasing creasing) {
+    const CellComplex& child = refinement.child();
+    Strata::ByEntity smooth = filled(child, 0), isOpen;
+    SharpnessValues sharpness{std::vector<float>(at(child.count(0)), kSmooth),
+                              std::vector<float>(at(child.count(1)), kSmooth)};
+    refinement.forEachChild([&](Entity entity, const Interval& interval) {
+        smooth[at(entity.dimension)][at(entity.index)] =
+            static_cast<std::uint8_t>(strata.smoothStratum(interval.upper));
+        if (interval.upper.dimension == 0 && entity.dimension == 0) {
+            sharpness.vertices[at(entity.index)] =
+                subdivideSharpness(strata.sharpness(interval.upper));
+        } else if (interval.upper.dimension == 1 && entity.dimension == 1 &&
+                   strata.sharpness(interval.upper) > kSmooth) {
+            sharpness.edges[at(entity.index)] =
+                childSharpness(parent, strata, creasing, interval.upper, interval.lower.index);
+        }
+    });
+    if (boundary == Boundary::Open) isOpen = classifyOpen(child, sharpness);
+    return Strata(child, std::move(smooth), std::move(isOpen), std::move(sharpness));
+}
+
+}  // namespace espalier::far
