@@ -180,6 +180,7 @@ std::string shapeRows(const Report& report, std::size_t index) {
     const std::string failure = failureOf(shape);
     const std::vector<LevelAgreement>& levels = shape.agreement.levels;
     std::vector<std::string> rows;
+    rows.reserve(levels.size() + 2);
     for (const LevelAgreement& level : levels) rows.push_back(levelCells(level, report.bounds));
     if (!shape.agreement.note.empty())
         rows.push_back(fmt::format("<td colspan=\"9\" class=\"words note\">Note: {}</td>",
@@ -229,8 +230,10 @@ std::string figure(const Report& report, std::size_t index) {
                                       counted(picture.faces.size(), "face", "faces"));
     if (const auto vertex = largestErrorVertex(picture)) {
         const auto v = static_cast<std::size_t>(*vertex);
-        caption += fmt::format("Largest error {}, at vertex {}, {}.", scientific(picture.errors[v]),
-                               *vertex, positionText(picture.positions[v]));
+        caption += fmt::format(
+            "Largest error <span class=\"value\">{}</span>, at vertex {}, "
+            "<span class=\"value\">{}</span>.",
+            scientific(picture.errors[v]), *vertex, positionText(picture.positions[v]));
     } else {
         caption += "No vertex is off: all errors are 0.";
     }

@@ -29,7 +29,10 @@ p { margin: .5rem 0; max-width: 52rem; text-wrap: pretty; }
 a { color: var(--link); text-underline-offset: .15em; }
 .note, .theirs, figcaption { color: var(--soft); }
 .note { font-size: .925rem; }
-code { font: .9em ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; overflow-wrap: anywhere; }
+code {
+  font: .9em ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace;
+  overflow-wrap: anywhere;
+}
 .verdict {
   margin: 0 0 1.25rem; padding: .8rem 1.1rem; max-width: none; font-size: 1.1rem;
   border-left: .3rem solid; border-radius: .25rem;
@@ -43,15 +46,23 @@ dl { display: grid; grid-template-columns: max-content 1fr; gap: .25rem 1.25rem;
 dt { color: var(--soft); }
 dd { margin: 0; min-width: 0; }
 .scroll { overflow-x: auto; margin: .9rem 0; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; font-size: .925rem; }
+table {
+  border-collapse: collapse; width: 100%;
+  font-size: .925rem; font-variant-numeric: tabular-nums;
+}
 th, td { padding: .32rem .7rem; text-align: left; vertical-align: top; }
 th:first-child, td:first-child { padding-left: .4rem; }
-thead th { color: var(--soft); font-weight: 600; border-bottom: 1px solid var(--line); vertical-align: bottom; }
+thead th {
+  color: var(--soft); font-weight: 600;
+  border-bottom: 1px solid var(--line); vertical-align: bottom;
+}
 tbody { border-bottom: 1px solid var(--line); }
 tbody th { font-weight: 600; }
 th[scope=rowgroup] { min-width: 9rem; max-width: 18rem; overflow-wrap: break-word; }
 .number { text-align: right; white-space: nowrap; }
+.value { white-space: nowrap; }
 .words { min-width: 9rem; }
+td.note { min-width: 18rem; }
 .verdicts { white-space: nowrap; }
 .theirs { display: block; font-size: .85em; font-weight: 400; }
 .figures {
@@ -71,12 +82,18 @@ figcaption strong { color: var(--text); font-size: 1rem; overflow-wrap: anywhere
     --page: #ffffff; --text: #000000; --soft: #444444; --line: #bbbbbb; --panel: #ffffff;
     --link: #000000; --good: #000000; --good-panel: #ffffff; --bad: #000000; --bad-panel: #ffffff;
   }
-  body { padding: 0; max-width: none; font-size: 9.5pt; }
+  @page { margin: 12mm; }
+  html { font-size: 9pt; }
+  body { padding: 0; max-width: none; }
+  table { font-size: 7.5pt; }
+  td.note { font-size: 1em; }
+  th, td { padding: .15rem .3rem; }
+  .words, td.note, th[scope=rowgroup] { min-width: 0; }
   a { text-decoration: none; }
   .scroll { overflow: visible; }
   thead { display: table-header-group; }
   tr, figure, .verdict { break-inside: avoid; }
-  h2 { break-after: avoid; }
+  h2, h2 + .note { break-after: avoid; }
   .figures { grid-template-columns: 1fr 1fr; }
   figure { content-visibility: visible; border: 1px solid var(--line); }
   svg { print-color-adjust: exact; -webkit-print-color-adjust: exact; }

@@ -85,7 +85,7 @@ Frame frameOf(const Vector3d& extent) {
                      [&](int a, int b) { return extent[a] < extent[b]; });
     const double flatness = 1 - (extent[byExtent[1]] > 0 ? extent[byExtent[0]] / extent[byExtent[1]]
                                                          : 1);  // 0: as thick as wide
-    const bool isFlat = flatness > 4;
+    const bool isFlat = flatness > 0.4;
     const bool isTallInY = byExtent[2] == 1 && extent[1] > 1.2 * extent[byExtent[1]];
     const int upAxis = isFlat ? byExtent[0] : isTallInY ? 1 : 2;
     const int across = byExtent[2] != upAxis ? byExtent[2] : byExtent[1];

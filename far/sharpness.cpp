@@ -6,7 +6,10 @@
 namespace espalier::far {
 
 float storedSharpness(double sharpness) {
-    return sharpness >= kLeastInfinite ? kInfinitelySharp : static_cast<float>(sharpness);
+    // Rounded first: what rounds to 10 is infinite.
+    const bool isInfinite = sharpness >= kLeastInfinite ||
+                            static_cast<float>(sharpness) >= static_cast<float>(kLeastInfinite);
+    return isInfinite ? kInfinitelySharp : static_cast<float>(sharpness);
 }
 
 float subdivideSharpness(float sharpness) {

@@ -57,8 +57,10 @@ Mask maskOf(const Neighbourhood& around, Rules rules, far::TriangleSubdivision t
 }
 
 /// Adds `scale` times a mask: of each average in it, the centroids; of each centroid, the vertices.
+/// The entity itself comes last: its own share is large, and the many small ones of a pole add up
+/// best among themselves (with 360 edges at a vertex, 2e-17 off instead of 2e-14).
 void addMask(const Neighbourhood& around, const Mask& mask, double scale, RowAccumulator& row) {
-    for (int dimension = around.entity.dimension; dimension <= around.stratum; ++dimension) {
+    for (int dimension = around.stratum; dimension >= around.entity.dimension; --dimension) {
         const double weight = scale * mask[static_cast<std::size_t>(dimension)];
         if (weight == 0) continue;
         const Index count = around.count(dimension);

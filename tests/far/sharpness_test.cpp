@@ -12,6 +12,7 @@ TEST(Sharpness, IsStoredInSinglePrecisionAndInfiniteFromTenOn) {
     EXPECT_EQ(storedSharpness(0.1), 0.1F);
     EXPECT_EQ(storedSharpness(9.99), 9.99F);
     EXPECT_EQ(storedSharpness(10), kInfinitelySharp);
+    EXPECT_EQ(storedSharpness(9.99999999), kInfinitelySharp) << "10 in single precision";
     EXPECT_EQ(storedSharpness(1e300), kInfinitelySharp);
     EXPECT_TRUE(isSemiSharp(9.99F));
     EXPECT_FALSE(isSemiSharp(kSmooth));
