@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/io/obj_mesh.h>
 #include <espalier/io/ovm.h>
 #include <espalier/io/text_reader.h>
 #include <espalier/io/vtk_legacy.h>
@@ -33,14 +34,34 @@ constexpr LatticeFormat kFormats[] = {
          writeVtkLegacy(path, lattice);
      }}};
 
+constexpr std::string_view kMeshExtension = ".obj";
+
+std::string extensionOf(const Path& path) {
+    return lowerCase(path.extension().string());
+}
+
+std::string latticeExtensions() {
+    std::string names;
+    for (const LatticeFormat& format : kFormats)
+        names += (names.empty() ? "" : ", ") + std::string(format.extension);
+    return names;
+}
+
+/// The format that a path names; null if it names none.
+const LatticeFormat* findFormat(const Path& path) {
+    const std::string extension = extensionOf(path);
+    for (const LatticeFormat& format : kFormats)
+        if (format.extension == extension) return &format;
+    return nullptr;
+}
+
 const LatticeFormat& formatOf(const Path& path) {
-    const std::string extension = lowerCase(path.extension().string());
-    std::string known;
-    for (const LatticeFormat& format : kFormats) {
-        if (format.extension == extension) return format;
-        known += (known.empty() ? "" : ", ") + std::string(format.extension);
-    }
-    throw FileError(path, "not a lattice format that is known; expected " + known);
+    if (const LatticeFormat* format = findFormat(path)) return *format;
+    throw FileError(path, "not a lattice format that is known; expected " + latticeExtensions());
+}
+
+bool isMeshFile(const Path& path) {
+    return extensionOf(path) == kMeshExtension;
 }
 
 }  // namespace
@@ -55,6 +76,34 @@ void writeLattice(const Path& path, const Lattice& lattice, const WriteLatticeOp
 
 void checkLatticeTarget(const Path& path) {
     formatOf(path);
+}
+
+Lattice readRefinable(const Path& path) {
+    if (isMeshFile(path)) return readObjMesh(path);
+    if (findFormat(path) == nullptr)
+        throw FileError(path, "not a format of meshes or lattices that is known; expected " +
+                                  std::string(kMeshExtension) + ", " + latticeExtensions());
+    return readLattice(path);
+}
+
+void writeRefinable(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
+    checkRefinableTarget(path, lattice.complex.dimension());
+    if (isMeshFile(path))
+        writeObjMesh(path, lattice);
+    else
+        writeLattice(path, lattice, options);
+}
+
+void checkRefinableTarget(const Path& path, int dimension) {
+    if (dimension == 2 && !isMeshFile(path))
+        throw FileError(path, "a mesh cannot be written in this format; expected " +
+                                  std::string(kMeshExtension));
+    if (dimension == 3 && findFormat(path) == nullptr)
+        throw FileError(
+            path, "a lattice cannot be written in this format; expected " + latticeExtensions());
+    if (dimension != 2 && dimension != 3)
+        throw FileError(path, "what is of dimension " + std::to_string(dimension) +
+                                  " cannot be written; expected a mesh (2) or a lattice (3)");
 }
 
 }  // namespace espalier::io

@@ -31,13 +31,6 @@ void checkSharpness(double sharpness, far::Entity entity) {
                                      "; expected 0 or more");
 }
 
-bool isEdge(const far::CellComplex& complex, Index a, Index b) {
-    const auto edges = complex.relation(0, 1)[a];
-    return a != b && std::any_of(edges.begin(), edges.end(), [&](Index edge) {
-               return far::contains(complex.relation(1, 0)[edge], b);
-           });
-}
-
 }  // namespace
 
 double sharpnessToFile(double sharpness) {
@@ -50,6 +43,13 @@ double sharpnessFromFile(double value) {
 
 bool isMarkInFile(double value) {
     return value >= 0;
+}
+
+bool isEdge(const far::CellComplex& complex, Index a, Index b) {
+    const auto edges = complex.relation(0, 1)[a];
+    return a != b && std::any_of(edges.begin(), edges.end(), [&](Index edge) {
+               return far::contains(complex.relation(1, 0)[edge], b);
+           });
 }
 
 far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& marks) {
@@ -74,6 +74,7 @@ far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& mar
     far::Marks result;
     for (const auto& [ends, sharpness] : edges) result.edges.push_back({ends, sharpness});
     for (const auto& [vertex, sharpness] : vertices) result.vertices.push_back({vertex, sharpness});
+    result.holes = far::readHoles(complex, marks);
     return result;
 }
 
@@ -112,10 +113,12 @@ Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuild
     return lattice;
 }
 
-far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice) {
-    if (lattice.complex.dimension() != 3)
+far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice,
+                             int dimension) {
+    if (lattice.complex.dimension() != dimension)
         throw FileError(path, "cannot be written: the lattice is of dimension " +
-                                  std::to_string(lattice.complex.dimension()) + ", not 3");
+                                  std::to_string(lattice.complex.dimension()) + ", not " +
+                                  std::to_string(dimension));
     const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
     if (lattice.positions.size() != vertexCount)
         throw FileError(path, "cannot be written: the lattice has " + std::to_string(vertexCount) +

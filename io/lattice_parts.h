@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -32,12 +33,16 @@ double sharpnessToFile(double sharpness);
 double sharpnessFromFile(double value);
 bool isMarkInFile(double value);
 
+/// Whether an edge joins two vertices of the complex.
+bool isEdge(const far::CellComplex& complex, far::Index a, far::Index b);
+
 /// The marks without those that a later one overrides, ascending, each edge with its smaller vertex
-/// first. What the readers return is in this form, and so what comes back of marks that are not.
+/// first, and each hole once. What the readers return is in this form, and so what comes back of
+/// marks that are not.
 ///
 /// \throws TopologyError (VertexOutOfRange, BadMark) if a mark names what the complex does not
-/// have,
-///         or has a sharpness that is less than 0 or NaN
+///         have (a hole, anything but a face of a mesh), or has a sharpness that is less than 0 or
+///         NaN
 far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& marks);
 
 /// kUnmarkedInFile or a sharpness for every vertex. \param marks canonical
@@ -58,6 +63,17 @@ auto naming(const std::filesystem::path& path, F f) {
     }
 }
 
+/// The same with path and line.
+template <class F>
+auto naming(const std::filesystem::path& path, std::size_t line, F f) {
+    try {
+        return f();
+    } catch (const far::TopologyError& error) {
+        throw far::TopologyError(error.cause(), error.entity(),
+                                 path.string() + ":" + std::to_string(line) + ": " + error.what());
+    }
+}
+
 /// A number of entities that a file claims, as an Index.
 /// \throws FileError if there are too many; `what` says of what
 far::Index checkedIndex(const std::filesystem::path& path, std::size_t count, const char* what);
@@ -70,10 +86,11 @@ Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuild
                       std::vector<Point3> positions, const far::Marks& marks,
                       std::vector<VertexAttribute> attributes);
 
-/// What is done first in writing: checks that a lattice is of dimension 3 and that its parts fit
+/// What is done first in writing: checks that a lattice is of this dimension and that its parts fit
 /// together. Returns its marks in canonical form.
 ///
 /// \throws FileError naming what does not fit; TopologyError as canonicalMarks()
-far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice);
+far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice,
+                             int dimension = 3);
 
 }  // namespace espalier::io

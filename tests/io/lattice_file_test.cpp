@@ -3,9 +3,10 @@
 
 #include <espalier/far/error.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <ostream>
+
+#include "support/shared_data.h"
 
 namespace espalier::test {
 namespace {
@@ -199,10 +200,7 @@ TEST(LatticeFiles, OfVtkAreRefusedWhenTheyAreCutShort) {
 
 /// The folder of files that are shared between projects, which may be absent.
 TEST(LatticeFiles, OfTheSharedFolderAreRead) {
-    const char* given = std::getenv("ESPALIER_SHARED_DATA");
-    const std::filesystem::path root =
-        given ? std::filesystem::path(given)
-              : std::filesystem::path(ESPALIER_SOURCE_DIR) / "../shared/data";
+    const std::filesystem::path root = test::sharedData();
     if (!std::filesystem::exists(root / "lattices"))
         GTEST_SKIP() << "no shared data in " << root
                      << " (set ESPALIER_SHARED_DATA to the folder that has lattices/)";

@@ -2,8 +2,9 @@
 #include <espalier/io/model.h>
 #include <io/model_files.h>
 
-#include <cstdlib>
 #include <limits>
+
+#include "support/shared_data.h"
 
 namespace espalier::io {
 namespace {
@@ -100,13 +101,8 @@ TEST(Model, IsNotWrittenUnderTheExtensionOfAnotherFormat) {
     EXPECT_NO_THROW(model->checkTarget(folder / "out.backup"));
 }
 
-std::filesystem::path sharedData() {
-    const char* folder = std::getenv("ESPALIER_SHARED_DATA");
-    return folder ? folder : std::filesystem::path(ESPALIER_SOURCE_DIR) / "../shared/data";
-}
-
 TEST(Model, PublicModelsComeBackByteForByte) {
-    const auto folder = sharedData() / "models";
+    const auto folder = test::sharedData() / "models";
     if (!std::filesystem::exists(folder))
         GTEST_SKIP() << folder << " is absent: set ESPALIER_SHARED_DATA to have it read";
     // Their numbers of `v` lines, as grep -c '^v ' counts them.

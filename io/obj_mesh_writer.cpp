@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/sharpness.h>
+#include <espalier/io/file.h>
+#include <espalier/io/lattice_parts.h>
+#include <espalier/io/obj_mesh.h>
+#include <espalier/io/point_arrays.h>
+#include <espalier/io/text_output.h>
+#include <espalier/io/words.h>
+
+#include <initializer_list>
+#include <ostream>
+#include <string>
+
+namespace espalier::io {
+
+using far::Index;
+
+namespace {
+
+class ObjMeshWriter {
+public:
+    explicit ObjMeshWriter(std::ostream& out) : out_(out) {}
+
+    void write(const Lattice& mesh, const far::Marks& marks) {
+        for (const Point3& position : mesh.positions) {
+            out_.text("v");
+            for (const double coordinate : position) number(coordinate);
+            out_.text("\n");
+        }
+        for (Index face = 0; face < mesh.complex.count(2); ++face) {
+            out_.text("f");
+            for (const Index vertex : mesh.complex.relation(2, 0)[face]) number(vertex + 1);
+            out_.text("\n");
+        }
+        writeTags(mesh.tags);
+        for (const auto& mark : marks.edges)
+            writeMark("t crease 2/1/0", {mark.vertices[0], mark.vertices[1]}, mark.sharpness);
+        for (const auto& mark : marks.vertices)
+            writeMark("t corner 1/1/0", {mark.vertex}, mark.sharpness);
+        for (const Index face : marks.holes) {
+            out_.text("t hole 1/0/0");
+            number(face);
+            out_.text("\n");
+        }
+    }
+
+private:
+    template <class Number>
+    void number(Number value) {
+        out_.text(" ");
+        out_.number(value);
+    }
+
+    void writeTags(const RefinementTags& tags) {
+        if (tags.boundary) {
+            const bool isOpen = tags.boundary == far::Boundary::Open;
+            const bool isSharp = tags.boundary == far::Boundary::Sharp;
+            out_.text("t interpolateboundary 1/0/0");
+            number(isOpen ? 0 : isSharp ? 1 : 2);
+            out_.text("\n");
+        }
+        if (tags.creasing) {
+            const bool isChaikin = tags.creasing == far::Creasing::Chaikin;
+            out_.text("t creasemethod 0/0/1 ");
+            out_.text(isChaikin ? "chaikin\n" : "normal\n");
+        }
+        if (tags.triangles) {
+            const bool isSmooth = tags.triangles == far::TriangleSubdivision::Smooth;
+            out_.text("t smoothtriangles 0/0/1 ");
+            out_.text(isSmooth ? "smooth\n" : "catmark\n");
+        }
+    }
+
+    void writeMark(const char* tag, std::initializer_list<Index> vertices, double sharpness) {
+        const float stored = far::storedSharpness(sharpness);
+        if (stored == far::kSmooth) return;
+        out_.text(tag);
+        for (const Index vertex : vertices) number(vertex);
+        number(static_cast<float>(sharpnessToFile(stored)));
+        out_.text("\n");
+    }
+
+    TextOutput out_;
+};
+
+}  // namespace
+
+void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh) {
+    const far::Marks marks = checkedForWriting(path, mesh, 2);
+    checkFinite(path, mesh.positions);
+    if (!mesh.attributes.empty())
+        throw FileError(path, "cannot be written: the mesh has the attribute " +
+                                  inQuotes(mesh.attributes[0].name) +
+                                  ", and an OBJ has no place for attributes");
+    writeFile(path, [&](std::ostream& out) { ObjMeshWriter(out).write(mesh, marks); });
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "obj_mesh_samples.h"
+
+#include <espalier/far/error.h>
+
+namespace espalier::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(Refinable, MeshesAreObjAndLatticesAreNot) {
+    const TemporaryFolder folder;
+    const Lattice mesh = taggedMesh();
+    io::writeRefinable(folder / "a.OBJ", mesh);
+    EXPECT_THAT(io::readFile(folder / "a.OBJ"), StartsWith("v 0.1 "));
+    expectSameMesh(io::readRefinable(folder / "a.OBJ"), mesh);
+    for (const char* name : {"a.ovm", "a.Vtu", "a.vtk"}) {
+        io::writeRefinable(folder / name, mixedLattice());
+        expectSameLattice(io::readRefinable(folder / name), mixedLattice());
+        EXPECT_NO_THROW(io::checkRefinableTarget(name, 3));
+    }
+    EXPECT_NO_THROW(io::checkRefinableTarget("a.obj", 2));
+    // The options are passed on.
+    io::writeRefinable(folder / "b.vtu", mixedLattice(), {io::VtuEncoding::Ascii});
+    EXPECT_THAT(io::readFile(folder / "b.vtu"), HasSubstr("format=\"ascii\""));
+}
+
+TEST(Refinable, FormatsOfTheOtherKindAreRefused) {
+    const TemporaryFolder folder;
+    const auto expectRefused = [&](const std::string& name, const Lattice& lattice,
+                                   const std::string& cause) {
+        const auto path = folder / name;
+        for (const bool onlyCheck : {true, false}) {
+            try {
+                if (onlyCheck)
+                    io::checkRefinableTarget(path, lattice.complex.dimension());
+                else
+                    io::writeRefinable(path, lattice);
+                ADD_FAILURE() << name << " was taken";
+            } catch (const io::FileError& error) {
+                EXPECT_EQ(error.what(), path.string() + ": " + cause);
+            }
+        }
+        EXPECT_FALSE(std::filesystem::exists(path));
+    };
+    for (const char* name : {"a.ovm", "a.vtu", "a.vtk", "a.stl", "a"})
+        expectRefused(name, taggedMesh(), "a mesh cannot be written in this format; expected .obj");
+    for (const char* name : {"a.obj", "a.stl", "a"})
+        expectRefused(name, boxLattice(),
+                      "a lattice cannot be written in this format; expected .ovm, .vtu, .vtk");
+    Lattice curve;
+    curve.complex = far::buildCurve(3, false);
+    for (const char* name : {"a.obj", "a.ovm"})
+        expectRefused(name, curve,
+                      "what is of dimension 1 cannot be written; expected a mesh (2) or a lattice "
+                      "(3)");
+    try {
+        io::readRefinable("a.stl");
+        ADD_FAILURE() << "a.stl was taken";
+    } catch (const io::FileError& error) {
+        EXPECT_STREQ(error.what(),
+                     "a.stl: not a format of meshes or lattices that is known; "
+                     "expected .obj, .ovm, .vtu, .vtk");
+    }
+}
+
+/// Lattices have no holes, and a mark that no file can hold is not dropped in silence.
+TEST(Refinable, HolesOfLatticesAreRefused) {
+    const TemporaryFolder folder;
+    Lattice lattice = boxLattice();
+    lattice.marks.holes = {0};
+    for (const char* name : {"a.ovm", "a.vtu", "a.vtk"}) {
+        try {
+            io::writeRefinable(folder / name, lattice);
+            ADD_FAILURE() << name << " was written";
+        } catch (const far::TopologyError& error) {
+            EXPECT_THAT(error.what(), HasSubstr("only a mesh can have holes"));
+        }
+    }
+}
+
+}  // namespace
+}  // namespace espalier::test
