@@ -53,6 +53,15 @@ Strata::ByEntity classifyOpen(const CellComplex& complex, const SharpnessValues&
         const bool isBoundary = complex.dimension() == 2 ? wholes == 1 : wholes != 2;
         if (isBoundary && !isSharp(index)) setClosure(complex, {side, index}, 1, isOpen);
     }
+    // An entity all of whose vertices are open leaves nothing in the region: the children that keep
+    // it would bound nothing.
+    for (int d = 1; d <= complex.dimension(); ++d)
+        for (Index index = 0; index < complex.count(d); ++index) {
+            const auto vertices = complex.relation(d, 0)[index];
+            if (std::all_of(vertices.begin(), vertices.end(),
+                            [&](Index vertex) { return isOpen[0][at(vertex)] != 0; }))
+                isOpen[at(d)][at(index)] = 1;
+        }
     return isOpen;
 }
 

@@ -11,6 +11,10 @@ namespace espalier::far {
 // Chaikin's averages are rounded alike. These are the rules of numbers alone; strata.h applies them
 // to a complex.
 //
+// Where three or more semi-sharp values meet in a vertex, their sum is rounded, and OpenSubdiv may
+// add them in another order: weights may then differ by some units of single precision (1e-7),
+// unless the sums are exact, as those of multiples of 1/4 are.
+//
 // \cite DeRose, Kass, Truong 1998, as OpenSubdiv 3.5 computes it (Sdc::Crease)
 
 /// Sharpness that no refinement uses up.

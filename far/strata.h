@@ -130,7 +130,8 @@ private:
 /// - A mark on anything else, inside a lattice too, counts as it is.
 ///
 /// Without it, what a boundary face of a lattice, a boundary edge of a mesh or an end of a curve
-/// contains is open, unless that edge or end is marked infinitely sharp.
+/// contains is open, unless that edge or end is marked infinitely sharp; and so is what has no
+/// other vertices.
 ///
 /// \throws TopologyError (VertexOutOfRange, BadMark) as readMarks(), and for a mark that says
 ///         smooth where the topology makes an edge sharp or a vertex a corner

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/surface_fans.h>
+#include <espalier/stencils/composition.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <set>
+
+#include "support/meshes.h"
+#include "support/random_lattices.h"
+
+// The meshes and lattices that are compared with OpenSubdiv: whether they are legal, have the
+// features they are for, and refine into something sound.
+namespace espalier::stencils {
+namespace {
+
+using far::Boundary;
+using far::CellComplex;
+using far::Creasing;
+using far::Strata;
+using far::TopologyRefiner;
+
+constexpr unsigned kSeeds = 200;
+
+TopologyRefiner refinerOf(const Lattice& lattice) {
+    const RefinementTags& tags = lattice.tags;
+    return TopologyRefiner(lattice.complex,
+                           {.boundary = tags.boundary.value_or(Boundary::Sharp),
+                            .creasing = tags.creasing.value_or(Creasing::Uniform),
+                            .triangles = tags.triangles.value_or(far::TriangleSubdivision::Catmark),
+                            .marks = lattice.marks});
+}
+
+Point3 image(const Point3& p) {
+    return {p[0] - 2 * p[1] + 0.5 * p[2] + 3, 0.25 * p[0] + p[1] - 1, 2 * p[2] - p[0] + 0.5};
+}
+
+/// A row of a table times the base points, or their images.
+Point3 product(const StencilTable<double>& table, Index row, const std::vector<Point3>& points) {
+    Point3 sum = {0, 0, 0};
+    for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+        for (std::size_t c = 0; c < 3; ++c)
+            sum[c] +=
+                table.weights(row)[k] * points[static_cast<std::size_t>(table.columns(row)[k])][c];
+    return sum;
+}
+
+void expectSound(const Lattice& lattice, int levels) {
+    TopologyRefiner refiner = refinerOf(lattice);
+    refiner.refineUniform(levels);
+    for (int level = 0; level <= levels; ++level) {
+        const CellComplex& complex = refiner.level(level).complex;
+        far::validate(complex);
+        // Without boundary control, the region shrinks and may come apart.
+        if (refiner.boundary() != Boundary::Open) {
+            EXPECT_EQ(complex.eulerCharacteristic(), lattice.complex.eulerCharacteristic());
+        }
+    }
+    const StencilTable<double> table = buildStencils(refiner, levels);
+    std::vector<Point3> images;
+    for (const Point3& p : lattice.positions) images.push_back(image(p));
+    double sumDifference = 0, imageDifference = 0;
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        const auto weights = table.weights(row);
+        const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+        sumDifference = std::max(sumDifference, std::abs(sum - 1));
+        const Point3 expected = image(product(table, row, lattice.positions));
+        const Point3 found = product(table, row, images);
+        for (std::size_t c = 0; c < 3; ++c)
+            imageDifference = std::max(imageDifference, std::abs(expected[c] - found[c]));
+    }
+    // Up to 721 weights, at a pole of valence 360: 721 · 2⁻⁵³ = 8e-14 at the worst.
+    EXPECT_LE(sumDifference, 1e-13);
+    // Affine precision: the refined image of the rest pose is the image of the refined one. The
+    // same sums with coordinates below 32: 721 · 32 · 2⁻⁵³ = 2.6e-12.
+    EXPECT_LE(imageDifference, 3e-12);
+}
+
+// Sums of sharpness at a vertex do not depend on their order: what meets there is at most two of
+// them, or multiples of 1/4, or alike. Under Chaikin's method, which divides by the number of edges
+// less one, by a power of two besides.
+void expectExactSums(const Lattice& lattice) {
+    const CellComplex& complex = lattice.complex;
+    const Strata strata = refinerOf(lattice).level(0).strata;
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
+        std::vector<float> edges;
+        for (const Index edge : complex.relation(0, 1)[vertex])
+            if (far::isSemiSharp(strata.sharpness({1, edge})))
+                edges.push_back(strata.sharpness({1, edge}));
+        const float own = strata.sharpness({0, vertex});
+        if (edges.size() + far::isSemiSharp(own) <= 2) continue;
+        if (std::adjacent_find(edges.begin(), edges.end(), std::not_equal_to<>()) == edges.end())
+            continue;
+        edges.push_back(far::isSemiSharp(own) ? own : far::kSmooth);
+        for (const float sharpness : edges)
+            EXPECT_EQ(sharpness * 4, std::round(sharpness * 4)) << "vertex " << vertex;
+        if (lattice.tags.creasing == Creasing::Chaikin) {
+            EXPECT_TRUE((std::set<std::size_t>{2, 3, 5}).count(edges.size() - 1))
+                << "vertex " << vertex;
+        }
+    }
+}
+
+void expectSound(const std::string& name, const Lattice& lattice, int levels) {
+    SCOPED_TRACE(name);
+    EXPECT_NO_THROW(expectSound(lattice, levels));
+    expectExactSums(lattice);
+}
+
+TEST(Zoo, MeshesAreSound) {
+    for (const auto& [name, mesh] : test::meshZoo()) expectSound(name, mesh, 2);
+}
+
+TEST(Zoo, FeatureLatticesAreSound) {
+    for (const auto& [name, lattice] : test::featureLattices()) expectSound(name, lattice, 2);
+}
+
+TEST(Zoo, RandomLatticesAreSound) {
+    for (unsigned seed = 0; seed < kSeeds; ++seed)
+        expectSound("seed " + std::to_string(seed), test::randomLattice(seed), 1);
+}
+
+// Without boundary control, what is left of a shape is a complex again: no edge or face stays of
+// which all vertices have gone.
+TEST(Zoo, WhatIsLeftWithoutBoundaryControlIsSound) {
+    std::vector<test::NamedLattice> shapes = test::zoo();
+    for (auto& shape : test::featureLattices()) shapes.push_back(std::move(shape));
+    for (auto& shape : test::meshZoo()) shapes.push_back(std::move(shape));
+    for (unsigned seed = 0; seed < kSeeds; ++seed)
+        shapes.push_back({"seed " + std::to_string(seed), test::randomLattice(seed)});
+    int leftCount = 0;
+    for (const auto& [name, lattice] : shapes) {
+        SCOPED_TRACE(name);
+        TopologyRefiner refiner(lattice.complex,
+                                {.boundary = Boundary::Open, .marks = lattice.marks});
+        try {
+            refiner.refineUniform(1);
+        } catch (const far::TopologyError& error) {
+            EXPECT_EQ(error.cause(), far::TopologyCause::EmptyComplex);
+            continue;
+        }
+        ++leftCount;
+        EXPECT_NO_THROW(far::validate(refiner.level(1).complex));
+    }
+    EXPECT_GT(leftCount, 200);
+}
+
+TEST(Zoo, NamesDiffer) {
+    std::vector<test::NamedLattice> lattices = test::zoo();
+    for (const auto& named : test::featureLattices()) lattices.push_back(named);
+    for (const auto& all : {test::meshZoo(), lattices}) {
+        std::set<std::string> names;
+        for (const auto& [name, lattice] : all) EXPECT_TRUE(names.insert(name).second) << name;
+    }
+}
+
+/// Number of edges of the surface, or in a cell, at each of its vertices.
+std::set<Index> valences(const CellComplex& complex) {
+    std::set<Index> all;
+    const int dimension = complex.dimension();
+    for (Index whole = 0; whole < (dimension == 2 ? 1 : complex.count(3)); ++whole)
+        for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
+            Index edges = 0;
+            for (const Index edge : complex.relation(0, 1)[vertex])
+                edges += dimension == 2 || far::contains(complex.relation(1, 3)[edge], whole);
+            all.insert(edges);
+        }
+    return all;
+}
+
+// What issue 3 lists is there; the names of the meshes say how it is combined.
+TEST(Zoo, MeshesHaveEveryFeature) {
+    std::set<Index> faceSizes, valence;
+    std::set<Boundary> boundaries;
+    std::set<float> edgeSharpness, vertexSharpness;
+    std::set<far::SurfaceFans::VertexKind> vertexKinds;
+    std::set<Index> finCounts;
+    int smooth = 0, chaikin = 0, holes = 0, turned = 0;
+    for (const auto& [name, mesh] : test::meshZoo()) {
+        const CellComplex& complex = mesh.complex;
+        const Strata strata = refinerOf(mesh).level(0).strata;
+        const far::SurfaceFans fans(
+            complex, std::vector<std::uint8_t>(static_cast<std::size_t>(complex.count(2)), 1));
+        for (Index face = 0; face < complex.count(2); ++face)
+            faceSizes.insert(static_cast<Index>(complex.boundary(2)[face].size()));
+        valence.merge(valences(complex));
+        boundaries.insert(mesh.tags.boundary.value_or(Boundary::Sharp));
+        for (Index edge = 0; edge < complex.count(1); ++edge) {
+            edgeSharpness.insert(strata.sharpness({1, edge}));
+            finCounts.insert(fans.faceCount(edge));
+            turned += fans.faceCount(edge) == 2 &&
+                      fans.edge(edge) == far::SurfaceFans::EdgeKind::NonManifold;
+        }
+        for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
+            vertexSharpness.insert(strata.sharpness({0, vertex}));
+            vertexKinds.insert(fans.vertex(vertex));
+        }
+        smooth += mesh.tags.triangles == far::TriangleSubdivision::Smooth;
+        chaikin += mesh.tags.creasing == Creasing::Chaikin;
+        holes += !mesh.marks.holes.empty();
+    }
+    for (const Index sides : {3, 4, 5, 6, 7, 8, 9, 360}) EXPECT_EQ(faceSizes.count(sides), 1u);
+    for (const Index edges : {2, 3, 4, 5, 6, 7, 360}) EXPECT_EQ(valence.count(edges), 1u);
+    for (const Index fins : {1, 2, 3, 4, 5}) EXPECT_EQ(finCounts.count(fins), 1u);
+    EXPECT_EQ(boundaries.size(), 3u);
+    for (const double sharpness : {0.1, 0.7, 1.0, 2.5, 4.7, 9.9, 10.0}) {
+        EXPECT_EQ(edgeSharpness.count(far::storedSharpness(sharpness)), 1u) << sharpness;
+        EXPECT_EQ(vertexSharpness.count(far::storedSharpness(sharpness)), 1u) << sharpness;
+    }
+    EXPECT_EQ(vertexKinds.count(far::SurfaceFans::VertexKind::Crease), 1u);
+    EXPECT_EQ(vertexKinds.count(far::SurfaceFans::VertexKind::NonManifold), 1u);
+    for (const int count : {smooth, chaikin, holes, turned}) EXPECT_GT(count, 10);
+}
+
+TEST(Zoo, RandomLatticesAreOfAllKinds) {
+    std::set<std::vector<test::Loops>> topologies;
+    std::set<Index> types, faceSizes, cellCounts;
+    int semiSharp = 0, smooth = 0;
+    for (unsigned seed = 0; seed < kSeeds; ++seed) {
+        const Lattice lattice = test::randomLattice(seed);
+        topologies.insert(test::cellLoops(lattice.complex));
+        types.merge(valences(lattice.complex));
+        for (Index face = 0; face < lattice.complex.count(2); ++face)
+            faceSizes.insert(static_cast<Index>(lattice.complex.boundary(2)[face].size()));
+        cellCounts.insert(lattice.complex.count(3));
+        semiSharp += refinerOf(lattice).level(0).strata.hasSemiSharp();
+        smooth += std::any_of(lattice.marks.edges.begin(), lattice.marks.edges.end(),
+                              [](const auto& mark) { return mark.sharpness == far::kSmooth; });
+    }
+    // Some of the smallest come twice.
+    EXPECT_GE(topologies.size(), kSeeds - 10);
+    for (const Index edges : {3, 4, 5, 6}) EXPECT_EQ(types.count(edges), 1u) << edges;
+    for (const Index sides : {3, 4, 5, 6}) EXPECT_EQ(faceSizes.count(sides), 1u) << sides;
+    for (const Index cells : {1, 2, 3, 4, 5, 6}) EXPECT_EQ(cellCounts.count(cells), 1u) << cells;
+    EXPECT_GT(semiSharp, 100);
+    EXPECT_GT(smooth, 50);
+}
+
+TEST(Zoo, RandomLatticesAreTheSameEachTime) {
+    for (const unsigned seed : {1u, 2u, 3u}) {
+        const Lattice first = test::randomLattice(seed), second = test::randomLattice(seed);
+        EXPECT_EQ(test::cellLoops(first.complex), test::cellLoops(second.complex));
+        EXPECT_EQ(first.positions, second.positions);
+        EXPECT_EQ(first.marks, second.marks);
+        EXPECT_EQ(first.tags, second.tags);
+    }
+}
+
+// The standard prescribes the ten thousandth number of a default std::mt19937, [rand.predef].
+TEST(Zoo, DrawsAreThoseOfTheStandard) {
+    test::Draws draws(std::mt19937::default_seed);
+    for (int i = 1; i < 10000; ++i) draws.below(2);
+    EXPECT_EQ(draws.below(100000), 4123659995 % 100000);
+}
+
+}  // namespace
+}  // namespace espalier::stencils

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/error.h>
+#include <espalier/far/standard_cells.h>
+#include <espalier/shapes/lattice.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "support/random_marks.h"
+#include "support/zoo.h"
+
+namespace espalier::test {
+
+/// Polyhedra being made into a lattice: cells as loops of vertices, anticlockwise from outside.
+class Polyhedra {
+public:
+    /// Some cells of a grid of hexahedra, moved about a little; a few of them made into two wedges,
+    /// or into pyramids and tetrahedra round a point inside; some faces cut into two triangles.
+    Polyhedra(const std::array<Index, 3>& n, Draws& draws) {
+        for (const Point3& p : gridPositions(n)) {
+            Point3 moved = p;
+            for (double& x : moved) x += 0.15 * draws.fromMinusToOne();
+            positions_.push_back(moved);
+        }
+        std::set<Face> cutFaces;
+        const bool isWhole = draws.oneIn(3);
+        for (Index k = 0; k < n[2]; ++k)
+            for (Index j = 0; j < n[1]; ++j)
+                for (Index i = 0; i < n[0]; ++i) {
+                    const bool isLeftOut = draws.oneIn(4);
+                    const bool isFirst = i + j + k == 0;
+                    if (isLeftOut && !isWhole && !isFirst) continue;
+                    addHexahedron(gridCell(n, i, j, k), draws, cutFaces);
+                }
+        for (Loops& loops : cells_) cut(loops, cutFaces);
+        const std::vector<Loops> whole = std::exchange(cells_, {});
+        for (const Loops& loops : whole)
+            if (draws.oneIn(6))
+                addStar(loops);
+            else
+                cells_.push_back(loops);
+    }
+
+    /// Makes pairs of neighbours into one cell until there are `target`, or no two are left that
+    /// together are bounded by a sphere.
+    void mergeCells(std::size_t target, Draws& draws) {
+        for (bool hasMerged = true; hasMerged && cells_.size() > target;) {
+            std::set<std::pair<std::size_t, std::size_t>> neighbours;
+            for (const auto& [face, places] : facePlaces())
+                if (places.size() == 2) neighbours.insert({places[0].first, places[1].first});
+            std::vector<std::pair<std::size_t, std::size_t>> pairs(neighbours.begin(),
+                                                                   neighbours.end());
+            draws.shuffle(pairs);
+            hasMerged = std::any_of(pairs.begin(), pairs.end(), [&](const auto& pair) {
+                return mergePair(pair.first, pair.second);
+            });
+        }
+    }
+
+    /// Makes two faces between the same cells that share one edge, and that alone, into one.
+    void mergeFaces(Draws& draws) {
+        const auto places = facePlaces();
+        std::map<std::pair<Index, Index>, std::vector<Face>> facesAt;
+        for (const auto& [face, placesOfFace] : places) {
+            const auto& loop = loopAt(placesOfFace[0]);
+            for (std::size_t i = 0; i < loop.size(); ++i)
+                facesAt[std::minmax(loop[i], loop[(i + 1) % loop.size()])].push_back(face);
+        }
+        std::vector<std::pair<Face, Face>> pairs;
+        for (const auto& [edge, faces] : facesAt)
+            if (faces.size() == 2 && cellsOf(places.at(faces[0])) == cellsOf(places.at(faces[1])))
+                pairs.emplace_back(faces[0], faces[1]);
+        if (pairs.empty()) return;
+        const auto& [first, second] = pairs[static_cast<std::size_t>(draws.below(pairs.size()))];
+        Face common;
+        std::set_intersection(first.begin(), first.end(), second.begin(), second.end(),
+                              std::back_inserter(common));
+        if (common.size() != 2) return;
+        std::vector<Loops> merged = cells_;
+        for (const std::size_t cell : cellsOf(places.at(first))) {
+            joinLoops(merged[cell], first, second);
+            if (!isSphere(merged[cell])) return;
+        }
+        cells_ = std::move(merged);
+    }
+
+    /// The lattice, of the vertices that are left.
+    Lattice lattice() const {
+        std::vector<Index> names(positions_.size(), 0);
+        for (const Loops& loops : cells_)
+            for (const auto& loop : loops)
+                for (const Index vertex : loop) names[static_cast<std::size_t>(vertex)] = 1;
+        std::vector<Point3> positions;
+        for (std::size_t vertex = 0; vertex < names.size(); ++vertex)
+            if (names[vertex] != 0) {
+                names[vertex] = static_cast<Index>(positions.size());
+                positions.push_back(positions_[vertex]);
+            }
+        std::vector<Loops> cells = cells_;
+        for (Loops& loops : cells)
+            for (auto& loop : loops)
+                for (Index& vertex : loop) vertex = names[static_cast<std::size_t>(vertex)];
+        return {test::lattice(static_cast<Index>(positions.size()), cells), positions, {}, {}};
+    }
+
+private:
+    using Face = std::vector<Index>;                    ///< its vertices, ascending
+    using Place = std::pair<std::size_t, std::size_t>;  ///< a cell, and a loop of it
+    using Places = std::map<Face, std::vector<Place>>;
+
+    static Face faceOf(std::vector<Index> loop) {
+        std::sort(loop.begin(), loop.end());
+        return loop;
+    }
+    const std::vector<Index>& loopAt(const Place& place) const {
+        return cells_[place.first][place.second];
+    }
+    Places facePlaces() const {
+        Places places;
+        for (std::size_t cell = 0; cell < cells_.size(); ++cell)
+            for (std::size_t i = 0; i < cells_[cell].size(); ++i)
+                places[faceOf(cells_[cell][i])].push_back({cell, i});
+        return places;
+    }
+    static std::vector<std::size_t> cellsOf(const std::vector<Place>& places) {
+        std::vector<std::size_t> cells;
+        for (const Place& place : places) cells.push_back(place.first);
+        return cells;
+    }
+
+    static Loops loopsOf(far::StandardCell kind, std::span<const Index> vertices) {
+        Loops loops = far::faceLoops(kind);
+        for (auto& loop : loops)
+            for (Index& vertex : loop) vertex = vertices[static_cast<std::size_t>(vertex)];
+        return loops;
+    }
+
+    void addHexahedron(const std::array<Index, 8>& v, Draws& draws, std::set<Face>& cutFaces) {
+        if (draws.oneIn(6)) {
+            // Two wedges, on either side of the plane through v[0], v[2], v[4] and v[6].
+            for (const std::size_t at : {std::size_t{1}, std::size_t{2}})
+                cells_.push_back(
+                    loopsOf(far::StandardCell::Wedge,
+                            std::array{v[0], v[at + 1], v[at], v[4], v[at + 5], v[at + 4]}));
+            cutFaces.insert(faceOf({v[0], v[1], v[2], v[3]}));
+            cutFaces.insert(faceOf({v[4], v[5], v[6], v[7]}));
+        } else {
+            cells_.push_back(loopsOf(far::StandardCell::Hexahedron, v));
+            for (const auto& loop : cells_.back())
+                if (draws.oneIn(24)) cutFaces.insert(faceOf(loop));
+        }
+    }
+
+    /// A pyramid on each face, with a common apex inside.
+    void addStar(const Loops& loops) {
+        std::set<Index> vertices;
+        for (const auto& loop : loops) vertices.insert(loop.begin(), loop.end());
+        Point3 middle = {0, 0, 0};
+        for (const Index vertex : vertices)
+            for (std::size_t c = 0; c < 3; ++c)
+                middle[c] += positions_[static_cast<std::size_t>(vertex)][c] /
+                             static_cast<double>(vertices.size());
+        const auto apex = static_cast<Index>(positions_.size());
+        positions_.push_back(middle);
+        for (const auto& loop : loops) {
+            Loops pyramid = {loop};
+            for (std::size_t i = 0; i < loop.size(); ++i)
+                pyramid.push_back({loop[(i + 1) % loop.size()], loop[i], apex});
+            cells_.push_back(std::move(pyramid));
+        }
+    }
+
+    /// Cuts quadrilaterals in two, from their smallest vertex on: both cells of a face cut it
+    /// alike.
+    static void cut(Loops& loops, const std::set<Face>& cutFaces) {
+        Loops result;
+        for (auto& loop : loops) {
+            if (loop.size() != 4 || cutFaces.count(faceOf(loop)) == 0) {
+                result.push_back(loop);
+                continue;
+            }
+            std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+            result.push_back({loop[0], loop[1], loop[2]});
+            result.push_back({loop[0], loop[2], loop[3]});
+        }
+        loops = std::move(result);
+    }
+
+    /// Whether the loops bound a cell: the library's own judgement.
+    static bool isSphere(const Loops& loops) {
+        std::map<Index, Index> names;
+        Loops renamed = loops;
+        for (auto& loop : renamed)
+            for (Index& vertex : loop)
+                vertex = names.emplace(vertex, static_cast<Index>(names.size())).first->second;
+        try {
+            test::lattice(static_cast<Index>(names.size()), {renamed});
+            return true;
+        } catch (const far::TopologyError&) {
+            return false;
+        }
+    }
+
+    bool mergePair(std::size_t first, std::size_t second) {
+        std::map<Face, int> count;
+        for (const std::size_t cell : {first, second})
+            for (const auto& loop : cells_[cell]) ++count[faceOf(loop)];
+        Loops merged;
+        for (const std::size_t cell : {first, second})
+            for (const auto& loop : cells_[cell])
+                if (count[faceOf(loop)] == 1) merged.push_back(loop);
+        if (!isSphere(merged)) return false;
+        cells_[first] = std::move(merged);
+        cells_.erase(cells_.begin() + static_cast<std::ptrdiff_t>(second));
+        return true;
+    }
+
+    /// Replaces the loops of two faces that share one edge by the loop round both.
+    static void joinLoops(Loops& loops, const Face& first, const Face& second) {
+        const auto find = [&](const Face& face) {
+            return std::find_if(loops.begin(), loops.end(),
+                                [&](const auto& loop) { return faceOf(loop) == face; });
+        };
+        std::vector<Index> a = *find(first), b = *find(second);
+        // Turned so that the edge goes from the last vertex of a to its first, and in b likewise.
+        while (!far::contains(b, a.front()) || !far::contains(b, a.back()))
+            std::rotate(a.begin(), a.begin() + 1, a.end());
+        while (b.front() != a.back()) std::rotate(b.begin(), b.begin() + 1, b.end());
+        a.insert(a.end(), b.begin() + 1, b.end() - 1);
+        *find(first) = std::move(a);
+        loops.erase(find(second));
+    }
+
+    std::vector<Point3> positions_;
+    std::vector<Loops> cells_;
+};
+
+}  // namespace espalier::test
