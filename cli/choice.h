@@ -3,18 +3,22 @@
 
 #include <CLI/CLI.hpp>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace espalier::cli {
 
 /// An option that takes one of a few words; the help shows them and the default.
-template <class Choice>
-void addChoice(CLI::App& command, const std::string& name, Choice& value,
-               const std::map<std::string, Choice>& words, const std::string& help) {
-    std::string names, fallback;
+///
+/// \param value a Choice, or a std::optional of one that says what is done without the option
+template <class Choice, class Value>
+void addChoice(CLI::App& command, const std::string& name, Value& value,
+               const std::map<std::string, Choice>& words, const std::string& help,
+               std::string fallback = {}) {
+    std::string names;
     for (const auto& [word, choice] : words) {
         names += (names.empty() ? "" : "|") + word;
-        if (choice == value) fallback = word;
+        if (value == choice) fallback = word;
     }
     // CLI11 reads an enumerator as its number.
     const CLI::Validator toNumber(

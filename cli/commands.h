@@ -12,6 +12,7 @@ void addInfoCommand(CLI::App& program);
 void addShapeCommand(CLI::App& program);
 void addRefineCommand(CLI::App& program);
 void addStencilsCommand(CLI::App& program);
+void addCompareCommand(CLI::App& program);
 void addDeformCommands(CLI::App& program);  ///< deform, bind and apply
 
 }  // namespace espalier::cli

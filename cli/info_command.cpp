@@ -101,7 +101,7 @@ void printText(const LatticeReport& report, const std::string& name) {
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
-    const auto [lattice, refiner] = readAndRefine(options, stages);
+    const auto [lattice, refiner] = readAndRefine(options, FileKind::Lattice, stages);
     std::vector<std::vector<Point3>> positions;
     for (int level = 0; level <= options.level; ++level)
         positions.push_back(
@@ -119,7 +119,8 @@ void addInfoCommand(CLI::App& program) {
     auto options = std::make_shared<Options>();
     CLI::App& command = addLatticeCommand(
         program, "info",
-        "Counts per level, valences, types of cells, strata and quality of a lattice", *options);
+        "Counts per level, valences, types of cells, strata and quality of a lattice",
+        FileKind::Lattice, *options);
     command.add_flag("--json", options->json, "Print JSON");
     command.callback([options] { run(*options); });
 }

@@ -6,9 +6,14 @@
 namespace espalier::cli {
 
 CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,
-                            LatticeOptions& options) {
+                            FileKind kind, LatticeOptions& options) {
     CLI::App& command = *program.add_subcommand(name, help);
-    command.add_option("LATTICE", options.lattice, "The lattice: .ovm, .vtu or .vtk")->required();
+    const bool isMeshAllowed = kind == FileKind::LatticeOrMesh;
+    command
+        .add_option(isMeshAllowed ? "LATTICE|MESH" : "LATTICE", options.lattice,
+                    isMeshAllowed ? "The lattice: .ovm, .vtu or .vtk; or the mesh: .obj"
+                                  : "The lattice: .ovm, .vtu or .vtk")
+        ->required();
     addLevelOption(command, options.level, 0);
     addRefinementOptions(command, options.common);
     addRunOptions(command, options.common);
@@ -16,10 +21,24 @@ CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const st
 }
 
 void addRefinementOptions(CLI::App& command, CommonOptions& options) {
+    const std::string unlessTagged = ", unless the file says otherwise";
     addChoice<far::Boundary>(
-        command, "--boundary", options.boundary,
-        {{"sharp", far::Boundary::Sharp}, {"open", far::Boundary::Open}},
-        "Corners, sharp edges and boundary surfaces by their own rules, or a region that shrinks");
+        command, "--boundary", options.refinement.boundary,
+        {{"sharp", far::Boundary::Sharp},
+         {"edge-only", far::Boundary::EdgeOnly},
+         {"open", far::Boundary::Open}},
+        "Corners, sharp edges and boundary surfaces by their own rules; the same without the "
+        "corners of single cells or faces; or a region that shrinks",
+        "sharp" + unlessTagged);
+    addChoice<far::Creasing>(
+        command, "--creasing", options.refinement.creasing,
+        {{"uniform", far::Creasing::Uniform}, {"chaikin", far::Creasing::Chaikin}},
+        "How semi-sharp edges lose sharpness", "uniform" + unlessTagged);
+    addChoice<far::TriangleSubdivision>(command, "--triangles", options.refinement.triangles,
+                                        {{"catmark", far::TriangleSubdivision::Catmark},
+                                         {"smooth", far::TriangleSubdivision::Smooth}},
+                                        "Weights of triangles on a surface",
+                                        "catmark" + unlessTagged);
     addChoice<far::SharpEdges>(
         command, "--sharp-edges", options.sharpEdges,
         {{"single-cell", far::SharpEdges::SingleCell}, {"literal", far::SharpEdges::Literal}},

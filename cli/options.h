@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/strata.h>
+#include <espalier/shapes/lattice.h>
 #include <espalier/stencils/embedding.h>
 #include <espalier/stencils/masks.h>
 
@@ -12,7 +13,7 @@ namespace espalier::cli {
 
 /// What every command takes.
 struct CommonOptions {
-    far::Boundary boundary = far::Boundary::Sharp;
+    RefinementTags refinement;  ///< set where an option was given; it wins over the file's tags
     far::SharpEdges sharpEdges = far::SharpEdges::SingleCell;
     stencils::Rules rules = stencils::Rules::Siggraph96;
     stencils::EmbeddingOptions embedding;
@@ -20,18 +21,21 @@ struct CommonOptions {
     int threads = 0;
 };
 
-/// What the commands take that look at one lattice.
+/// What the commands take that look at one lattice or, some of them, mesh.
 struct LatticeOptions {
     CommonOptions common;
     std::string lattice;
     int level = 2;
 };
 
+/// Which files a command takes.
+enum class FileKind { Lattice, LatticeOrMesh };
+
 /// Adds a command with LATTICE, -n, and the options of refinement and of the run.
 CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,
-                            LatticeOptions& options);
+                            FileKind kind, LatticeOptions& options);
 
-/// Adds --boundary, --sharp-edges and --rules to a command.
+/// Adds --boundary, --creasing, --triangles, --sharp-edges and --rules to a command.
 void addRefinementOptions(CLI::App& command, CommonOptions& options);
 
 /// Adds --outside and --tolerance to a command.

@@ -14,9 +14,18 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level) {
     try {
-        far::TopologyRefiner refiner(lattice.complex, {.boundary = options.boundary,
-                                                       .sharpEdges = options.sharpEdges,
-                                                       .marks = lattice.marks});
+        const auto choose = [](const auto& option, const auto& tag, auto fallback) {
+            return option ? *option : tag.value_or(fallback);
+        };
+        const RefinementTags &chosen = options.refinement, &tags = lattice.tags;
+        far::TopologyRefiner refiner(
+            lattice.complex,
+            {.boundary = choose(chosen.boundary, tags.boundary, far::Boundary::Sharp),
+             .sharpEdges = options.sharpEdges,
+             .creasing = choose(chosen.creasing, tags.creasing, far::Creasing::Uniform),
+             .triangles =
+                 choose(chosen.triangles, tags.triangles, far::TriangleSubdivision::Catmark),
+             .marks = lattice.marks});
         refiner.refineUniform(level);
         return refiner;
     } catch (const far::TopologyError& error) {
@@ -36,8 +45,15 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
         throw io::FileError(output, "has another extension than " + extension);
 }
 
-RefinedFile readAndRefine(const LatticeOptions& options, Stages& stages) {
-    Lattice lattice = stages.run("reading", [&] { return io::readLattice(options.lattice); });
+Lattice readInput(const LatticeOptions& options, FileKind kind, Stages& stages) {
+    return stages.run("reading", [&] {
+        return kind == FileKind::LatticeOrMesh ? io::readRefinable(options.lattice)
+                                               : io::readLattice(options.lattice);
+    });
+}
+
+RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& stages) {
+    Lattice lattice = readInput(options, kind, stages);
     auto refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, lattice, options.common, options.level);
     });
@@ -49,8 +65,14 @@ Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const Com
     const auto& [complex, strata, holes] = refiner.level(level);
     Lattice refined{
         complex, stencils::refinePositions(refiner, level, options.rules, base.positions), {}, {}};
-    if (refiner.boundary() != far::Boundary::Open)
-        refined.marks = far::marksFor(complex, strata, far::Boundary::Sharp);
+    // A mesh file keeps the boundary mode; a lattice file has marks alone.
+    const bool isMesh = complex.dimension() == 2;
+    const far::RefinerOptions& used = refiner.options();
+    refined.marks = far::marksFor(
+        complex, strata,
+        isMesh || used.boundary == far::Boundary::Open ? used.boundary : far::Boundary::Sharp);
+    refined.marks.holes = holes;
+    if (isMesh) refined.tags = {used.boundary, used.creasing, used.triangles};
     for (const VertexAttribute& attribute : base.attributes)
         refined.attributes.push_back(
             {attribute.name, attribute.components,

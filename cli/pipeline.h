@@ -13,7 +13,8 @@
 
 namespace espalier::cli {
 
-/// Refines a lattice that was read from `path`. Errors name the file.
+/// Refines a lattice or a mesh that was read from `path`, as the options, its tags and the defaults
+/// say, in this order. Errors name the file.
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 
@@ -29,11 +30,14 @@ struct RefinedFile {
     far::TopologyRefiner refiner;
 };
 
-/// Reads the lattice that a command names, and refines it to the level that it asks for.
-RefinedFile readAndRefine(const LatticeOptions& options, Stages& stages);
+/// Reads the lattice, or mesh, that a command names.
+Lattice readInput(const LatticeOptions& options, FileKind kind, Stages& stages);
+
+/// The same, and refines it to the level that the command asks for.
+RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& stages);
 
 /// The refined lattice as one of its own: with positions, attributes, and marks that keep its
-/// strata.
+/// strata. A mesh has tags that keep how it is refined.
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base);
 

@@ -17,17 +17,21 @@ struct Options : LatticeOptions {
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
-    io::checkLatticeTarget(options.output);
     checkOutput(options.output, {options.lattice});
     Stages stages(options.common.quiet);
-    const RefinedFile file = readAndRefine(options, stages);
-    const Lattice refined = stages.run("placing", [&] {
-        return refinedLattice(file.refiner, options.level, options.common, file.lattice);
+    const Lattice base = readInput(options, FileKind::LatticeOrMesh, stages);
+    const int dimension = base.complex.dimension();
+    io::checkRefinableTarget(options.output, dimension);
+    const far::TopologyRefiner refiner = stages.run("refining", [&] {
+        return refineLattice(options.lattice, base, options.common, options.level);
     });
-    stages.run("writing", [&] { io::writeLattice(options.output, refined); });
+    const Lattice refined = stages.run(
+        "placing", [&] { return refinedLattice(refiner, options.level, options.common, base); });
+    stages.run("writing", [&] { io::writeRefinable(options.output, refined); });
     if (!options.common.quiet)
-        fmt::print("{}: level {}, {} vertices, {} cells\n", options.output, options.level,
-                   refined.complex.count(0), refined.complex.count(3));
+        fmt::print("{}: level {}, {} vertices, {} {}\n", options.output, options.level,
+                   refined.complex.count(0), refined.complex.count(dimension),
+                   dimension == 3 ? "cells" : "faces");
 }
 
 }  // namespace
@@ -35,9 +39,12 @@ void run(const Options& options) {
 void addRefineCommand(CLI::App& program) {
     auto options = std::make_shared<Options>();
     CLI::App& command = addLatticeCommand(
-        program, "refine", "Write level N of a lattice: positions, cells, attributes and marks",
-        *options);
-    command.add_option("-o,--output", options->output, "The refined lattice: .ovm, .vtu or .vtk")
+        program, "refine",
+        "Write level N of a lattice or a mesh: positions, cells or faces, attributes and marks",
+        FileKind::LatticeOrMesh, *options);
+    command
+        .add_option("-o,--output", options->output,
+                    "The refined lattice: .ovm, .vtu or .vtk; or mesh: .obj")
         ->required();
     command.callback([options] { run(*options); });
 }

@@ -20,13 +20,13 @@ void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     checkOutput(options.output, {options.lattice}, ".mtx");
     Stages stages(options.common.quiet);
-    const RefinedFile file = readAndRefine(options, stages);
+    const RefinedFile file = readAndRefine(options, FileKind::LatticeOrMesh, stages);
     const auto table = stages.run("building", [&] {
         return stencils::buildStencils(file.refiner, options.level, options.common.rules);
     });
     const std::vector<std::string> comments = {
         fmt::format("S_{} of {}: rows are the vertices of level {}, in the order of espalier "
-                    "refine; columns are the vertices of the lattice",
+                    "refine; columns are the vertices of the file",
                     options.level, options.lattice, options.level)};
     stages.run("writing", [&] { io::writeMatrixMarket(options.output, table, comments); });
     if (!options.common.quiet)
@@ -40,7 +40,8 @@ void addStencilsCommand(CLI::App& program) {
     auto options = std::make_shared<Options>();
     CLI::App& command = addLatticeCommand(
         program, "stencils",
-        "Write S_N, the weights of the level-N vertices over those of the lattice", *options);
+        "Write S_N, the weights of the level-N vertices over those of the lattice or mesh",
+        FileKind::LatticeOrMesh, *options);
     command.add_option("-o,--output", options->output, "The matrix: Matrix Market, .mtx")
         ->required();
     command.callback([options] { run(*options); });

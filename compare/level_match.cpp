@@ -182,7 +182,8 @@ public:
                            std::to_string(*theirs);
             }
         }
-        for (int d = 0; d <= 2; ++d)
+        // Faces first: what differs in their vertices need not be told of the latter's features.
+        for (int d = 2; d >= 0; --d)
             for (const Index index : entities[at(d)]) {
                 const std::string text = d == 0   ? inspectVertex(index)
                                          : d == 1 ? inspectEdge(index)

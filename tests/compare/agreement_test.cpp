@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/compare/comparison.h>
+#include <espalier/far/error.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/stencils/composition.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "compare/shapes.h"
+#include "support/shared_data.h"
+
+namespace espalier::compare {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Compares a shape at levels 1 to `level`.
+Agreement agreementOf(const Lattice& shape, int level) {
+    const far::TopologyRefiner refiner = test::refined(shape, level);
+    return Comparison(refiner).compareAll(stencils::Rules::Siggraph96, shape.positions);
+}
+
+void expectAgreement(const std::string& name, const Lattice& shape, int level) {
+    const Agreement agreement = agreementOf(shape, level);
+    EXPECT_EQ(agreement.levels.size(), static_cast<std::size_t>(level));
+    for (const LevelAgreement& at : agreement.levels) {
+        EXPECT_TRUE(at.isWithin({}))
+            << name << ", level " << at.level << ": " << at.topologyDifference << "; positions "
+            << at.positionDifference << ", weights " << at.weightDifference << ", evaluators "
+            << at.evaluatorDifference;
+        if (shape.tags.boundary != far::Boundary::Open) {
+            EXPECT_GT(at.counts[2], 0) << name;
+        }
+    }
+}
+
+/// A vertex of 360 faces makes nearly all rows dense, and OpenSubdiv's tables slow.
+bool isPole(const std::string& name) {
+    return name.find("360") != std::string::npos;
+}
+
+TEST(Agreement, OfEveryKindOfMesh) {
+    for (const auto& [name, mesh] : test::meshZoo())
+        expectAgreement(name, mesh, isPole(name) ? 2 : 3);
+}
+
+TEST(Agreement, OfTheBoundaryOfEveryKindOfLattice) {
+    for (const auto& [name, lattice] : test::allLattices()) expectAgreement(name, lattice, 3);
+}
+
+TEST(Agreement, OfTheBoundaryOfRandomLattices) {
+    for (unsigned seed = 1; seed <= test::kRandomLattices; ++seed)
+        expectAgreement("seed " + std::to_string(seed), test::randomLattice(seed), 2);
+}
+
+/// OpenSubdiv's own regression shapes.
+void expectAgreementOfSurfaceFiles(int level) {
+    const std::filesystem::path folder = test::sharedData() / "surfaces";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data: " << folder;
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        expectAgreement(entry.path().filename(), io::readRefinable(entry.path()), level);
+        ++count;
+    }
+    EXPECT_EQ(count, 24);
+}
+
+TEST(Agreement, OfTheRegressionShapes) {
+    expectAgreementOfSurfaceFiles(2);
+}
+
+// The bounds hold at levels 1 to 5.
+TEST(AgreementToLevel5, OfEveryKindOfMesh) {
+    for (const auto& [name, mesh] : test::meshZoo())
+        expectAgreement(name, mesh, isPole(name) ? 4 : 5);
+}
+
+TEST(AgreementToLevel5, OfTheBoundaryOfEveryKindOfLattice) {
+    for (const auto& [name, lattice] : test::allLattices()) expectAgreement(name, lattice, 5);
+}
+
+TEST(AgreementToLevel5, OfTheBoundaryOfRandomLattices) {
+    for (unsigned seed = 1; seed <= test::kRandomLattices; ++seed)
+        expectAgreement("seed " + std::to_string(seed), test::randomLattice(seed), 5);
+}
+
+TEST(AgreementToLevel5, OfTheRegressionShapes) {
+    expectAgreementOfSurfaceFiles(5);
+}
+
+// The comparison can fail.
+
+using stencils::StencilTable;
+
+/// A table with one weight changed, or the entries of two rows exchanged.
+StencilTable<double> withWeight(const StencilTable<double>& table, std::size_t entry,
+                                double difference) {
+    std::vector<double> weights(table.weights().begin(), table.weights().end());
+    weights[entry] += difference;
+    return StencilTable<double>(table.columnCount(),
+                                {table.offsets().begin(), table.offsets().end()},
+                                {table.columns().begin(), table.columns().end()}, weights);
+}
+
+StencilTable<double> withRowsSwapped(const StencilTable<double>& table, Index a, Index b) {
+    std::vector<far::Offset> offsets = {0};
+    std::vector<Index> columns;
+    std::vector<double> weights;
+    for (Index i = 0; i < table.rowCount(); ++i) {
+        const Index row = i == a ? b : i == b ? a : i;
+        columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
+        weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
+        offsets.push_back(static_cast<far::Offset>(columns.size()));
+    }
+    return StencilTable<double>(table.columnCount(), offsets, columns, weights);
+}
+
+TEST(Comparison, CatchesPlantedErrors) {
+    for (const auto& [name, lattice] :
+         {test::zoo().front(), test::NamedLattice{"mesh", test::meshZoo().front().lattice}}) {
+        const far::TopologyRefiner refiner = test::refined(lattice, 2);
+        const Comparison comparison(refiner);
+        const StencilTable<double> table = stencils::buildStencils(
+            refiner, 2, stencils::Rules::Siggraph96, comparison.vertices(2));
+        ASSERT_TRUE(comparison.compare(2, table).isWithin({})) << name;
+
+        const LevelAgreement weight = comparison.compare(2, withWeight(table, 17, 1e-9));
+        EXPECT_FALSE(weight.isWithin({}));
+        EXPECT_NEAR(weight.weightDifference, 1e-9, 1e-14);
+        EXPECT_GT(weight.positionDifference, 1e-13);
+
+        const LevelAgreement swapped = comparison.compare(2, withRowsSwapped(table, 3, 40));
+        EXPECT_FALSE(swapped.isWithin({}));
+        EXPECT_GT(swapped.weightDifference, 0.01);
+        EXPECT_GT(swapped.positionDifference, 0.001);
+    }
+}
+
+TEST(Comparison, EveryFigureIsHeldAgainstItsBound) {
+    LevelAgreement level{.level = 1, .counts = {8, 12, 6}, .openSubdivCounts = {8, 12, 6}};
+    const Bounds bounds;
+    EXPECT_TRUE(level.isWithin(bounds));
+    const auto isOver = [&](auto change) {
+        LevelAgreement changed = level;
+        change(changed);
+        return !changed.isWithin(bounds);
+    };
+    EXPECT_TRUE(isOver([](LevelAgreement& l) { l.openSubdivCounts[1] = 13; }));
+    EXPECT_TRUE(isOver([](LevelAgreement& l) { l.topologyDifference = "edge 3 ends elsewhere"; }));
+    EXPECT_TRUE(isOver([](LevelAgreement& l) { l.positionDifference = 1.1e-13; }));
+    EXPECT_TRUE(isOver([](LevelAgreement& l) { l.weightDifference = 1.1e-14; }));
+    EXPECT_TRUE(isOver([](LevelAgreement& l) { l.evaluatorDifference = 2.1e-6; }));
+    EXPECT_TRUE(isOver([](LevelAgreement& l) { l.weightDifference = std::nan(""); }));
+}
+
+TEST(Comparison, PicturesTheErrorInSpace) {
+    const Lattice lattice = shapes::box({.cells = {2, 1, 1}});
+    const SurfaceError picture = agreementOf(lattice, 2).picture;
+    EXPECT_EQ(picture.level, 2);
+    EXPECT_EQ(picture.faces.size(), 16u * 10);
+    EXPECT_EQ(picture.errors.size(), picture.positions.size());
+    for (const double error : picture.errors) EXPECT_LT(error, 1e-15);
+    // A box is its own refinement.
+    for (const Point3& position : picture.positions)
+        for (const double coordinate : position) {
+            EXPECT_GE(coordinate, 0);
+            EXPECT_LE(coordinate, 1);
+        }
+}
+
+TEST(Comparison, RefusesWhatOpenSubdivCannotRefine) {
+    const auto messageOf = [](const far::TopologyRefiner& refiner) -> std::string {
+        try {
+            Comparison comparison(refiner);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    EXPECT_THAT(messageOf(far::TopologyRefiner(far::buildCurve(4, true))), HasSubstr("a curve"));
+    EXPECT_THAT(
+        messageOf(far::TopologyRefiner(test::grid({2, 2, 2}), {.boundary = far::Boundary::Open})),
+        HasSubstr("boundary control"));
+}
+
+// Where OpenSubdiv differs from release to release, or from its own account.
+
+// Releases before 3.6.1 take a vertex for a non-manifold crease by counting faces and edges alone
+// (pull request 1338). We do as 3.6.1 does, and say so.
+TEST(KnownDifferences, NonManifoldCreasesAreThoseOfRelease361) {
+    int count = 0;
+    for (const auto& [name, mesh] : test::meshZoo()) {
+        const bool isMisjudged = name.starts_with(test::kCornerSince361);
+        const far::TopologyRefiner refiner = test::refined(mesh, 1);
+        const Comparison comparison(refiner);
+        count += isMisjudged;
+        if (openSubdivVersion() < "3.6.1") {
+            EXPECT_EQ(comparison.correctedCorners() > 0, isMisjudged) << name;
+            const std::string note =
+                comparison.compareAll(stencils::Rules::Siggraph96, mesh.positions).note;
+            EXPECT_EQ(note.find("3.6.1") != std::string::npos, isMisjudged) << note;
+        } else {
+            EXPECT_EQ(comparison.correctedCorners(), 0) << name;
+        }
+    }
+    EXPECT_GT(count, 0);
+}
+
+// Under Chaikin's rule an edge above 1 can fade at one end. OpenSubdiv's comments say that its
+// weight is clamped to 1, and its mask queries without known rules do so; its refiner and stencils
+// do not. We do as the latter, and agree with every release.
+TEST(KnownDifferences, ChaikinCreasesAboveOneExtrapolate) {
+    Lattice mesh{test::gridMesh(4, 4), {}, {}, {}};
+    for (Index i = 0; i < 25; ++i) mesh.positions.push_back({double(i % 5), double(i / 5), 0});
+    mesh.marks.edges = {{{11, 12}, 1.25}, {{12, 13}, 0.25}};
+    mesh.tags.creasing = far::Creasing::Chaikin;
+    expectAgreement("1.25 beside 0.25", mesh, 3);
+    const far::TopologyRefiner refiner = test::refined(mesh, 1);
+    const auto table = stencils::buildLevelTable(refiner, 1);
+    const auto weights = table.weights();
+    EXPECT_LT(*std::min_element(weights.begin(), weights.end()), 0) << "extrapolated";
+}
+
+}  // namespace
+}  // namespace espalier::compare

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/compare/level_match.h>
+#include <espalier/compare/open_subdiv_refiner.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "compare/shapes.h"
+
+namespace espalier::compare {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A shape and its match with OpenSubdiv on levels 0 and 1.
+struct Example {
+    far::TopologyRefiner refiner;
+    OpenSubdivRefiner theirs;
+    std::vector<LevelMatch> matches;
+
+    explicit Example(const Lattice& shape)
+        : refiner(test::refined(shape, 1)),
+          theirs(makeOpenSubdivRefiner(refiner, surfaceOf(shape.complex))) {
+        matches.push_back(
+            matchBase(shape.complex, surfaceOf(shape.complex), theirs.refiner->GetLevel(0)));
+        matches.push_back(matchChildren(shape.complex, matches[0], refiner.refinement(1),
+                                        theirs.refiner->GetLevel(0)));
+    }
+
+    std::string difference(int level) const {
+        const auto theirLevel = theirs.refiner->GetLevel(level);
+        const LevelMatch& match = matches[static_cast<std::size_t>(level)];
+        return describeDifference(refiner, level, comparedRegion(refiner, level, match, theirLevel),
+                                  match, theirLevel);
+    }
+};
+
+TEST(LevelMatch, EverythingOnASurfaceHasOneMatch) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const Example example(lattice);
+        EXPECT_EQ(example.difference(0), "") << name;
+        EXPECT_EQ(example.difference(1), "") << name;
+        const auto theirs = example.theirs.refiner->GetLevel(1);
+        const Surface surface = surfaceOf(example.refiner.level(1).complex);
+        EXPECT_EQ(countTheirs(far::Boundary::Sharp, theirs),
+                  (std::array{static_cast<Index>(surface.vertices.size()),
+                              static_cast<Index>(surface.edges.size()),
+                              static_cast<Index>(surface.faces.size())}))
+            << name;
+    }
+}
+
+TEST(LevelMatch, DifferencesAreNamed) {
+    const Lattice box = shapes::box({.cells = {2, 1, 1}});
+    const auto planted = [&](auto plant) {
+        Example example(box);
+        plant(example.matches[1]);
+        return example.difference(1);
+    };
+    EXPECT_THAT(planted([](LevelMatch& m) { std::swap(m.theirs[0][0], m.theirs[0][1]); }),
+                HasSubstr("has other vertices than theirs"));
+    EXPECT_THAT(planted([](LevelMatch& m) { m.theirs[0][1] = m.theirs[0][0]; }),
+                HasSubstr("vertex 1 has the match of another"));
+    EXPECT_THAT(planted([](LevelMatch& m) { m.theirs[0][2].reset(); }),
+                HasSubstr("vertex 2 has no match"));
+    EXPECT_THAT(
+        planted([](LevelMatch& m) {
+            // The first two faces on the surface.
+            auto& faces = m.theirs[2];
+            const auto first = std::find_if(faces.begin(), faces.end(), [](auto f) { return !!f; });
+            std::swap(*first, *std::find_if(first + 1, faces.end(), [](auto f) { return !!f; }));
+        }),
+        HasSubstr("has other vertices than theirs"));
+}
+
+// Marks that OpenSubdiv did not get show as differences of features.
+TEST(LevelMatch, FeaturesAreCompared) {
+    Lattice mesh = test::cubeSurface();
+    const Example plain(mesh);
+    const auto ends = mesh.complex.relation(1, 0)[0];
+    mesh.marks.edges = {{{ends[0], ends[1]}, 2.5}};
+    const auto against = [&](const Lattice& marked) {
+        Example example(marked);
+        example.theirs = makeOpenSubdivRefiner(plain.refiner, surfaceOf(mesh.complex));
+        return example.difference(1);
+    };
+    EXPECT_THAT(against(mesh), HasSubstr("sharpness 1.5"));
+    mesh.marks = {.vertices = {{3, 1.5}}};
+    EXPECT_THAT(against(mesh), HasSubstr("sharpness 0.5"));
+    mesh.marks = {.holes = {2}};
+    EXPECT_THAT(against(mesh), HasSubstr("is a hole; theirs is not"));
+}
+
+}  // namespace
+}  // namespace espalier::compare

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/topology_refiner.h>
+
+#include <string>
+#include <vector>
+
+#include "support/meshes.h"
+#include "support/random_lattices.h"
+#include "support/zoo.h"
+
+// What is compared with OpenSubdiv, and how far.
+namespace espalier::test {
+
+/// Refined as its tags say.
+inline far::TopologyRefiner refined(const Lattice& shape, int level) {
+    const RefinementTags& tags = shape.tags;
+    far::TopologyRefiner refiner(
+        shape.complex, {.boundary = tags.boundary.value_or(far::Boundary::Sharp),
+                        .creasing = tags.creasing.value_or(far::Creasing::Uniform),
+                        .triangles = tags.triangles.value_or(far::TriangleSubdivision::Catmark),
+                        .marks = shape.marks});
+    refiner.refineUniform(level);
+    return refiner;
+}
+
+/// The lattices of zoo.h and random_lattices.h: all kinds of the inventory, cells of types 3 to 6,
+/// L-shaped, ring-shaped, tripods, darts, semi-sharp.
+inline std::vector<NamedLattice> allLattices() {
+    std::vector<NamedLattice> all = zoo();
+    for (NamedLattice& lattice : featureLattices()) all.push_back(std::move(lattice));
+    return all;
+}
+
+inline constexpr unsigned kRandomLattices = 200;
+
+}  // namespace espalier::test
