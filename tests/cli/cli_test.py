@@ -53,6 +53,15 @@ class CliTest(unittest.TestCase):
         lines += ["vt 0 0", "f 1/1 2/1 3/1"]
         (self.path / name).write_text("\n".join(lines) + "\n")
 
+    def write_mesh(self, tags=(), name="mesh.obj"):
+        """A plane of 3 by 3 squares; vertices 0, 3, 12 and 15 are its corners, 5 is inside."""
+        lines = [f"v {i % 4} {i // 4} {0.1 * (i % 3)}" for i in range(16)]
+        for j in range(3):
+            for i in range(3):
+                a = 4 * j + i + 1
+                lines.append(f"f {a} {a + 1} {a + 5} {a + 4}")
+        (self.path / name).write_text("\n".join([*lines, *tags]) + "\n")
+
     def read_points(self, name):
         lines = (self.path / name).read_text().splitlines()
         return [tuple(map(float, line.split()[1:4])) for line in lines if line.startswith("v ")]
@@ -161,12 +170,78 @@ class RefineAndStencils(CliTest):
                  if not line.startswith("%")]
         rows, columns, entries = map(int, lines[0].split())
         self.assertEqual((rows, columns, entries), (len(refined), len(base), len(lines) - 1))
-        product = [[0.0] * 3 for _ in range(rows)]
+        self.assert_close(self.product("s.mtx", base), refined, 1e-15)
+
+    def product(self, name, points):
+        """A matrix times points."""
+        lines = [line for line in (self.path / name).read_text().splitlines()
+                 if not line.startswith("%")]
+        product = [[0.0] * 3 for _ in range(int(lines[0].split()[0]))]
         for line in lines[1:]:
             row, column, weight = line.split()
             for c in range(3):
-                product[int(row) - 1][c] += float(weight) * base[int(column) - 1][c]
-        self.assert_close(product, refined, 1e-15)
+                product[int(row) - 1][c] += float(weight) * points[int(column) - 1][c]
+        return product
+
+    def test_meshes_are_refined_like_lattices(self):
+        creases = ["t crease 2/1/0 5 6 2.5", "t corner 1/1/0 10 0.5"]
+        self.write_mesh(creases)
+        self.run_program("refine", "mesh.obj", "-n", 2, "-o", "r2.obj")
+        self.run_program("stencils", "mesh.obj", "-n", 2, "-o", "s.mtx")
+        refined = self.read_points("r2.obj")
+        self.assertEqual(len(refined), 13 * 13)
+        self.assert_close(self.product("s.mtx", self.read_points("mesh.obj")), refined, 1e-15)
+        # Sharpness that is left goes on in the next step.
+        self.run_program("refine", "mesh.obj", "-n", 1, "-o", "r1.obj")
+        self.assertIn("t crease 2/1/0 5 ", (self.path / "r1.obj").read_text())
+        self.run_program("refine", "r1.obj", "-n", 1, "-o", "r11.obj")
+        self.assert_close(sorted(self.read_points("r11.obj")), sorted(refined), 1e-14)
+        # A smooth mesh is another.
+        self.write_mesh()
+        self.run_program("refine", "mesh.obj", "-n", 2, "-o", "smooth.obj")
+        self.assertGreater(max(map(math.dist, refined, self.read_points("smooth.obj"))), 1e-3)
+
+    def test_tags_win_over_the_default_and_options_over_tags(self):
+        def corner_of(*options):
+            """How far the corner at the origin has gone."""
+            self.run_program("refine", "mesh.obj", "-n", 1, "-o", "r.obj", *options)
+            return min(math.dist(p, (0, 0, 0)) for p in self.read_points("r.obj"))
+        self.write_mesh()
+        self.assertEqual(corner_of(), 0)
+        self.assertGreater(corner_of("--boundary", "edge-only"), 0.1)
+        self.write_mesh(["t interpolateboundary 1/0/0 2"])
+        self.assertGreater(corner_of(), 0.1)
+        self.assertEqual(corner_of("--boundary", "sharp"), 0)
+        self.assertGreater(corner_of("--boundary", "open"), 0.5)
+
+        creases = ["t crease 2/1/0 4 5 1.5", "t crease 2/1/0 5 6 3.5"]
+        def points_of(tags, *options):
+            self.write_mesh([*creases, *tags])
+            self.run_program("refine", "mesh.obj", "-n", 2, "-o", "r.obj", *options)
+            return self.read_points("r.obj")
+        chaikin = points_of(["t creasemethod 0/0/1 chaikin"])
+        self.assertNotEqual(chaikin, points_of([]))
+        self.assertEqual(chaikin, points_of([], "--creasing", "chaikin"))
+        self.assertEqual(points_of([]),
+                         points_of(["t creasemethod 0/0/1 chaikin"], "--creasing", "uniform"))
+
+        (self.path / "t.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                         "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        self.run_program("refine", "t.obj", "-n", 1, "-o", "a.obj")
+        self.run_program("refine", "t.obj", "-n", 1, "-o", "b.obj", "--triangles", "smooth")
+        self.assertNotEqual(self.read_points("a.obj"), self.read_points("b.obj"))
+
+    def test_meshes_are_for_some_commands_and_formats(self):
+        self.write_mesh()
+        self.assertIn("out.ovm", self.error_of("refine", "mesh.obj", "-n", 1, "-o", "out.ovm"))
+        self.assertFalse((self.path / "out.ovm").exists())
+        self.run_program("shape", "box", "-o", "b.ovm")
+        self.assertIn("b.obj", self.error_of("refine", "b.ovm", "-n", 1, "-o", "b.obj"))
+        self.assertIn("mesh.obj", self.error_of("info", "mesh.obj"))
+        self.write_mesh(["t crease 2/1/0 0 9 1"])
+        error = self.error_of("refine", "mesh.obj", "-n", 1, "-o", "out.obj")
+        self.assertIn("mesh.obj:26", error)
+        self.assertIn("(0, 9)", error)
 
     def read_ovm_positions(self, name):
         lines = (self.path / name).read_text().splitlines()
@@ -203,6 +278,55 @@ class RefineAndStencils(CliTest):
         self.run_program("refine", "r1.ovm", "-n", 1, "-o", "r11.ovm")
         twice = sorted(self.read_ovm_positions("r11.ovm"))
         self.assert_close(twice, sorted(self.read_ovm_positions("r2.ovm")), 1e-14)
+
+
+class Compare(CliTest):
+    def setUp(self):
+        super().setUp()
+        result = subprocess.run([ESPALIER, "compare"], capture_output=True, text=True)
+        if "without OpenSubdiv" in result.stderr:
+            self.skipTest("espalier was built without OpenSubdiv")
+
+    def test_meshes_and_lattices_agree_with_opensubdiv(self):
+        self.write_mesh(["t crease 2/1/0 5 6 2.5", "t interpolateboundary 1/0/0 2"])
+        self.run_program("shape", "star", "-o", "star.vtu")
+        output = self.run_program("compare", "mesh.obj", "star.vtu", "-n", 2).stdout
+        lines = output.splitlines()
+        self.assertEqual(len(lines), 5, output)
+        for line, name, level in zip(lines, ["mesh.obj"] * 2 + ["star.vtu"] * 2, [1, 2, 1, 2]):
+            self.assertTrue(line.startswith(name), line)
+            self.assertIn(f"level {level}", line)
+            self.assertTrue(line.endswith("agrees"), line)
+        self.assertIn("2 of 2 files agree with OpenSubdiv", lines[-1])
+        self.assertEqual(self.run_program("compare", "mesh.obj", "--quiet").stdout, "")
+
+    def test_every_boundary_mode(self):
+        self.write_mesh()
+        for options in [["--boundary", "edge-only"], ["--boundary", "open"],
+                        ["--creasing", "chaikin"], ["--triangles", "smooth"]]:
+            self.run_program("compare", "mesh.obj", "-n", 2, *options)
+
+    def test_report(self):
+        self.write_mesh()
+        self.run_program("shape", "torus", "-o", "torus.ovm")
+        self.run_program("compare", "mesh.obj", "torus.ovm", "-n", 2, "--html", "report.html")
+        report = (self.path / "report.html").read_text()
+        for text in ["<!DOCTYPE html>", "mesh.obj", "torus.ovm", "<svg"]:
+            self.assertIn(text, report)
+        for outside in ["<script src", "<link", "@import", "src=\"http"]:
+            self.assertNotIn(outside, report)
+        self.assertIn("mesh.obj", self.error_of("compare", "mesh.obj", "--html", "mesh.obj"))
+
+    def test_what_cannot_be_compared_is_named_and_fails(self):
+        self.write_mesh()
+        self.run_program("shape", "box", "--cells", 3, 3, 3, "-o", "box.ovm")
+        result = self.run_program("compare", "none.obj", "mesh.obj", "-n", 1, code=1)
+        self.assertIn("none.obj  could not be compared: none.obj: cannot open", result.stdout)
+        self.assertIn("agrees", result.stdout)
+        self.assertIn("1 of 2 files could not be compared", result.stderr)
+        result = self.run_program("compare", "box.ovm", "--boundary", "open", code=1)
+        self.assertIn("box.ovm", result.stdout)
+        self.assertIn("without boundary control", result.stdout)
 
 
 class Deform(CliTest):
