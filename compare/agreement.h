@@ -21,8 +21,8 @@ struct Bounds {
     /// Largest difference of a stencil's weight. Weights are of size 1.
     double weight = 1e-14;
     /// Largest difference between two evaluators of the same table, as a fraction like that of
-    /// `position`: OpenSubdiv's take single precision, whose unit is 6e-8, and the sums of a row
-    /// are made in another order.
+    /// `position`: OpenSubdiv's take single precision, whose unit is 6e-8, and evaluators are free
+    /// to add up a row in any order.
     double evaluator = 2e-6;
 };
 
@@ -48,8 +48,9 @@ struct SurfaceError {
     int level = 0;
     std::vector<Point3> positions;
     std::vector<std::array<Index, 4>> faces;
-    std::vector<double>
-        errors;  ///< one a position, as a fraction of the size of the shape's bounds
+    std::vector<double> errors;  ///< one a position, as a fraction of the size of the shape
+    /// Numbers of the vertices on our level, one a position; empty for 0, 1, 2 and so on.
+    std::vector<Index> vertices = {};
 };
 
 /// The agreement of one shape, level by level.

@@ -258,7 +258,7 @@ double sizeOf(std::span<const Point3> positions) {
 SurfaceError drawError(const far::TopologyRefiner& refiner, int level, const Surface& region,
                        std::span<const Point3> base, std::vector<Point3> ours,
                        std::span<const Point3> theirs) {
-    SurfaceError picture{level, std::move(ours), {}, {}};
+    SurfaceError picture{level, std::move(ours), {}, {}, region.vertices};
     const double size = sizeOf(base);
     for (std::size_t i = 0; i < theirs.size(); ++i) {
         const Point3 &a = picture.positions[i], &b = theirs[i];

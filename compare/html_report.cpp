@@ -233,7 +233,8 @@ std::string figure(const Report& report, std::size_t index) {
         caption += fmt::format(
             "Largest error <span class=\"value\">{}</span>, at vertex {}, "
             "<span class=\"value\">{}</span>.",
-            scientific(picture.errors[v]), *vertex, positionText(picture.positions[v]));
+            scientific(picture.errors[v]), picture.vertices.empty() ? *vertex : picture.vertices[v],
+            positionText(picture.positions[v]));
     } else {
         caption += "No vertex is off: all errors are 0.";
     }

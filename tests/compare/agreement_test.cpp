@@ -161,6 +161,7 @@ TEST(Comparison, PicturesTheErrorInSpace) {
     EXPECT_EQ(picture.level, 2);
     EXPECT_EQ(picture.faces.size(), 16u * 10);
     EXPECT_EQ(picture.errors.size(), picture.positions.size());
+    EXPECT_EQ(picture.vertices.size(), picture.positions.size());
     for (const double error : picture.errors) EXPECT_LT(error, 1e-15);
     // A box is its own refinement.
     for (const Point3& position : picture.positions)
