@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/compare/comparison.h>
+#include <espalier/compare/differences.h>
 #include <espalier/compare/level_match.h>
 #include <espalier/compare/open_subdiv_refiner.h>
 #include <espalier/compare/open_subdiv_tables.h>
 #include <espalier/far/error.h>
-#include <espalier/osd/cpu_evaluator.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <espalier/stencils/composition.h>
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/stencilTableFactory.h>
-#include <opensubdiv/osd/cpuEvaluator.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
 namespace espalier::compare {
 namespace {
@@ -38,6 +36,13 @@ struct Comparison::Data {
     std::unique_ptr<const Far::StencilTableReal<double>> table;  ///< levels 1 on
 
     Far::TopologyLevel theirLevel(int level) const { return theirs.refiner->GetLevel(level); }
+
+    /// Their vertex for one of ours on the surface.
+    Index theirVertex(int level, Index vertex) const {
+        if (const auto match = matches[at(level)].of({0, vertex})) return *match;
+        throw Error("vertex " + std::to_string(vertex) + " of level " + std::to_string(level) +
+                    " has no match in OpenSubdiv's refinement");
+    }
 
     /// Row of the first vertex of a level in the table.
     Index firstRow(int level) const {
@@ -91,7 +96,7 @@ StencilTable<double> Comparison::openSubdivTable(int level) const {
     std::vector<Index> columns;
     std::vector<double> weights;
     for (const Index vertex : vertices(level)) {
-        const Index row = data_->matches[at(level)].of({0, vertex}).value();
+        const Index row = data_->theirVertex(level, vertex);
         // Their base vertices are ours of the surface in order, so that columns still ascend.
         for (const Index column : theirs.columns(row))
             columns.push_back(data_->base.vertices[at(column)]);
@@ -117,6 +122,10 @@ struct Primvar {
 
 std::vector<Point3> Comparison::openSubdivPoints(int level,
                                                  std::span<const Point3> positions) const {
+    const Index baseCount = data_->ours.level(0).complex.count(0);
+    if (positions.size() != at(baseCount))
+        throw Error("got " + std::to_string(positions.size()) + " positions for " +
+                    std::to_string(baseCount) + " vertices");
     std::vector<Primvar> points;
     for (const Index vertex : data_->base.vertices) points.push_back({positions[at(vertex)]});
     const Far::PrimvarRefinerReal<double> refiner(*data_->theirs.refiner);
@@ -128,81 +137,17 @@ std::vector<Point3> Comparison::openSubdivPoints(int level,
     }
     std::vector<Point3> result;
     for (const Index vertex : vertices(level))
-        result.push_back(points[at(data_->matches[at(level)].of({0, vertex}).value())].point);
+        result.push_back(points[at(data_->theirVertex(level, vertex))].point);
     return result;
 }
-
-namespace {
-
-/// The largest difference of a weight between two tables of the same rows and columns.
-double largestDifference(const StencilTable<double>& a, const StencilTable<double>& b) {
-    double largest = 0;
-    for (Index row = 0; row < a.rowCount(); ++row) {
-        const auto aColumns = a.columns(row), bColumns = b.columns(row);
-        const auto aWeights = a.weights(row), bWeights = b.weights(row);
-        for (std::size_t i = 0, j = 0; i < aColumns.size() || j < bColumns.size();) {
-            const bool useA =
-                j == bColumns.size() || (i < aColumns.size() && aColumns[i] <= bColumns[j]);
-            const bool useB =
-                i == aColumns.size() || (j < bColumns.size() && bColumns[j] <= aColumns[i]);
-            const double difference = (useA ? aWeights[i++] : 0) - (useB ? bWeights[j++] : 0);
-            largest = std::max(largest, std::abs(difference));
-        }
-    }
-    return largest;
-}
-
-template <class Point>
-double largestDifference(std::span<const Point> a, std::span<const Point> b) {
-    double largest = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            largest = std::max<double>(largest, std::abs(a[i][axis] - b[i][axis]));
-    return largest;
-}
-
-/// Positions that fill the cube from −1 to 1; the same on every platform.
-std::vector<Point3> randomPositions(Index count) {
-    std::mt19937 random(1);
-    std::vector<Point3> positions(at(count));
-    for (Point3& position : positions)
-        for (double& coordinate : position)
-            coordinate = 2 * (static_cast<double>(random()) / 4294967295.0) - 1;
-    return positions;
-}
-
-/// A table times positions.
-template <class Evaluator, class Real>
-std::vector<std::array<Real, 3>> evaluate(const StencilTable<Real>& table,
-                                          std::span<const std::array<Real, 3>> positions) {
-    std::vector<std::array<Real, 3>> result(at(table.rowCount()));
-    const auto layout = osd::BufferDescriptor::packed(3);
-    Evaluator::evaluate(table, std::span(positions.data()->data(), 3 * positions.size()), layout,
-                        std::span(result.data()->data(), 3 * result.size()), layout,
-                        {0, table.rowCount()});
-    return result;
-}
-
-using PointF = std::array<float, 3>;
-
-/// The largest difference between our evaluator and OpenSubdiv's on one table.
-double differenceOfEvaluators(const StencilTable<double>& table,
-                              std::span<const PointF> positions) {
-    const auto single = stencils::convertTable<float>(table);
-    const auto ours = evaluate<osd::CpuEvaluator, float>(single, positions);
-    const OpenSubdivTable<float> exported(single);
-    std::vector<PointF> theirs(ours.size());
-    const OpenSubdiv::Osd::BufferDescriptor layout(0, 3, 3);
-    OpenSubdiv::Osd::CpuEvaluator::EvalStencils(
-        positions.data()->data(), layout, theirs.data()->data(), layout, exported.GetSizes().data(),
-        exported.GetOffsets().data(), exported.GetControlIndices().data(),
-        exported.GetWeights().data(), 0, exported.GetNumStencils());
-    return largestDifference<PointF>(ours, theirs);
-}
-
-}  // namespace
 
 LevelAgreement Comparison::compare(int level, const StencilTable<double>& table) const {
+    const Index baseCount = data_->ours.level(0).complex.count(0);
+    if (at(table.rowCount()) != vertices(level).size() || table.columnCount() != baseCount)
+        throw Error("got a table of " + std::to_string(table.rowCount()) + " × " +
+                    std::to_string(table.columnCount()) + "; level " + std::to_string(level) +
+                    " takes one of " + std::to_string(vertices(level).size()) + " × " +
+                    std::to_string(baseCount));
     const Surface& region = data_->regions[at(level)];
     const LevelMatch& match = data_->matches[at(level)];
     LevelAgreement agreement;
@@ -222,21 +167,17 @@ LevelAgreement Comparison::compare(int level, const StencilTable<double>& table)
         return agreement;
     }
 
-    constexpr double kSide = 2;  // of the cube of random positions
-    const std::vector<Point3> positions = randomPositions(data_->ours.level(0).complex.count(0));
+    const std::vector<Point3> positions = randomPositions(baseCount);
     const StencilTable<double> theirs = openSubdivTable(level);
     agreement.weightDifference = largestDifference(table, theirs);
     agreement.positionDifference =
-        largestDifference<Point3>(evaluate<osd::ReferenceEvaluator, double>(table, positions),
-                                  openSubdivPoints(level, positions)) /
-        kSide;
-    std::vector<PointF> single;
-    for (const Point3& p : positions)
-        single.push_back(
-            {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+        largestDifference(evaluate<osd::ReferenceEvaluator, double>(table, positions),
+                          openSubdivPoints(level, positions)) /
+        kRandomSide;
+    const std::vector<PointF> single = toSingle(positions);
     agreement.evaluatorDifference =
-        std::max(differenceOfEvaluators(table, single), differenceOfEvaluators(theirs, single)) /
-        kSide;
+        larger(differenceOfEvaluators(table, single), differenceOfEvaluators(theirs, single)) /
+        kRandomSide;
     return agreement;
 }
 
@@ -294,6 +235,10 @@ Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> 
                           evaluate<osd::ReferenceEvaluator, double>(table, positions),
                           openSubdivPoints(level, positions));
     }
+    if (!agreement.levels.empty() && agreement.levels.back().counts[2] == 0)
+        agreement.note =
+            "OpenSubdiv leaves out every face, so that there is nothing to compare: each has a "
+            "vertex on the boundary";
     if (const Index count = correctedCorners(); count > 0)
         agreement.note = "OpenSubdiv " + openSubdivVersion() + " takes " + std::to_string(count) +
                          (count == 1 ? " non-manifold vertex" : " non-manifold vertices") +

@@ -32,13 +32,16 @@ public:
 
     /// OpenSubdiv's stencils of these vertices, in their order, over our base vertices.
     /// \param level 1 or more
+    /// \throws Error if a vertex has no match
     stencils::StencilTable<double> openSubdivTable(int level) const;
 
     /// OpenSubdiv's points of these vertices from our base positions, refined level by level.
+    /// \throws Error if there is not one position a base vertex, or a vertex has no match
     std::vector<Point3> openSubdivPoints(int level, std::span<const Point3> positions) const;
 
     /// Compares a level, with `table` as ours.
     /// \param table the stencils of vertices(level) over our base vertices
+    /// \throws Error if it has other numbers of rows or columns
     LevelAgreement compare(int level, const stencils::StencilTable<double>& table) const;
 
     /// Compares all levels from 1 on, with our own tables.

@@ -138,6 +138,36 @@ TEST(Comparison, CatchesPlantedErrors) {
     }
 }
 
+TEST(Comparison, RefusesTablesOfAnotherShape) {
+    const Lattice lattice = shapes::box();
+    const far::TopologyRefiner refiner = test::refined(lattice, 2);
+    const Comparison comparison(refiner);
+    // Level 1 for level 2; and all vertices, inside too.
+    for (const auto& table :
+         {stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96, comparison.vertices(1)),
+          stencils::buildStencils(refiner, 2)})
+        EXPECT_THROW(comparison.compare(2, table), Error);
+    EXPECT_THROW(comparison.openSubdivPoints(1, std::vector<Point3>(7)), Error);
+    EXPECT_THROW(comparison.vertices(3), Error);
+}
+
+// Not a number is not agreement.
+TEST(Comparison, NotANumberIsADifference) {
+    const far::TopologyRefiner refiner = test::refined(shapes::box(), 1);
+    const Comparison comparison(refiner);
+    const StencilTable<double> table =
+        stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96, comparison.vertices(1));
+    EXPECT_FALSE(comparison.compare(1, withWeight(table, 5, std::nan(""))).isWithin({}));
+}
+
+TEST(Comparison, SaysWhenNothingIsLeftToCompare) {
+    Lattice mesh{test::gridMesh(2, 2), std::vector<Point3>(9), {}, {}};
+    mesh.tags.boundary = far::Boundary::Open;
+    const Agreement agreement = agreementOf(mesh, 1);
+    EXPECT_EQ(agreement.levels.back().counts[2], 0);
+    EXPECT_THAT(agreement.note, HasSubstr("nothing to compare"));
+}
+
 TEST(Comparison, EveryFigureIsHeldAgainstItsBound) {
     LevelAgreement level{.level = 1, .counts = {8, 12, 6}, .openSubdivCounts = {8, 12, 6}};
     const Bounds bounds;
