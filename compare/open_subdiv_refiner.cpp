@@ -13,8 +13,8 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-/// OpenSubdiv keeps a sharpness infinite from 10 on, at every level.
-constexpr float kInfinite = 10;
+/// OpenSubdiv keeps a sharpness infinite from here on, at every level.
+constexpr auto kInfinite = static_cast<float>(far::kLeastInfinite);
 
 /// What a Far::TopologyDescriptor points to.
 struct Description {
@@ -49,8 +49,31 @@ struct Description {
     }
 };
 
+/// The sharpness that a lattice has by hand or by rule, as marks. What its topology dictates
+/// besides is left for OpenSubdiv to find.
+far::MarkedSharpness chosenSharpness(const far::TopologyRefiner& refiner, const Surface& surface) {
+    const far::CellComplex& complex = refiner.level(0).complex;
+    const far::Strata& strata = refiner.level(0).strata;
+    far::MarkedSharpness chosen;
+    for (const Index edge : surface.edges) {
+        const auto faces = complex.relation(1, 2)[edge];
+        const auto onSurface = std::count_if(faces.begin(), faces.end(), [&](Index face) {
+            return complex.relation(2, 3)[face].size() == 1;
+        });
+        if (onSurface == 2) chosen.edges[edge] = strata.sharpness({1, edge});
+    }
+    chosen.vertices = far::readMarks(complex, refiner.options().marks).vertices;
+    for (const Index vertex : surface.vertices)
+        if (complex.relation(0, 3)[vertex].size() == 1)
+            chosen.vertices[vertex] = strata.sharpness({0, vertex});
+    return chosen;
+}
+
 Description describe(const far::TopologyRefiner& refiner, const Surface& surface) {
     const auto& [complex, strata, holes] = refiner.level(0);
+    const auto isOnSurface = [&](Index vertex) {
+        return std::binary_search(surface.vertices.begin(), surface.vertices.end(), vertex);
+    };
     const auto nameOf = [&](Index vertex) {
         const auto at = std::lower_bound(surface.vertices.begin(), surface.vertices.end(), vertex);
         return static_cast<int>(at - surface.vertices.begin());
@@ -61,24 +84,16 @@ Description describe(const far::TopologyRefiner& refiner, const Surface& surface
         description.faceSizes.push_back(static_cast<int>(loop.size()));
         for (const Index vertex : loop) description.faceVertices.push_back(nameOf(vertex));
     }
-    const auto addCrease = [&](Index edge, float sharpness) {
+    const far::MarkedSharpness marked = complex.dimension() == 2
+                                            ? far::readMarks(complex, refiner.options().marks)
+                                            : chosenSharpness(refiner, surface);
+    for (const auto& [edge, sharpness] : marked.edges) {
         const auto ends = complex.relation(1, 0)[edge];
         description.addCrease(nameOf(ends[0]), nameOf(ends[1]), sharpness);
-    };
-    if (complex.dimension() == 2) {
-        const far::MarkedSharpness marked = far::readMarks(complex, refiner.options().marks);
-        for (const auto& [edge, sharpness] : marked.edges) addCrease(edge, sharpness);
-        for (const auto& [vertex, sharpness] : marked.vertices)
-            description.addCorner(nameOf(vertex), sharpness);
-        description.holes.assign(holes.begin(), holes.end());
-    } else {
-        for (const Index edge : surface.edges)
-            if (strata.sharpness({1, edge}) > far::kSmooth)
-                addCrease(edge, strata.sharpness({1, edge}));
-        for (const Index vertex : surface.vertices)
-            if (strata.sharpness({0, vertex}) > far::kSmooth)
-                description.addCorner(nameOf(vertex), strata.sharpness({0, vertex}));
     }
+    for (const auto& [vertex, sharpness] : marked.vertices)
+        if (isOnSurface(vertex)) description.addCorner(nameOf(vertex), sharpness);
+    description.holes.assign(holes.begin(), holes.end());
     return description;
 }
 
@@ -112,29 +127,84 @@ std::unique_ptr<Far::TopologyRefiner> create(const Description& description,
     return refiner;
 }
 
-/// Vertices that OpenSubdiv takes for non-manifold creases and we for corners.
-std::vector<int> misjudgedCorners(const Far::TopologyRefiner& theirs,
-                                  const far::TopologyRefiner& ours, const Surface& surface) {
-    std::vector<int> vertices;
-    const Far::TopologyLevel& base = theirs.GetLevel(0);
-    for (int vertex = 0; vertex < base.GetNumVertices(); ++vertex) {
-        const Index our = surface.vertices[static_cast<std::size_t>(vertex)];
-        if (base.IsVertexNonManifold(vertex) && !base.IsVertexInfSharp(vertex) &&
-            ours.level(0).strata.sharpness({0, our}) == far::kInfinitelySharp)
-            vertices.push_back(vertex);
+/// Whether the faces at a vertex form a non-manifold crease as OpenSubdiv has it since release
+/// 3.6.1: sets of faces that all run from the one to the other of two edges, which have as many
+/// faces. Found from OpenSubdiv's own relations.
+bool isCreaseSince361(const Far::TopologyLevel& level, int vertex) {
+    std::vector<int> creaseEdges;
+    for (const int edge : level.GetVertexEdges(vertex)) {
+        if (level.IsEdgeNonManifold(edge))
+            creaseEdges.push_back(edge);
+        else if (level.GetEdgeFaces(edge).size() != 2)
+            return false;
     }
+    if (creaseEdges.size() != 2 ||
+        level.GetEdgeFaces(creaseEdges[0]).size() != level.GetEdgeFaces(creaseEdges[1]).size())
+        return false;
+    // The other edge of a face at the vertex.
+    const auto across = [&](int face, int edge) {
+        for (const int other : level.GetFaceEdges(face)) {
+            const auto ends = level.GetEdgeVertices(other);
+            if (other != edge && (ends[0] == vertex || ends[1] == vertex)) return other;
+        }
+        return edge;
+    };
+    int faceCount = 0;
+    for (int face : level.GetEdgeFaces(creaseEdges[0])) {
+        int edge = creaseEdges[0];
+        // A walk that does not end has passed more faces than there are.
+        while (faceCount++ <= level.GetVertexFaces(vertex).size()) {
+            edge = across(face, edge);
+            if (level.IsEdgeNonManifold(edge)) break;
+            const auto faces = level.GetEdgeFaces(edge);
+            face = faces[0] == face ? faces[1] : faces[0];
+        }
+        if (edge != creaseEdges[1]) return false;
+    }
+    return faceCount == level.GetVertexFaces(vertex).size();
+}
+
+/// Vertices that a release of OpenSubdiv before 3.6.1 takes for non-manifold creases wrongly.
+std::vector<int> misjudgedCorners(const Far::TopologyRefiner& refiner) {
+    std::vector<int> vertices;
+    const Far::TopologyLevel& base = refiner.GetLevel(0);
+    for (int vertex = 0; vertex < base.GetNumVertices(); ++vertex)
+        if (base.IsVertexNonManifold(vertex) && !base.IsVertexInfSharp(vertex) &&
+            !isCreaseSince361(base, vertex))
+            vertices.push_back(vertex);
     return vertices;
+}
+
+/// OpenSubdiv counts what is around a face, an edge or a vertex in 16 bits, and prints what is
+/// more.
+void checkValences(const far::CellComplex& complex, const Surface& surface) {
+    const auto check = [&](far::Entity entity, int around) {
+        const std::size_t count = complex.relation(entity.dimension, around)[entity.index].size();
+        if (count > static_cast<std::size_t>(Far::VALENCE_LIMIT))
+            throw Error(std::string(far::dimensionName(entity.dimension)) + " " +
+                        std::to_string(entity.index) + " meets " + std::to_string(count) + " " +
+                        (around == 0   ? "vertices"
+                         : around == 1 ? "edges"
+                                       : "faces") +
+                        ", more than OpenSubdiv can count (" + std::to_string(Far::VALENCE_LIMIT) +
+                        ")");
+    };
+    for (const Index face : surface.faces) check({2, face}, 0);
+    for (const Index edge : surface.edges) check({1, edge}, 2);
+    for (const Index vertex : surface.vertices)
+        for (const int around : {1, 2}) check({0, vertex}, around);
 }
 
 }  // namespace
 
 OpenSubdivRefiner makeOpenSubdivRefiner(const far::TopologyRefiner& refiner,
                                         const Surface& surface) {
+    checkValences(refiner.level(0).complex, surface);
     const Sdc::Options options = schemeOptions(refiner);
     Description description = describe(refiner, surface);
     OpenSubdivRefiner result{create(description, surface.vertices.size(), options)};
 #if OPENSUBDIV_VERSION_NUMBER < 30601
-    const std::vector<int> misjudged = misjudgedCorners(*result.refiner, refiner, surface);
+    const std::vector<int> misjudged = misjudgedCorners(*result.refiner);
     if (!misjudged.empty()) {
         for (const int vertex : misjudged) description.addCorner(vertex, kInfinite);
         result.refiner = create(description, surface.vertices.size(), options);

@@ -21,10 +21,11 @@ struct OpenSubdivRefiner {
 /// Gives the surface of level 0 of a refiner to OpenSubdiv, and refines it to the same level.
 /// Vertex i there is surface.vertices[i] here, face i is surface.faces[i].
 ///
-/// Of a mesh, OpenSubdiv gets the boundary mode and the marks as they are, and finds out by itself
-/// what else is sharp. Of a lattice, whose cells it cannot know, it gets the sharpness of level 0.
+/// Of a mesh, OpenSubdiv gets the boundary mode and the marks as they are. Of a lattice, whose
+/// cells it cannot know, it gets the sharpness that edges and vertices have by hand or by rule. It
+/// finds out by itself what else is sharp.
 ///
-/// \throws Error if OpenSubdiv refuses the surface
+/// \throws Error if OpenSubdiv cannot hold the surface
 OpenSubdivRefiner makeOpenSubdivRefiner(const far::TopologyRefiner& refiner,
                                         const Surface& surface);
 

@@ -144,19 +144,22 @@ struct Steps {
         // 0, or for a step that its loop has made before, and for one that leads nowhere, a number
         // of its own: such steps are edges of their own.
         std::vector<Index> repeats;
+        std::vector<std::array<Index, 3>> sorted;  // the two ends, and the position
         for (Index row = 0; row < loops.rowCount(); ++row) {
             const auto loop = loops[row];
-            const std::size_t first = ends.size();
+            sorted.clear();
             for (std::size_t i = 0; i < loop.size(); ++i) {
-                const std::array<Index, 2> step = {loop[i], loop[(i + 1) % loop.size()]};
-                const bool isRepeat = step[0] == step[1] ||
-                                      std::any_of(ends.begin() + static_cast<std::ptrdiff_t>(first),
-                                                  ends.end(), [&](const auto& earlier) {
-                                                      return std::minmax(earlier[0], earlier[1]) ==
-                                                             std::minmax(step[0], step[1]);
-                                                  });
-                ends.push_back(step);
-                repeats.push_back(isRepeat ? static_cast<Index>(ends.size()) : 0);
+                const Index from = loop[i], to = loop[(i + 1) % loop.size()];
+                sorted.push_back(
+                    {std::min(from, to), std::max(from, to), static_cast<Index>(ends.size())});
+                ends.push_back({from, to});
+                repeats.push_back(0);
+            }
+            std::sort(sorted.begin(), sorted.end());
+            for (std::size_t i = 0; i < sorted.size(); ++i) {
+                const auto& [low, high, step] = sorted[i];
+                if (low == high || (i > 0 && sorted[i - 1][0] == low && sorted[i - 1][1] == high))
+                    repeats[static_cast<std::size_t>(step)] = step + 1;
             }
         }
         const auto key = [&](Index step) {

@@ -2,32 +2,64 @@
 #include <espalier/far/surface_fans.h>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace espalier::far {
+namespace {
+
+std::size_t at(Index index) {
+    return static_cast<std::size_t>(index);
+}
+
+}  // namespace
 
 SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> isSurfaceFace)
     : complex_(complex), isSurfaceFace_(std::move(isSurfaceFace)) {
-    edgeKinds_.reserve(static_cast<std::size_t>(complex.count(1)));
+    // How often faces run along each edge from tail to head, less how often the other way. The
+    // boundary of a lattice is oriented by its cells, however its faces are wound.
+    std::vector<int> turns(at(complex.count(1)), 0);
+    if (complex.dimension() == 2)
+        for (Index face = 0; face < complex.count(2); ++face)
+            for (std::size_t i = 0; i < complex.boundary(2)[face].size(); ++i)
+                turns[at(complex.boundary(2)[face][i])] += complex.boundary(2).signs(face)[i];
+
+    edgeKinds_.reserve(at(complex.count(1)));
     for (Index edge = 0; edge < complex.count(1); ++edge) {
         const std::vector<Index> faces = surfaceFaces(edge);
-        if (faces.empty())
-            edgeKinds_.push_back(EdgeKind::None);
-        else if (isDegenerate(edge))
-            edgeKinds_.push_back(EdgeKind::NonManifold);
-        else if (faces.size() == 1)
-            edgeKinds_.push_back(EdgeKind::Boundary);
-        else if (faces.size() == 2 && areCoherent(edge, faces[0], faces[1]))
-            edgeKinds_.push_back(EdgeKind::Manifold);
-        else
-            edgeKinds_.push_back(EdgeKind::NonManifold);
+        const bool isManifold = faces.size() == 2 && turns[at(edge)] == 0;
+        edgeKinds_.push_back(faces.empty()       ? EdgeKind::None
+                             : faces.size() == 1 ? EdgeKind::Boundary
+                             : isManifold        ? EdgeKind::Manifold
+                                                 : EdgeKind::NonManifold);
     }
+    // The faces of a lattice have no vertex twice.
+    if (complex.dimension() == 2) markDegenerate();
+
+    // The corners of the surface, vertex by vertex.
+    const auto forEachCorner = [&](auto visit) {
+        for (Index face = 0; face < complex.count(2); ++face) {
+            if (isSurfaceFace_[at(face)] == 0) continue;
+            const auto vertices = complex.relation(2, 0)[face];
+            const auto edges = complex.relation(2, 1)[face];
+            for (std::size_t i = 0; i < vertices.size(); ++i)
+                visit(vertices[i], Corner{edges[(i + edges.size() - 1) % edges.size()], edges[i]});
+        }
+    };
+    cornerOffsets_.assign(at(complex.count(0)) + 1, 0);
+    forEachCorner([&](Index vertex, const Corner&) { ++cornerOffsets_[at(vertex) + 1]; });
+    std::partial_sum(cornerOffsets_.begin(), cornerOffsets_.end(), cornerOffsets_.begin());
+    corners_.resize(static_cast<std::size_t>(cornerOffsets_.back()));
+    std::vector<Offset> next = cornerOffsets_;
+    forEachCorner([&](Index vertex, const Corner& corner) {
+        corners_[static_cast<std::size_t>(next[at(vertex)]++)] = corner;
+    });
 }
 
 std::vector<Index> SurfaceFans::surfaceFaces(Index edge) const {
     std::vector<Index> faces;
     for (const Index face : complex_.relation(1, 2)[edge])
-        if (isSurfaceFace_[static_cast<std::size_t>(face)] != 0) faces.push_back(face);
+        if (isSurfaceFace_[at(face)] != 0) faces.push_back(face);
     return faces;
 }
 
@@ -35,69 +67,70 @@ Index SurfaceFans::faceCount(Index edge) const {
     return static_cast<Index>(surfaceFaces(edge).size());
 }
 
-bool SurfaceFans::areCoherent(Index edge, Index first, Index second) const {
-    // The boundary of a lattice is oriented by its cells, however its faces are wound.
-    if (complex_.dimension() == 3) return true;
-    const SignedIncidence& boundary = complex_.boundary(2);
-    const auto signIn = [&](Index face) {
-        const auto row = boundary[face];
-        const auto at = std::find(row.begin(), row.end(), edge) - row.begin();
-        return boundary.signs(face)[static_cast<std::size_t>(at)];
-    };
-    return signIn(first) != signIn(second);
-}
-
-bool SurfaceFans::isDegenerate(Index edge) const {
-    if (complex_.dimension() == 3) return false;
-    const auto ends = complex_.relation(1, 0)[edge];
-    if (ends[0] == ends[1]) return true;
-    for (const Index face : complex_.relation(1, 2)[edge])
-        for (const Index other : complex_.relation(2, 1)[face]) {
-            const auto otherEnds = complex_.relation(1, 0)[other];
-            if (other != edge && std::is_permutation(ends.begin(), ends.end(), otherEnds.begin()))
-                return true;
+/// Edges that a face has more than once between the same two vertices, or that lead nowhere.
+void SurfaceFans::markDegenerate() {
+    std::vector<std::array<Index, 3>> sides;  // the two ends, and the edge
+    for (Index face = 0; face < complex_.count(2); ++face) {
+        sides.clear();
+        for (const Index edge : complex_.relation(2, 1)[face]) {
+            const auto ends = complex_.relation(1, 0)[edge];
+            sides.push_back({std::min(ends[0], ends[1]), std::max(ends[0], ends[1]), edge});
         }
-    return false;
+        std::sort(sides.begin(), sides.end());
+        for (std::size_t i = 0; i < sides.size(); ++i) {
+            const auto isSame = [&](std::size_t other) {
+                return sides[i][0] == sides[other][0] && sides[i][1] == sides[other][1];
+            };
+            if (sides[i][0] == sides[i][1] || (i > 0 && isSame(i - 1)) ||
+                (i + 1 < sides.size() && isSame(i + 1)))
+                edgeKinds_[at(sides[i][2])] = EdgeKind::NonManifold;
+        }
+    }
 }
 
 SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
-    std::vector<Index> faces;
-    for (const Index face : complex_.relation(0, 2)[vertex])
-        if (isSurfaceFace_[static_cast<std::size_t>(face)] != 0) faces.push_back(face);
-    if (faces.empty()) return VertexKind::None;
+    const auto first = static_cast<std::size_t>(cornerOffsets_[at(vertex)]);
+    const std::size_t count = static_cast<std::size_t>(cornerOffsets_[at(vertex) + 1]) - first;
+    if (count == 0) return VertexKind::None;
 
-    int fanCount = 0;
-    bool hasBoundary = false, hasNonManifold = false, allBetweenTheSame = true;
-    std::vector<Index> creaseEnds;  // of the first fan
-    std::vector<Index> reached;
-    for (const Index start : faces) {
-        if (contains(reached, start)) continue;
-        ++fanCount;
-        // Cross from face to face over manifold edges; the edges that stop it are the fan's ends.
-        std::vector<Index> ends;
-        std::size_t next = reached.size();
-        reached.push_back(start);
-        for (; next < reached.size(); ++next)
-            for (const Index edge : complex_.relation(2, 1)[reached[next]]) {
-                if (!contains(complex_.relation(1, 0)[edge], vertex)) continue;
-                if (this->edge(edge) != EdgeKind::Manifold) {
-                    ends.push_back(edge);
-                    continue;
-                }
-                for (const Index face : surfaceFaces(edge))
-                    if (!contains(reached, face)) reached.push_back(face);
-            }
-        for (const Index end : ends) {
-            hasBoundary |= edge(end) == EdgeKind::Boundary;
-            hasNonManifold |= edge(end) == EdgeKind::NonManifold;
-        }
-        std::sort(ends.begin(), ends.end());
-        if (fanCount == 1) creaseEnds = ends;
-        allBetweenTheSame &= ends.size() == 2 && ends[0] != ends[1] && ends == creaseEnds;
+    // Each edge at the vertex with the corners that it bounds; a manifold edge has two.
+    std::vector<std::pair<Index, std::size_t>> sides;
+    for (std::size_t i = 0; i < count; ++i) {
+        sides.emplace_back(corners_[first + i].entering, i);
+        sides.emplace_back(corners_[first + i].leaving, i);
     }
-    if (!hasNonManifold && fanCount == 1) return VertexKind::Fan;
-    if (hasNonManifold && !hasBoundary && allBetweenTheSame && fanCount > 2)
-        return VertexKind::Crease;
+    std::sort(sides.begin(), sides.end());
+
+    // Fans as trees of corners: each corner points to another of its fan, the root to itself.
+    std::vector<std::size_t> parents(count);
+    std::iota(parents.begin(), parents.end(), std::size_t{0});
+    const auto rootOf = [&](std::size_t corner) {
+        while (parents[corner] != corner) corner = parents[corner] = parents[parents[corner]];
+        return corner;
+    };
+    for (std::size_t i = 0; i + 1 < sides.size(); ++i)
+        if (sides[i].first == sides[i + 1].first && edge(sides[i].first) == EdgeKind::Manifold)
+            parents[rootOf(sides[i].second)] = rootOf(sides[i + 1].second);
+
+    // The ends of each fan: edges that do not lead on. Ascending, as the sides are.
+    std::vector<std::vector<Index>> ends(count);
+    bool hasBoundary = false, hasNonManifold = false;
+    for (const auto& [side, corner] : sides) {
+        if (edge(side) == EdgeKind::Manifold) continue;
+        ends[rootOf(corner)].push_back(side);
+        hasBoundary |= edge(side) == EdgeKind::Boundary;
+        hasNonManifold |= edge(side) == EdgeKind::NonManifold;
+    }
+    std::size_t fanCount = 0;
+    bool areBetweenTheSame = true;
+    for (std::size_t corner = 0; corner < count; ++corner) {
+        if (rootOf(corner) != corner) continue;
+        ++fanCount;
+        const std::vector<Index>& own = ends[corner];
+        areBetweenTheSame &= own.size() == 2 && own[0] != own[1] && own == ends[rootOf(0)];
+    }
+    if (fanCount == 1 && !hasNonManifold) return VertexKind::Fan;
+    if (fanCount > 2 && areBetweenTheSame && !hasBoundary) return VertexKind::Crease;
     return VertexKind::NonManifold;
 }
 
