@@ -39,6 +39,7 @@ compare::ReportedShape compareFile(const Options& options, const std::string& fi
         });
     } catch (const Error& error) {
         shape.failure = error.what();
+        if (!shape.failure.starts_with(file)) shape.failure = file + ": " + shape.failure;
     }
     return shape;
 }
@@ -65,23 +66,33 @@ void print(const compare::ReportedShape& shape, std::size_t nameWidth,
     if (!shape.agreement.note.empty())
         fmt::print("{:<{}}  note: {}\n", "", nameWidth, shape.agreement.note);
     if (!shape.failure.empty())
-        fmt::print("{:<{}}  could not be compared: {}\n", shape.name, nameWidth, shape.failure);
+        fmt::print("{:<{}}  could not be compared\n", shape.name, nameWidth);
 }
 
-/// Why the comparison fails, in one line.
-std::string describe(const compare::Report& report, std::size_t differing, std::size_t failed) {
-    std::string text;
-    if (differing > 0)
-        text = fmt::format(
-            "{} of {} files {} from OpenSubdiv {} (bounds: positions {:g}, weights {:g}, "
-            "evaluators {:g})",
-            differing, report.shapes.size(), differing == 1 ? "differs" : "differ",
-            report.openSubdivVersion, report.bounds.position, report.bounds.weight,
-            report.bounds.evaluator);
-    if (failed > 0)
-        text += fmt::format("{}{} of {} files could not be compared", text.empty() ? "" : "; ",
-                            failed, report.shapes.size());
-    return text;
+/// What is wrong with a shape: why it could not be compared, or where it differs. Empty if nothing.
+std::string offence(const compare::ReportedShape& shape, const compare::Report& report) {
+    if (!shape.failure.empty()) return shape.failure;
+    for (const compare::LevelAgreement& level : shape.agreement.levels)
+        if (!level.isWithin(report.bounds))
+            return fmt::format(
+                "{}: differs from OpenSubdiv {} at level {}{}", shape.name,
+                report.openSubdivVersion, level.level,
+                level.topologyDifference.empty() ? "" : ": " + level.topologyDifference);
+    return {};
+}
+
+/// Throws if anything is wrong, naming the first.
+void checkAll(const compare::Report& report) {
+    std::string first;
+    std::size_t count = 0;
+    for (const compare::ReportedShape& shape : report.shapes) {
+        const std::string text = offence(shape, report);
+        if (text.empty()) continue;
+        if (++count == 1) first = text;
+    }
+    if (count > 1)
+        first += fmt::format(" (and {} more of {} files)", count - 1, report.shapes.size());
+    if (count > 0) throw Error(first);
 }
 
 void run(const Options& options) {
@@ -95,22 +106,16 @@ void run(const Options& options) {
                            .shapes = {}};
     std::size_t nameWidth = 0;
     for (const std::string& file : options.files) nameWidth = std::max(nameWidth, file.size());
-    std::size_t differing = 0, failed = 0;
     for (const std::string& file : options.files) {
         report.shapes.push_back(compareFile(options, file, stages));
-        const compare::ReportedShape& shape = report.shapes.back();
-        if (!shape.failure.empty())
-            ++failed;
-        else if (!shape.agreement.isWithin(report.bounds))
-            ++differing;
-        if (!options.common.quiet) print(shape, nameWidth, report.bounds);
+        if (!options.common.quiet) print(report.shapes.back(), nameWidth, report.bounds);
     }
     if (!options.html.empty())
         stages.run("writing", [&] {
             io::writeFile(options.html,
                           [&](std::ostream& out) { out << compare::htmlReport(report); });
         });
-    if (differing + failed > 0) throw Error(describe(report, differing, failed));
+    checkAll(report);
     if (!options.common.quiet)
         fmt::print("{} of {} files agree with OpenSubdiv {} at levels 1 to {}\n",
                    options.files.size(), options.files.size(), report.openSubdivVersion,

@@ -7,6 +7,7 @@
 #include <espalier/io/lattice_file.h>
 #include <espalier/stencils/composition.h>
 
+#include <algorithm>
 #include <system_error>
 
 namespace espalier::cli {
@@ -39,6 +40,9 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
     for (const std::string& input : inputs)
         if (std::filesystem::equivalent(output, input, ignored))
             throw io::FileError(output, "is also an input: writing it would lose that");
+    const std::filesystem::path folder = output.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
+        throw io::FileError(output, "cannot be written: there is no folder " + folder.string());
     const bool isSpecial = std::filesystem::exists(output, ignored) &&
                            !std::filesystem::is_regular_file(output, ignored);
     if (!extension.empty() && output.extension() != extension && !isSpecial)
@@ -60,6 +64,25 @@ RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& 
     return {std::move(lattice), std::move(refiner)};
 }
 
+namespace {
+
+/// Adds the vertices that are marked by hand and as sharp as their mark says, though without it
+/// they would be too: under another boundary mode they might not.
+void keepCorners(const far::TopologyRefiner& refiner, int level, far::Marks& marks) {
+    if (refiner.boundary() == far::Boundary::Open) return;
+    for (const far::Marks::Vertex& mark : refiner.options().marks.vertices) {
+        // The vertex points of a level keep the numbers of their vertices.
+        const float sharpness = refiner.level(level).strata.sharpness({0, mark.vertex});
+        const bool isThere =
+            std::any_of(marks.vertices.begin(), marks.vertices.end(),
+                        [&](const auto& other) { return other.vertex == mark.vertex; });
+        if (sharpness > far::kSmooth && !isThere)
+            marks.vertices.push_back({mark.vertex, sharpness});
+    }
+}
+
+}  // namespace
+
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base) {
     const auto& [complex, strata, holes] = refiner.level(level);
@@ -71,6 +94,7 @@ Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const Com
     refined.marks = far::marksFor(
         complex, strata,
         isMesh || used.boundary == far::Boundary::Open ? used.boundary : far::Boundary::Sharp);
+    keepCorners(refiner, level, refined.marks);
     refined.marks.holes = holes;
     if (isMesh) refined.tags = {used.boundary, used.creasing, used.triangles};
     for (const VertexAttribute& attribute : base.attributes)

@@ -18,7 +18,8 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 
-/// Refuses an output that would replace one of the inputs, before any work is done. With an
+/// Refuses an output that would replace one of the inputs, or whose folder does not exist, before
+/// any work is done. With an
 /// `extension` (".mtx"), also one of another extension; devices and pipes may have any.
 /// \throws FileError
 void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,

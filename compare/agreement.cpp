@@ -13,7 +13,8 @@ bool LevelAgreement::isWithin(const Bounds& bounds) const {
 }
 
 bool Agreement::isWithin(const Bounds& bounds) const {
-    return std::all_of(levels.begin(), levels.end(),
+    return !levels.empty() &&
+           std::all_of(levels.begin(), levels.end(),
                        [&](const LevelAgreement& level) { return level.isWithin(bounds); });
 }
 

@@ -59,6 +59,7 @@ struct Agreement {
     SurfaceError picture = {};  ///< of a level with few enough faces to be drawn, or of none
     std::string note = {};      ///< what a reader should know besides; mostly empty
 
+    /// Whether every level is; false if there is none.
     bool isWithin(const Bounds& bounds) const;
 };
 

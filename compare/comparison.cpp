@@ -37,6 +37,15 @@ struct Comparison::Data {
 
     Far::TopologyLevel theirLevel(int level) const { return theirs.refiner->GetLevel(level); }
 
+    int maxLevel() const { return static_cast<int>(regions.size()) - 1; }
+
+    const Surface& region(int level) const {
+        if (level < 0 || level > maxLevel())
+            throw Error("level " + std::to_string(level) + " was not compared; levels 0 to " +
+                        std::to_string(maxLevel()) + " were");
+        return regions[at(level)];
+    }
+
     /// Their vertex for one of ours on the surface.
     Index theirVertex(int level, Index vertex) const {
         if (const auto match = matches[at(level)].of({0, vertex})) return *match;
@@ -80,8 +89,7 @@ Comparison::Comparison(const far::TopologyRefiner& refiner) {
 Comparison::~Comparison() = default;
 
 const std::vector<Index>& Comparison::vertices(int level) const {
-    data_->ours.level(level);  // Throws if it is not there.
-    return data_->regions[at(level)].vertices;
+    return data_->region(level).vertices;
 }
 
 Index Comparison::correctedCorners() const {
@@ -89,13 +97,14 @@ Index Comparison::correctedCorners() const {
 }
 
 StencilTable<double> Comparison::openSubdivTable(int level) const {
-    data_->ours.refinement(level);  // Throws if it is not there.
+    if (level < 1) throw Error("OpenSubdiv has stencils of levels 1 and on");
+    const std::vector<Index>& ours = vertices(level);
     const StencilTable<double> theirs = fromOpenSubdiv(*data_->table, data_->firstRow(level),
                                                        data_->theirLevel(level).GetNumVertices());
     std::vector<Offset> offsets = {0};
     std::vector<Index> columns;
     std::vector<double> weights;
-    for (const Index vertex : vertices(level)) {
+    for (const Index vertex : ours) {
         const Index row = data_->theirVertex(level, vertex);
         // Their base vertices are ours of the surface in order, so that columns still ascend.
         for (const Index column : theirs.columns(row))
@@ -126,6 +135,7 @@ std::vector<Point3> Comparison::openSubdivPoints(int level,
     if (positions.size() != at(baseCount))
         throw Error("got " + std::to_string(positions.size()) + " positions for " +
                     std::to_string(baseCount) + " vertices");
+    const std::vector<Index>& ours = vertices(level);
     std::vector<Primvar> points;
     for (const Index vertex : data_->base.vertices) points.push_back({positions[at(vertex)]});
     const Far::PrimvarRefinerReal<double> refiner(*data_->theirs.refiner);
@@ -136,7 +146,7 @@ std::vector<Point3> Comparison::openSubdivPoints(int level,
         points = std::move(next);
     }
     std::vector<Point3> result;
-    for (const Index vertex : vertices(level))
+    for (const Index vertex : ours)
         result.push_back(points[at(data_->theirVertex(level, vertex))].point);
     return result;
 }
@@ -148,7 +158,7 @@ LevelAgreement Comparison::compare(int level, const StencilTable<double>& table)
                     std::to_string(table.columnCount()) + "; level " + std::to_string(level) +
                     " takes one of " + std::to_string(vertices(level).size()) + " × " +
                     std::to_string(baseCount));
-    const Surface& region = data_->regions[at(level)];
+    const Surface& region = data_->region(level);
     const LevelMatch& match = data_->matches[at(level)];
     LevelAgreement agreement;
     agreement.level = level;
@@ -221,9 +231,35 @@ SurfaceError drawError(const far::TopologyRefiner& refiner, int level, const Sur
 
 }  // namespace
 
+std::string Comparison::noteOn(const Agreement& agreement) const {
+    std::string note;
+    if (const Index count = correctedCorners(); count > 0)
+        note =
+            "OpenSubdiv " + openSubdivVersion() + " takes " + std::to_string(count) +
+            (count == 1 ? " non-manifold vertex" : " non-manifold vertices") +
+            " for creases that form none (corrected in its release 3.6.1); marked as corners for "
+            "it. ";
+    // Differences of the size of single precision, in the tables.
+    const bool isRounded =
+        std::any_of(agreement.levels.begin(), agreement.levels.end(), [](const auto& level) {
+            return level.weightDifference > Bounds().weight && level.weightDifference < 1e-6;
+        });
+    if (isRounded && data_->ours.level(0).strata.hasSemiSharp())
+        note +=
+            "Where three or more semi-sharp values meet in a vertex, their sum is rounded in "
+            "single "
+            "precision, and OpenSubdiv adds them in another order: that may be the difference. ";
+    if (!note.empty()) note.pop_back();
+    return note;
+}
+
 Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> positions) const {
+    if (vertices(data_->maxLevel()).empty())
+        throw Error(
+            "OpenSubdiv leaves out every face, since each has a vertex on the boundary: there is "
+            "nothing to compare");
     Agreement agreement;
-    for (int level = 1; level <= data_->ours.maxLevel(); ++level) {
+    for (int level = 1; level <= data_->maxLevel(); ++level) {
         const StencilTable<double> table =
             stencils::buildStencils(data_->ours, level, rules, vertices(level));
         agreement.levels.push_back(compare(level, table));
@@ -235,15 +271,7 @@ Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> 
                           evaluate<osd::ReferenceEvaluator, double>(table, positions),
                           openSubdivPoints(level, positions));
     }
-    if (!agreement.levels.empty() && agreement.levels.back().counts[2] == 0)
-        agreement.note =
-            "OpenSubdiv leaves out every face, so that there is nothing to compare: each has a "
-            "vertex on the boundary";
-    if (const Index count = correctedCorners(); count > 0)
-        agreement.note = "OpenSubdiv " + openSubdivVersion() + " takes " + std::to_string(count) +
-                         (count == 1 ? " non-manifold vertex" : " non-manifold vertices") +
-                         " for creases that form none (corrected in its release 3.6.1); marked as "
-                         "corners for it";
+    agreement.note = noteOn(agreement);
     return agreement;
 }
 

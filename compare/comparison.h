@@ -28,6 +28,8 @@ public:
     ~Comparison();
 
     /// Our vertices in the compared part of a level, ascending.
+    /// \param level 0 to the refiner's maxLevel() of then
+    /// \throws Error if it is none of these
     const std::vector<Index>& vertices(int level) const;
 
     /// OpenSubdiv's stencils of these vertices, in their order, over our base vertices.
@@ -46,6 +48,7 @@ public:
 
     /// Compares all levels from 1 on, with our own tables.
     /// \param positions of the base vertices, for the picture
+    /// \throws Error if under Boundary::Open no face is left to compare
     Agreement compareAll(stencils::Rules rules, std::span<const Point3> positions) const;
 
     /// How many non-manifold vertices this release of OpenSubdiv misjudges: releases before 3.6.1
@@ -54,6 +57,8 @@ public:
     Index correctedCorners() const;
 
 private:
+    std::string noteOn(const Agreement& agreement) const;
+
     struct Data;
     std::unique_ptr<const Data> data_;
 };

@@ -66,7 +66,8 @@ struct Totals {
             levels += shape.agreement.levels.size();
             for (const LevelAgreement& level : shape.agreement.levels)
                 levelsOver += !level.isWithin(report.bounds);
-            shapesOver += !shape.agreement.isWithin(report.bounds);
+            shapesOver +=
+                !shape.agreement.levels.empty() && !shape.agreement.isWithin(report.bounds);
             failures += !failureOf(shape).empty();
         }
     }

@@ -2,6 +2,9 @@
 #include <espalier/compare/level_match.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -182,6 +185,14 @@ public:
                            std::to_string(*theirs);
             }
         }
+        // OpenSubdiv's holes without boundary control are not in the region; ours must be among
+        // them.
+        if (isOpen_)
+            for (const Index hole : level_.holes) {
+                const std::optional<Index> theirs = match_.of({2, hole});
+                if (theirs && !theirs_.IsFaceHole(*theirs))
+                    return name({2, hole}) + " is a hole; theirs is not";
+            }
         // Faces first: what differs in their vertices need not be told of the latter's features.
         for (int d = 2; d >= 0; --d)
             for (const Index index : entities[at(d)]) {
@@ -206,8 +217,18 @@ private:
         return std::min(level_.strata.sharpness(entity), static_cast<float>(far::kLeastInfinite));
     }
 
-    static std::string differ(const std::string& what, float ours, float theirs) {
-        return "has " + what + " " + std::to_string(ours) + "; theirs " + std::to_string(theirs);
+    /// Sums of three or more semi-sharp values are rounded as their order has it (sharpness.h):
+    /// that is not a difference of features.
+    static bool isSameSharpness(float ours, float theirs) {
+        constexpr float kRounding = 8 * std::numeric_limits<float>::epsilon();
+        return std::abs(ours - theirs) <= kRounding * std::max(ours, theirs);
+    }
+
+    static std::string differ(float ours, float theirs) {
+        std::ostringstream text;
+        text.precision(std::numeric_limits<float>::max_digits10);
+        text << "has sharpness " << ours << "; theirs " << theirs;
+        return text.str();
     }
 
     std::string inspectVertex(Index vertex) const {
@@ -215,8 +236,8 @@ private:
         const Entity entity{0, vertex};
         if (level_.strata.isOpen(entity)) return {};
         const Index theirs = *match_.of(entity);
-        if (sharpness(entity) != theirs_.GetVertexSharpness(theirs))
-            return differ("sharpness", sharpness(entity), theirs_.GetVertexSharpness(theirs));
+        if (!isSameSharpness(sharpness(entity), theirs_.GetVertexSharpness(theirs)))
+            return differ(sharpness(entity), theirs_.GetVertexSharpness(theirs));
         const Rule rule = theirs_.GetVertexRule(theirs);
         const int stratum = rule == Rule::RULE_CORNER ? 0 : rule == Rule::RULE_CREASE ? 1 : 2;
         if (level_.strata.of(entity) != stratum)
@@ -231,8 +252,9 @@ private:
         for (const Index end : level_.complex.relation(1, 0)[edge])
             if (!contains(theirs_.GetEdgeVertices(theirs), *match_.of({0, end})))
                 return "ends in vertex " + std::to_string(end) + "; theirs does not";
-        if (!level_.strata.isOpen(entity) && sharpness(entity) != theirs_.GetEdgeSharpness(theirs))
-            return differ("sharpness", sharpness(entity), theirs_.GetEdgeSharpness(theirs));
+        if (!level_.strata.isOpen(entity) &&
+            !isSameSharpness(sharpness(entity), theirs_.GetEdgeSharpness(theirs)))
+            return differ(sharpness(entity), theirs_.GetEdgeSharpness(theirs));
         return {};
     }
 

@@ -47,7 +47,7 @@ std::array<Index, 3> countTheirs(far::Boundary boundary,
 
 /// The first difference between the region and its match, in words: an entity without a match or
 /// with the match of another; edges and faces that do not have the same vertices, in the same
-/// order; sharpness, rules of vertices, and holes. Empty if there is none.
+/// order; sharpness (but for its rounding), rules of vertices, and holes. Empty if there is none.
 std::string describeDifference(const far::TopologyRefiner& refiner, int level,
                                const Surface& region, const LevelMatch& match,
                                const OpenSubdiv::Far::TopologyLevel& theirs);

@@ -154,7 +154,7 @@ Strata refineStrata(const CellComplex& parent, const Strata& strata, const Refin
 /// Marks with which classify(complex, boundary, SharpEdges::SingleCell, marks) gives back `strata`:
 /// none on what is so without a mark. They keep the features of a refined complex that is written
 /// to a file.
-/// \param strata of `complex`, under boundary control
+/// \param strata of `complex`, and of `boundary`
 Marks marksFor(const CellComplex& complex, const Strata& strata, Boundary boundary);
 
 }  // namespace espalier::far

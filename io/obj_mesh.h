@@ -30,7 +30,9 @@ namespace espalier::io {
 
 /// Reads a mesh: a Lattice of dimension 2, with its marks in canonical form and its tags.
 ///
-/// Vertices and faces keep their numbers, and faces where they start and how they wind. How faces
+/// Vertices and faces keep their numbers, and faces where they start and how they wind; edges are
+/// numbered anew, and edges that join the same two vertices in several faces are one (the children
+/// of degenerate faces may have had two). How faces
 /// meet does not matter, as in far::validate(): edges of many faces, faces back to back or with a
 /// vertex twice, and vertices of no face are read. A backslash at the end of a line continues the
 /// statement on the next.

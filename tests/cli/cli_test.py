@@ -201,6 +201,25 @@ class RefineAndStencils(CliTest):
         self.run_program("refine", "mesh.obj", "-n", 2, "-o", "smooth.obj")
         self.assertGreater(max(map(math.dist, refined, self.read_points("smooth.obj"))), 1e-3)
 
+    def test_refining_twice_keeps_corners_under_every_boundary_mode(self):
+        # Vertex 0 is sharp by hand; under edge-only that is all that makes it so.
+        (self.path / "cube.ovm").write_text("".join([
+            "OVM ASCII\nVertices\n8\n", *(f"{i & 1} {i >> 1 & 1} {i >> 2}\n" for i in range(8)),
+            "Edges\n12\n0 1\n1 3\n3 2\n2 0\n4 5\n5 7\n7 6\n6 4\n0 4\n1 5\n2 6\n3 7\n",
+            "Faces\n6\n4 0 2 4 6\n4 8 10 12 14\n4 0 18 9 17\n4 2 22 11 19\n4 4 20 13 23\n"
+            "4 6 16 15 21\n",
+            "Polyhedra\n1\n6 1 2 4 6 8 10\n",
+            "VProp double \"espalier:vertex_sharpness\"\n10\n", "-1\n" * 7,
+            "EProp double \"espalier:edge_sharpness\"\n", "0\n" * 12]))
+        options = ["--boundary", "edge-only"]
+        self.run_program("refine", "cube.ovm", "-n", 2, "-o", "r2.ovm", *options)
+        self.run_program("refine", "cube.ovm", "-n", 1, "-o", "r1.ovm", *options)
+        self.run_program("refine", "r1.ovm", "-n", 1, "-o", "r11.ovm", *options)
+        corner = min(self.read_ovm_positions("r2.ovm"))
+        self.assertEqual(corner, (0, 0, 0))
+        self.assert_close(sorted(self.read_ovm_positions("r11.ovm")),
+                          sorted(self.read_ovm_positions("r2.ovm")), 1e-14)
+
     def test_tags_win_over_the_default_and_options_over_tags(self):
         def corner_of(*options):
             """How far the corner at the origin has gone."""
@@ -321,12 +340,18 @@ class Compare(CliTest):
         self.write_mesh()
         self.run_program("shape", "box", "--cells", 3, 3, 3, "-o", "box.ovm")
         result = self.run_program("compare", "none.obj", "mesh.obj", "-n", 1, code=1)
-        self.assertIn("none.obj  could not be compared: none.obj: cannot open", result.stdout)
+        self.assertIn("none.obj  could not be compared", result.stdout)
         self.assertIn("agrees", result.stdout)
-        self.assertIn("1 of 2 files could not be compared", result.stderr)
-        result = self.run_program("compare", "box.ovm", "--boundary", "open", code=1)
-        self.assertIn("box.ovm", result.stdout)
-        self.assertIn("without boundary control", result.stdout)
+        self.assertIn("none.obj: cannot open", result.stderr)
+        error = self.error_of("compare", "none.obj", "neither.obj", "mesh.obj", "--quiet")
+        self.assertIn("none.obj: cannot open", error)
+        self.assertIn("1 more of 3", error)
+        error = self.error_of("compare", "box.ovm", "--boundary", "open")
+        self.assertIn("box.ovm: without boundary control", error)
+        # Without boundary control nothing is left of so small a mesh.
+        (self.path / "small.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+        self.error_of("compare", "small.obj", "--boundary", "open")
+        self.assertIn("no folder", self.error_of("compare", "mesh.obj", "--html", "none/r.html"))
 
 
 class Deform(CliTest):

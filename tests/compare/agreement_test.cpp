@@ -5,6 +5,7 @@
 #include <espalier/stencils/composition.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opensubdiv/version.h>
 
 #include <filesystem>
 
@@ -30,13 +31,12 @@ void expectAgreement(const std::string& name, const Lattice& shape, int level) {
             << name << ", level " << at.level << ": " << at.topologyDifference << "; positions "
             << at.positionDifference << ", weights " << at.weightDifference << ", evaluators "
             << at.evaluatorDifference;
-        if (shape.tags.boundary != far::Boundary::Open) {
-            EXPECT_GT(at.counts[2], 0) << name;
-        }
+        EXPECT_GT(at.counts[2], 0) << name;
     }
 }
 
-/// A vertex of 360 faces makes nearly all rows dense, and OpenSubdiv's tables slow.
+/// A vertex of 360 faces makes nearly all rows dense, and OpenSubdiv's tables slow: 5 s at level 3,
+/// minutes at level 5, which is left to AgreementToLevel5.
 bool isPole(const std::string& name) {
     return name.find("360") != std::string::npos;
 }
@@ -73,8 +73,7 @@ TEST(Agreement, OfTheRegressionShapes) {
 
 // The bounds hold at levels 1 to 5.
 TEST(AgreementToLevel5, OfEveryKindOfMesh) {
-    for (const auto& [name, mesh] : test::meshZoo())
-        expectAgreement(name, mesh, isPole(name) ? 4 : 5);
+    for (const auto& [name, mesh] : test::meshZoo()) expectAgreement(name, mesh, 5);
 }
 
 TEST(AgreementToLevel5, OfTheBoundaryOfEveryKindOfLattice) {
@@ -160,12 +159,29 @@ TEST(Comparison, NotANumberIsADifference) {
     EXPECT_FALSE(comparison.compare(1, withWeight(table, 5, std::nan(""))).isWithin({}));
 }
 
-TEST(Comparison, SaysWhenNothingIsLeftToCompare) {
+TEST(Comparison, IsNoAgreementWhereNothingIsLeft) {
     Lattice mesh{test::gridMesh(2, 2), std::vector<Point3>(9), {}, {}};
     mesh.tags.boundary = far::Boundary::Open;
-    const Agreement agreement = agreementOf(mesh, 1);
-    EXPECT_EQ(agreement.levels.back().counts[2], 0);
-    EXPECT_THAT(agreement.note, HasSubstr("nothing to compare"));
+    try {
+        agreementOf(mesh, 1);
+        FAIL() << "accepted";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("nothing to compare"));
+    }
+    EXPECT_FALSE(Agreement().isWithin({}));
+}
+
+// Levels that were made after the comparison are not in it.
+TEST(Comparison, IsOfTheLevelsOfThen) {
+    const Lattice box = shapes::box();
+    far::TopologyRefiner refiner = test::refined(box, 1);
+    const Comparison comparison(refiner);
+    refiner.refineUniform(2);
+    EXPECT_THROW(comparison.vertices(2), Error);
+    EXPECT_THROW(comparison.openSubdivPoints(2, box.positions), Error);
+    EXPECT_THROW(comparison.openSubdivTable(2), Error);
+    EXPECT_THROW(comparison.openSubdivTable(0), Error);
+    EXPECT_EQ(comparison.compareAll(stencils::Rules::Siggraph96, box.positions).levels.size(), 1u);
 }
 
 TEST(Comparison, EveryFigureIsHeldAgainstItsBound) {
@@ -227,7 +243,7 @@ TEST(KnownDifferences, NonManifoldCreasesAreThoseOfRelease361) {
         const far::TopologyRefiner refiner = test::refined(mesh, 1);
         const Comparison comparison(refiner);
         count += isMisjudged;
-        if (openSubdivVersion() < "3.6.1") {
+        if (OPENSUBDIV_VERSION_NUMBER < 30601) {
             EXPECT_EQ(comparison.correctedCorners() > 0, isMisjudged) << name;
             const std::string note =
                 comparison.compareAll(stencils::Rules::Siggraph96, mesh.positions).note;

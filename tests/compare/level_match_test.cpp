@@ -88,6 +88,16 @@ TEST(LevelMatch, FeaturesAreCompared) {
     EXPECT_THAT(against(mesh), HasSubstr("sharpness 0.5"));
     mesh.marks = {.holes = {2}};
     EXPECT_THAT(against(mesh), HasSubstr("is a hole; theirs is not"));
+
+    // Without boundary control too.
+    Lattice open{test::gridMesh(5, 5), {}, {}, {}};
+    open.tags.boundary = far::Boundary::Open;
+    const Example solid(open);
+    open.marks.holes = {12};
+    Example pierced(open);
+    EXPECT_EQ(pierced.difference(1), "");
+    pierced.theirs = makeOpenSubdivRefiner(solid.refiner, surfaceOf(open.complex));
+    EXPECT_THAT(pierced.difference(1), HasSubstr("is a hole; theirs is not"));
 }
 
 }  // namespace

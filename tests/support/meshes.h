@@ -4,6 +4,7 @@
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/solids.h>
 
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -321,7 +322,34 @@ inline void addNonManifoldMeshes(MeshZoo& zoo) {
                    with(moebiusStrip(6, 2), {.edges = crease({4, 7, 10, 13}, {2.5, 0.7, 10})}));
 }
 
+/// Faces that pass a vertex more than once, and vertices in no face.
+inline void addDegenerateMeshes(MeshZoo& zoo) {
+    const auto round = [](Index count) {
+        std::vector<Point3> positions;
+        for (Index i = 0; i < count; ++i)
+            positions.push_back({std::cos(2.0 * i), std::sin(2.0 * i), 0.1 * i});
+        return positions;
+    };
+    const RefinementTags edgeOnly{.boundary = far::Boundary::EdgeOnly};
+    for (const RefinementTags& tags : {RefinementTags(), edgeOnly}) {
+        const std::string mode = tags.boundary ? "edge only: " : "edge and corner: ";
+        const auto add = [&](const std::string& name, Index count, const Loops& loops,
+                             const far::Marks& marks = {}) {
+            zoo.add(mode + name, with(mesh(round(count), loops), marks, tags));
+        };
+        add("a vertex twice in a row", 5, {{0, 1, 2, 2}, {1, 0, 3, 4}});
+        add("a vertex twice", 5, {{1, 2, 0, 4, 3, 0}});
+        add("there and back", 5, {{0, 1, 0, 2}, {1, 0, 3, 4}});
+        add("one vertex only", 4, {{0, 0, 0, 0}, {1, 2, 3}});
+        add("vertices in no face", 8, {{1, 2, 4, 3}, {2, 6, 7, 4}},
+            {.vertices = {{0, 10}, {4, 1.5}, {5, 2.5}}});
+    }
+}
+
 inline void addPoles(MeshZoo& zoo) {
+    // Vertices of many edges, where sums are long and rounding shows.
+    for (const Index few : {24, 40, 48, 56, 64})
+        zoo.add("pole of " + std::to_string(few), pole(few, false));
     const Index sides = 360;
     zoo.add("pole of 360 over a polygon", pole(sides, true));
     zoo.add("two poles of 360", pole(sides, false));
@@ -361,6 +389,7 @@ inline std::vector<NamedLattice> meshZoo() {
     addCreasedMeshes(zoo);
     addSmoothTriangles(zoo);
     addNonManifoldMeshes(zoo);
+    addDegenerateMeshes(zoo);
     addPoles(zoo);
     addRandomCreases(zoo);
     return zoo.take();
