@@ -21,8 +21,8 @@ struct Bounds {
     /// Largest difference of a stencil's weight. Weights are of size 1.
     double weight = 1e-14;
     /// Largest difference between two evaluators of the same table, as a fraction like that of
-    /// `position`: OpenSubdiv's take single precision, whose unit is 6e-8, and evaluators are free
-    /// to add up a row in any order.
+    /// `position`: OpenSubdiv's take single precision, whose unit is 6e-8, and each side adds up a
+    /// row in an order of its own.
     double evaluator = 2e-6;
 };
 

@@ -151,6 +151,20 @@ std::vector<Point3> Comparison::openSubdivPoints(int level,
     return result;
 }
 
+/// OpenSubdiv's own table, as it is, run by its own evaluator.
+std::vector<PointF> Comparison::evaluateTheirTable(int level,
+                                                   std::span<const PointF> positions) const {
+    std::vector<PointF> base;
+    for (const Index vertex : data_->base.vertices) base.push_back(positions[at(vertex)]);
+    const OpenSubdivTable<float> table(*data_->table, data_->firstRow(level),
+                                       data_->theirLevel(level).GetNumVertices());
+    const std::vector<PointF> all = evaluateTheirs(table, base);
+    std::vector<PointF> result;
+    for (const Index vertex : vertices(level))
+        result.push_back(all[at(data_->theirVertex(level, vertex))]);
+    return result;
+}
+
 LevelAgreement Comparison::compare(int level, const StencilTable<double>& table) const {
     const Index baseCount = data_->ours.level(0).complex.count(0);
     if (at(table.rowCount()) != vertices(level).size() || table.columnCount() != baseCount)
@@ -185,8 +199,10 @@ LevelAgreement Comparison::compare(int level, const StencilTable<double>& table)
                           openSubdivPoints(level, positions)) /
         kRandomSide;
     const std::vector<PointF> single = toSingle(positions);
+    const OpenSubdivTable<float> exported(stencils::convertTable<float>(table));
     agreement.evaluatorDifference =
-        larger(differenceOfEvaluators(table, single), differenceOfEvaluators(theirs, single)) /
+        larger(largestDifference(evaluateOurs(table, single), evaluateTheirs(exported, single)),
+               largestDifference(evaluateOurs(theirs, single), evaluateTheirTable(level, single))) /
         kRandomSide;
     return agreement;
 }

@@ -4,8 +4,10 @@
 #include <espalier/compare/agreement.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <array>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace espalier::compare {
@@ -57,6 +59,8 @@ public:
     Index correctedCorners() const;
 
 private:
+    std::vector<std::array<float, 3>> evaluateTheirTable(
+        int level, std::span<const std::array<float, 3>> positions) const;
     std::string noteOn(const Agreement& agreement) const;
 
     struct Data;

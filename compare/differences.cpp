@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/compare/differences.h>
-#include <espalier/compare/open_subdiv_tables.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <opensubdiv/osd/cpuEvaluator.h>
 
@@ -52,18 +51,20 @@ double largestDifference(std::span<const PointF> a, std::span<const PointF> b) {
     return largestOf(a, b);
 }
 
-double differenceOfEvaluators(const stencils::StencilTable<double>& table,
-                              std::span<const PointF> positions) {
-    const auto single = stencils::convertTable<float>(table);
-    const auto ours = evaluate<osd::CpuEvaluator, float>(single, positions);
-    const OpenSubdivTable<float> exported(single);
-    std::vector<PointF> theirs(ours.size());
+std::vector<PointF> evaluateOurs(const stencils::StencilTable<double>& table,
+                                 std::span<const PointF> positions) {
+    return evaluate<osd::CpuEvaluator, float>(stencils::convertTable<float>(table), positions);
+}
+
+std::vector<PointF> evaluateTheirs(const OpenSubdivTable<float>& table,
+                                   std::span<const PointF> positions) {
+    std::vector<PointF> result(static_cast<std::size_t>(table.GetNumStencils()));
     const OpenSubdiv::Osd::BufferDescriptor layout(0, 3, 3);
     OpenSubdiv::Osd::CpuEvaluator::EvalStencils(
-        positions.data()->data(), layout, theirs.data()->data(), layout, exported.GetSizes().data(),
-        exported.GetOffsets().data(), exported.GetControlIndices().data(),
-        exported.GetWeights().data(), 0, exported.GetNumStencils());
-    return largestOf<PointF>(ours, theirs);
+        positions.data()->data(), layout, result.data()->data(), layout, table.GetSizes().data(),
+        table.GetOffsets().data(), table.GetControlIndices().data(), table.GetWeights().data(), 0,
+        table.GetNumStencils());
+    return result;
 }
 
 std::vector<Point3> randomPositions(Index count) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/compare/open_subdiv_tables.h>
 #include <espalier/far/point.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/stencils/stencil_table.h>
@@ -28,9 +29,11 @@ double largestDifference(const stencils::StencilTable<double>& a,
 double largestDifference(std::span<const Point3> a, std::span<const Point3> b);
 double largestDifference(std::span<const PointF> a, std::span<const PointF> b);
 
-/// The largest difference of a coordinate between our evaluator and OpenSubdiv's on one table.
-double differenceOfEvaluators(const stencils::StencilTable<double>& table,
-                              std::span<const PointF> positions);
+/// A table times positions, by our evaluator and by OpenSubdiv's.
+std::vector<PointF> evaluateOurs(const stencils::StencilTable<double>& table,
+                                 std::span<const PointF> positions);
+std::vector<PointF> evaluateTheirs(const OpenSubdivTable<float>& table,
+                                   std::span<const PointF> positions);
 
 /// Side of the cube that randomPositions() fill.
 inline constexpr double kRandomSide = 2;

@@ -26,16 +26,42 @@ OpenSubdivTable<Real>::OpenSubdivTable(const stencils::StencilTable<Real>& table
     }
 }
 
+namespace {
+
+/// Position of the first entry of a row. By the sizes: GetOffsets() may be left out, and
+/// GetWeights() may be longer than the indices.
 template <class Real>
-stencils::StencilTable<Real> fromOpenSubdiv(const OpenSubdiv::Far::StencilTableReal<Real>& table,
-                                            Index first, Index count) {
+Offset firstEntry(const OpenSubdiv::Far::StencilTableReal<Real>& table, Index first, Index count) {
     if (first < 0 || count < 0 || first > table.GetNumStencils() - count)
         throw Error("there are no rows " + std::to_string(first) + " to " +
                     std::to_string(first + count - 1) + " in a table of " +
                     std::to_string(table.GetNumStencils()));
     const std::vector<int>& sizes = table.GetSizes();
-    // By the sizes: GetOffsets() may be left out, and GetWeights() may be longer than the indices.
-    Offset at = std::accumulate(sizes.begin(), sizes.begin() + first, Offset{0});
+    return std::accumulate(sizes.begin(), sizes.begin() + first, Offset{0});
+}
+
+}  // namespace
+
+template <class Real>
+OpenSubdivTable<Real>::OpenSubdivTable(const OpenSubdiv::Far::StencilTableReal<double>& table,
+                                       Index first, Index count)
+    : columnCount_(table.GetNumControlVertices()) {
+    auto entry = static_cast<std::size_t>(firstEntry(table, first, count));
+    for (Index row = first; row < first + count; ++row) {
+        sizes_.push_back(table.GetSizes()[static_cast<std::size_t>(row)]);
+        offsets_.push_back(static_cast<int>(indices_.size()));
+        for (int k = 0; k < sizes_.back(); ++k, ++entry) {
+            indices_.push_back(table.GetControlIndices()[entry]);
+            weights_.push_back(static_cast<Real>(table.GetWeights()[entry]));
+        }
+    }
+}
+
+template <class Real>
+stencils::StencilTable<Real> fromOpenSubdiv(const OpenSubdiv::Far::StencilTableReal<Real>& table,
+                                            Index first, Index count) {
+    const std::vector<int>& sizes = table.GetSizes();
+    Offset at = firstEntry(table, first, count);
     std::vector<Offset> offsets = {0};
     std::vector<Index> columns;
     std::vector<Real> weights;

@@ -18,6 +18,12 @@ public:
     /// \cost O(entries); a copy
     explicit OpenSubdivTable(const stencils::StencilTable<Real>& table);
 
+    /// Rows `first` to `first` + `count` − 1 of one of OpenSubdiv's own tables in double precision,
+    /// entry by entry as they are there, weights rounded.
+    /// \throws Error if the table does not have these rows
+    OpenSubdivTable(const OpenSubdiv::Far::StencilTableReal<double>& table, far::Index first,
+                    far::Index count);
+
     // OpenSubdiv's names.
     int GetNumStencils() const { return static_cast<int>(sizes_.size()); }
     int GetNumControlVertices() const { return columnCount_; }

@@ -138,7 +138,9 @@ private:
 /// \cost O(entries)
 /// \cite MacCracken & Joy 1996, section 3; the counting rule of vertices, and what is sharp on a
 ///       mesh, are OpenSubdiv's, with non-manifold creases as in its release 3.6.1 (pull request
-///       1338: releases before it take some corners for creases)
+///       1338: releases before it take some corners for creases). Where a face passes a vertex
+///       twice, OpenSubdiv may take one of its corners there for the other, and then finds another
+///       sharpness for the vertex
 Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule, const Marks& marks);
 
 /// The strata one level on: a child [a, b] inherits what b is without sharpness; a child edge
