@@ -12,33 +12,12 @@ namespace espalier::io {
 
 using far::Index;
 
-namespace {
-
-constexpr double kInfiniteInFile = 10;
-
-void checkVertex(const far::CellComplex& complex, Index vertex) {
-    if (vertex < 0 || vertex >= complex.count(0))
-        throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {0, vertex},
-                                 "a mark names vertex " + std::to_string(vertex) + "; there are " +
-                                     std::to_string(complex.count(0)));
-}
-
-void checkSharpness(double sharpness, far::Entity entity) {
-    if (!(sharpness >= 0))
-        throw far::TopologyError(far::TopologyCause::BadMark, entity,
-                                 "a mark at vertex " + std::to_string(entity.index) +
-                                     " has sharpness " + std::to_string(sharpness) +
-                                     "; expected 0 or more");
-}
-
-}  // namespace
-
 double sharpnessToFile(double sharpness) {
-    return std::min(sharpness, kInfiniteInFile);
+    return std::min(sharpness, far::kLeastInfinite);
 }
 
 double sharpnessFromFile(double value) {
-    return value >= kInfiniteInFile ? far::kInfinitelySharp : value;
+    return value >= far::kLeastInfinite ? far::kInfinitelySharp : value;
 }
 
 bool isMarkInFile(double value) {
@@ -53,24 +32,14 @@ bool isEdge(const far::CellComplex& complex, Index a, Index b) {
 }
 
 far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& marks) {
+    far::readMarks(complex, marks);  // Throws what is wrong with them.
     std::map<std::array<Index, 2>, double> edges;
     for (const auto& mark : marks.edges) {
         const auto [a, b] = mark.vertices;
-        checkVertex(complex, a);
-        checkVertex(complex, b);
-        if (!isEdge(complex, a, b))
-            throw far::TopologyError(far::TopologyCause::BadMark, {0, a},
-                                     "a mark names edge (" + std::to_string(a) + ", " +
-                                         std::to_string(b) + "), which does not exist");
-        checkSharpness(mark.sharpness, {0, a});
         edges[{std::min(a, b), std::max(a, b)}] = mark.sharpness;
     }
     std::map<Index, double> vertices;
-    for (const auto& mark : marks.vertices) {
-        checkVertex(complex, mark.vertex);
-        checkSharpness(mark.sharpness, {0, mark.vertex});
-        vertices[mark.vertex] = mark.sharpness;
-    }
+    for (const auto& mark : marks.vertices) vertices[mark.vertex] = mark.sharpness;
     far::Marks result;
     for (const auto& [ends, sharpness] : edges) result.edges.push_back({ends, sharpness});
     for (const auto& [vertex, sharpness] : vertices) result.vertices.push_back({vertex, sharpness});

@@ -114,7 +114,7 @@ TEST_P(LatticeFile, RefusesToWriteWhatDoesNotFitTogether) {
 
     lattice = boxLattice();
     lattice.marks.vertices = {{1, -1}};
-    EXPECT_THAT(refusal(lattice), HasSubstr("expected 0 or more"));
+    EXPECT_THAT(refusal(lattice), HasSubstr("expected 0 (smooth) or more"));
 
     lattice.complex = far::buildCurve(12, false);
     EXPECT_THAT(refusal(lattice), HasSubstr("of dimension 1, not 3"));
