@@ -41,12 +41,13 @@ struct Neighbourhood {
 };
 
 Mask maskOf(const Neighbourhood& around, Rules rules, far::TriangleSubdivision triangles) {
-    const auto& [level, entity, stratum, faded] = around;
+    const far::Entity& entity = around.entity;
+    const int stratum = around.stratum;
     const bool isSurfaceEdge = entity.dimension == 1 && stratum == 2;
     if (isSurfaceEdge && triangles == far::TriangleSubdivision::Smooth) {
         int triangleCount = 0;
         around.forEach(2, [&](const Entity& face) {
-            triangleCount += level.complex.boundary(2)[face.index].size() == 3;
+            triangleCount += around.level.complex.boundary(2)[face.index].size() == 3;
         });
         return smoothTriangleMask(triangleCount);
     }
