@@ -135,7 +135,7 @@ private:
 ///
 /// \throws TopologyError (VertexOutOfRange, BadMark) as readMarks(), and for a mark that says
 ///         smooth where the topology makes an edge sharp or a vertex a corner
-/// \cost O(entries)
+/// \cost O(n log n) in the entries
 /// \cite MacCracken & Joy 1996, section 3; the counting rule of vertices, and what is sharp on a
 ///       mesh, are OpenSubdiv's, with non-manifold creases as in its release 3.6.1 (pull request
 ///       1338: releases before it take some corners for creases). Where a face passes a vertex
