@@ -99,11 +99,12 @@ void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     if (!options.html.empty()) checkOutput(options.html, options.files);
     Stages stages(options.common.quiet);
-    compare::Report report{.title = "Espalier against OpenSubdiv",
-                           .command = fmt::format("espalier compare -n {} FILE...", options.level),
-                           .bounds = {},
-                           .openSubdivVersion = compare::openSubdivVersion(),
-                           .shapes = {}};
+    compare::Report report{
+        .title = "Espalier against OpenSubdiv",
+        .command = fmt::format("espalier compare [options] -n {} FILE...", options.level),
+        .bounds = {},
+        .openSubdivVersion = compare::openSubdivVersion(),
+        .shapes = {}};
     std::size_t nameWidth = 0;
     for (const std::string& file : options.files) nameWidth = std::max(nameWidth, file.size());
     for (const std::string& file : options.files) {

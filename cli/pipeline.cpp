@@ -5,6 +5,7 @@
 #include <espalier/far/topology_match.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
@@ -15,18 +16,9 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level) {
     try {
-        const auto choose = [](const auto& option, const auto& tag, auto fallback) {
-            return option ? *option : tag.value_or(fallback);
-        };
-        const RefinementTags &chosen = options.refinement, &tags = lattice.tags;
-        far::TopologyRefiner refiner(
-            lattice.complex,
-            {.boundary = choose(chosen.boundary, tags.boundary, far::Boundary::Sharp),
-             .sharpEdges = options.sharpEdges,
-             .creasing = choose(chosen.creasing, tags.creasing, far::Creasing::Uniform),
-             .triangles =
-                 choose(chosen.triangles, tags.triangles, far::TriangleSubdivision::Catmark),
-             .marks = lattice.marks});
+        far::RefinerOptions refinerOptions = espalier::refinerOptions(lattice, options.refinement);
+        refinerOptions.sharpEdges = options.sharpEdges;
+        far::TopologyRefiner refiner(lattice.complex, refinerOptions);
         refiner.refineUniform(level);
         return refiner;
     } catch (const far::TopologyError& error) {

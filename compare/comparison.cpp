@@ -209,7 +209,7 @@ LevelAgreement Comparison::compare(int level, const StencilTable<double>& table)
 
 namespace {
 
-/// The finest level that a picture can show, and whose file is not too large for it.
+/// A level of more faces is not drawn: its picture would be too fine to see, and its file large.
 constexpr std::size_t kMostFaces = 8000;
 
 double sizeOf(std::span<const Point3> positions) {
@@ -263,8 +263,8 @@ std::string Comparison::noteOn(const Agreement& agreement) const {
     if (isRounded && data_->ours.level(0).strata.hasSemiSharp())
         note +=
             "Where three or more semi-sharp values meet in a vertex, their sum is rounded in "
-            "single "
-            "precision, and OpenSubdiv adds them in another order: that may be the difference. ";
+            "single precision, and OpenSubdiv adds them in another order: that may be the "
+            "difference. ";
     if (!note.empty()) note.pop_back();
     return note;
 }

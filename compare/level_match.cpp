@@ -43,11 +43,11 @@ FaceAlignment align(const far::CellComplex& complex, Index face, const LevelMatc
     FaceAlignment alignment{std::vector<std::size_t>(n), std::vector<std::size_t>(n)};
     for (std::size_t start = 0; start < n; ++start) {
         bool fits = true;
-        for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t i = 0; i < n && fits; ++i) {
             alignment.corners[i] = (start + (isReversed ? n - i : i)) % n;
             alignment.sides[i] =
                 isReversed ? (alignment.corners[i] + n - 1) % n : alignment.corners[i];
-            fits &= match.of({0, ours[i]}) == theirLoop[static_cast<int>(alignment.corners[i])];
+            fits = match.of({0, ours[i]}) == theirLoop[static_cast<int>(alignment.corners[i])];
         }
         if (fits) break;
     }

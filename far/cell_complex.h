@@ -57,7 +57,7 @@ public:
     /// (as given).
     ///
     /// An entity contains itself: where the dimensions are the same, its row is itself. Where a
-    /// face of a mesh passes a vertex or an edge more than once, both rows name the other as often.
+    /// face or an edge of a mesh passes a vertex more than once, both rows name the other as often.
     ///
     /// \param from, to dimensions, 0 to dimension()
     /// \cost O(entries) on the first call for a pair, then constant; thread-safe

@@ -103,7 +103,7 @@ void sharpenEdges(const CellComplex& complex, const SurfaceFans& fans, Boundary 
             const Index faces = fans.faceCount(edge);
             force(marked, {1, edge},
                   faces == 2
-                      ? std::string("its two faces run along it the same way")
+                      ? std::string("its two faces do not run along it once each, in opposite ways")
                       : "it lies in " + std::to_string(faces) + (faces == 1 ? " face" : " faces") +
                             " of the surface; a smooth edge has 2",
                   sharpness);

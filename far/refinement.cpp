@@ -110,7 +110,7 @@ SignedIncidence Refinement::childBoundary(const CellComplex& parent, int dimensi
 // oriented child, and [v,c] is oriented as c is.
 
 /// The boundary of [a, b] in an edge or a face b. By positions, not by names: a loop may pass a
-/// vertex or an edge more than once (degenerate faces of meshes).
+/// vertex more than once (degenerate faces of meshes).
 void Refinement::appendBoundaryInLoop(const CellComplex& parent, int lower, Entity upper,
                                       std::size_t position, std::vector<Signed>& boundary) const {
     const SignedIncidence& sides = parent.boundary(upper.dimension);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
+#include <espalier/shapes/refiner_options.h>
 
 #include <string>
 #include <vector>
@@ -15,12 +16,7 @@ namespace espalier::test {
 
 /// Refined as its tags say.
 inline far::TopologyRefiner refined(const Lattice& shape, int level) {
-    const RefinementTags& tags = shape.tags;
-    far::TopologyRefiner refiner(
-        shape.complex, {.boundary = tags.boundary.value_or(far::Boundary::Sharp),
-                        .creasing = tags.creasing.value_or(far::Creasing::Uniform),
-                        .triangles = tags.triangles.value_or(far::TriangleSubdivision::Catmark),
-                        .marks = shape.marks});
+    far::TopologyRefiner refiner(shape.complex, refinerOptions(shape));
     refiner.refineUniform(level);
     return refiner;
 }

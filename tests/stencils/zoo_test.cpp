@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/surface_fans.h>
+#include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>
 
@@ -26,12 +27,7 @@ using far::TopologyRefiner;
 constexpr unsigned kSeeds = 200;
 
 TopologyRefiner refinerOf(const Lattice& lattice) {
-    const RefinementTags& tags = lattice.tags;
-    return TopologyRefiner(lattice.complex,
-                           {.boundary = tags.boundary.value_or(Boundary::Sharp),
-                            .creasing = tags.creasing.value_or(Creasing::Uniform),
-                            .triangles = tags.triangles.value_or(far::TriangleSubdivision::Catmark),
-                            .marks = lattice.marks});
+    return TopologyRefiner(lattice.complex, refinerOptions(lattice));
 }
 
 Point3 image(const Point3& p) {

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/shapes/lattice.h>
+
+namespace espalier {
+
+/// How to refine a lattice or a mesh: with its marks, as `chosen` says, where that says nothing as
+/// its tags do, and where they say nothing either by default.
+inline far::RefinerOptions refinerOptions(const Lattice& lattice,
+                                          const RefinementTags& chosen = {}) {
+    const auto choose = [](const auto& choice, const auto& tag, auto fallback) {
+        return choice ? *choice : tag.value_or(fallback);
+    };
+    const RefinementTags& tags = lattice.tags;
+    far::RefinerOptions options;
+    options.boundary = choose(chosen.boundary, tags.boundary, options.boundary);
+    options.creasing = choose(chosen.creasing, tags.creasing, options.creasing);
+    options.triangles = choose(chosen.triangles, tags.triangles, options.triangles);
+    options.marks = lattice.marks;
+    return options;
+}
+
+}  // namespace espalier
