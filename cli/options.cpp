@@ -8,11 +8,11 @@ namespace espalier::cli {
 CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,
                             FileKind kind, LatticeOptions& options) {
     CLI::App& command = *program.add_subcommand(name, help);
-    const bool isMeshAllowed = kind == FileKind::LatticeOrMesh;
+    const bool isAny = kind == FileKind::Refinable;
     command
-        .add_option(isMeshAllowed ? "LATTICE|MESH" : "LATTICE", options.lattice,
-                    isMeshAllowed ? "The lattice: .ovm, .vtu or .vtk; or the mesh: .obj"
-                                  : "The lattice: .ovm, .vtu or .vtk")
+        .add_option(isAny ? "LATTICE|MESH|CURVE" : "LATTICE", options.lattice,
+                    isAny ? "The lattice: .ovm, .vtu or .vtk; or the mesh or curve: .obj"
+                          : "The lattice: .ovm, .vtu or .vtk")
         ->required();
     addLevelOption(command, options.level, 0);
     addRefinementOptions(command, options.common);

@@ -21,7 +21,7 @@ struct CommonOptions {
     int threads = 0;
 };
 
-/// What the commands take that look at one lattice or, some of them, mesh.
+/// What the commands take that look at one lattice or, some of them, mesh or curve.
 struct LatticeOptions {
     CommonOptions common;
     std::string lattice;
@@ -29,7 +29,10 @@ struct LatticeOptions {
 };
 
 /// Which files a command takes.
-enum class FileKind { Lattice, LatticeOrMesh };
+enum class FileKind {
+    Lattice,
+    Refinable  ///< a lattice, a mesh or a curve
+};
 
 /// Adds a command with LATTICE, -n, and the options of refinement and of the run.
 CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,

@@ -43,7 +43,7 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
 
 Lattice readInput(const LatticeOptions& options, FileKind kind, Stages& stages) {
     return stages.run("reading", [&] {
-        return kind == FileKind::LatticeOrMesh ? io::readRefinable(options.lattice)
+        return kind == FileKind::Refinable ? io::readRefinable(options.lattice)
                                                : io::readLattice(options.lattice);
     });
 }
@@ -80,15 +80,15 @@ Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const Com
     const auto& [complex, strata, holes] = refiner.level(level);
     Lattice refined{
         complex, stencils::refinePositions(refiner, level, options.rules, base.positions), {}, {}};
-    // A mesh file keeps the boundary mode; a lattice file has marks alone.
-    const bool isMesh = complex.dimension() == 2;
+    // A file of a mesh or a curve keeps the boundary mode; a lattice file has marks alone.
+    const bool hasTags = complex.dimension() < 3;
     const far::RefinerOptions& used = refiner.options();
     refined.marks = far::marksFor(
         complex, strata,
-        isMesh || used.boundary == far::Boundary::Open ? used.boundary : far::Boundary::Sharp);
+        hasTags || used.boundary == far::Boundary::Open ? used.boundary : far::Boundary::Sharp);
     keepCorners(refiner, level, refined.marks);
     refined.marks.holes = holes;
-    if (isMesh) refined.tags = {used.boundary, used.creasing, used.triangles};
+    if (hasTags) refined.tags = {used.boundary, used.creasing, used.triangles};
     for (const VertexAttribute& attribute : base.attributes)
         refined.attributes.push_back(
             {attribute.name, attribute.components,

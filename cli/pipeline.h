@@ -31,14 +31,14 @@ struct RefinedFile {
     far::TopologyRefiner refiner;
 };
 
-/// Reads the lattice, or mesh, that a command names.
+/// Reads the lattice, mesh or curve that a command names.
 Lattice readInput(const LatticeOptions& options, FileKind kind, Stages& stages);
 
 /// The same, and refines it to the level that the command asks for.
 RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& stages);
 
 /// The refined lattice as one of its own: with positions, attributes, and marks that keep its
-/// strata. A mesh has tags that keep how it is refined.
+/// strata. A mesh or a curve has tags that keep how it is refined.
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base);
 

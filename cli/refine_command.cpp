@@ -15,11 +15,13 @@ struct Options : LatticeOptions {
     std::string output;
 };
 
+constexpr const char* kNamesOfParts[] = {"vertices", "edges", "faces", "cells"};
+
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     checkOutput(options.output, {options.lattice});
     Stages stages(options.common.quiet);
-    const Lattice base = readInput(options, FileKind::LatticeOrMesh, stages);
+    const Lattice base = readInput(options, FileKind::Refinable, stages);
     const int dimension = base.complex.dimension();
     io::checkRefinableTarget(options.output, dimension);
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
@@ -31,7 +33,7 @@ void run(const Options& options) {
     if (!options.common.quiet)
         fmt::print("{}: level {}, {} vertices, {} {}\n", options.output, options.level,
                    refined.complex.count(0), refined.complex.count(dimension),
-                   dimension == 3 ? "cells" : "faces");
+                   kNamesOfParts[static_cast<std::size_t>(dimension)]);
 }
 
 }  // namespace
@@ -40,11 +42,11 @@ void addRefineCommand(CLI::App& program) {
     auto options = std::make_shared<Options>();
     CLI::App& command = addLatticeCommand(
         program, "refine",
-        "Write level N of a lattice or a mesh: positions, cells or faces, attributes and marks",
-        FileKind::LatticeOrMesh, *options);
+        "Write level N of a lattice, a mesh or a curve: positions, topology, attributes and marks",
+        FileKind::Refinable, *options);
     command
         .add_option("-o,--output", options->output,
-                    "The refined lattice: .ovm, .vtu or .vtk; or mesh: .obj")
+                    "The refined lattice: .ovm, .vtu or .vtk; or mesh or curve: .obj")
         ->required();
     command.callback([options] { run(*options); });
 }

@@ -20,7 +20,7 @@ void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     checkOutput(options.output, {options.lattice}, ".mtx");
     Stages stages(options.common.quiet);
-    const RefinedFile file = readAndRefine(options, FileKind::LatticeOrMesh, stages);
+    const RefinedFile file = readAndRefine(options, FileKind::Refinable, stages);
     const auto table = stages.run("building", [&] {
         return stencils::buildStencils(file.refiner, options.level, options.common.rules);
     });
@@ -40,8 +40,8 @@ void addStencilsCommand(CLI::App& program) {
     auto options = std::make_shared<Options>();
     CLI::App& command = addLatticeCommand(
         program, "stencils",
-        "Write S_N, the weights of the level-N vertices over those of the lattice or mesh",
-        FileKind::LatticeOrMesh, *options);
+        "Write S_N, the weights of the level-N vertices over those of the lattice, mesh or curve",
+        FileKind::Refinable, *options);
     command.add_option("-o,--output", options->output, "The matrix: Matrix Market, .mtx")
         ->required();
     command.callback([options] { run(*options); });

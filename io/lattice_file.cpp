@@ -81,8 +81,9 @@ void checkLatticeTarget(const Path& path) {
 Lattice readRefinable(const Path& path) {
     if (isMeshFile(path)) return readObjMesh(path);
     if (findFormat(path) == nullptr)
-        throw FileError(path, "not a format of meshes or lattices that is known; expected " +
-                                  std::string(kMeshExtension) + ", " + latticeExtensions());
+        throw FileError(path,
+                        "not a format of curves, meshes or lattices that is known; expected " +
+                            std::string(kMeshExtension) + ", " + latticeExtensions());
     return readLattice(path);
 }
 
@@ -95,15 +96,17 @@ void writeRefinable(const Path& path, const Lattice& lattice, const WriteLattice
 }
 
 void checkRefinableTarget(const Path& path, int dimension) {
-    if (dimension == 2 && !isMeshFile(path))
-        throw FileError(path, "a mesh cannot be written in this format; expected " +
+    if ((dimension == 1 || dimension == 2) && !isMeshFile(path))
+        throw FileError(path, std::string(dimension == 1 ? "a curve" : "a mesh") +
+                                  " cannot be written in this format; expected " +
                                   std::string(kMeshExtension));
     if (dimension == 3 && findFormat(path) == nullptr)
         throw FileError(
             path, "a lattice cannot be written in this format; expected " + latticeExtensions());
-    if (dimension != 2 && dimension != 3)
+    if (dimension < 1 || dimension > 3)
         throw FileError(path, "what is of dimension " + std::to_string(dimension) +
-                                  " cannot be written; expected a mesh (2) or a lattice (3)");
+                                  " cannot be written; expected a curve (1), a mesh (2) or a "
+                                  "lattice (3)");
 }
 
 }  // namespace espalier::io

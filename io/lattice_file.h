@@ -34,14 +34,14 @@ void writeLattice(const std::filesystem::path& path, const Lattice& lattice,
 /// long work. \throws FileError if its extension is none of the formats'
 void checkLatticeTarget(const std::filesystem::path& path);
 
-/// Reads what can be refined: a mesh (complex of dimension 2) from .obj (obj_mesh.h), a lattice as
-/// readLattice() does.
+/// Reads what can be refined: a mesh or a curve (complex of dimension 2 or 1) from .obj
+/// (obj_mesh.h), a lattice as readLattice() does.
 ///
 /// \throws FileError if the extension is none of these; what readObjMesh() and readLattice() throw
 Lattice readRefinable(const std::filesystem::path& path);
 
-/// Writes a mesh as .obj (obj_mesh.h), a lattice as writeLattice() does, so that readRefinable()
-/// gives it back.
+/// Writes a mesh or a curve as .obj (obj_mesh.h), a lattice as writeLattice() does, so that
+/// readRefinable() gives it back.
 ///
 /// \throws FileError as checkRefinableTarget(); what writeObjMesh() and writeLattice() throw
 void writeRefinable(const std::filesystem::path& path, const Lattice& lattice,
@@ -50,8 +50,8 @@ void writeRefinable(const std::filesystem::path& path, const Lattice& lattice,
 /// Checks a name for writeRefinable() without touching the file.
 ///
 /// \param dimension of the complex that is to be written
-/// \throws FileError if the format that the extension names, if any, is not one for a mesh (2) or
-///         for a lattice (3), or the dimension is another
+/// \throws FileError if the format that the extension names, if any, is not one for a curve (1),
+///         a mesh (2) or a lattice (3), or the dimension is another
 void checkRefinableTarget(const std::filesystem::path& path, int dimension);
 
 }  // namespace espalier::io

@@ -5,11 +5,15 @@
 
 #include <filesystem>
 
-// Control meshes as Wavefront OBJ, with the tags of OpenSubdiv's regression shapes.
+// Control meshes and control polygons as Wavefront OBJ, with the tags of OpenSubdiv's regression
+// shapes.
 //
 //     v x y z                        a vertex; w or a colour after it is not kept
 //     f v v v ...                    a face: v, v/vt, v//vn or v/vt/vn, from 1; −1 is the last
 //                                    vertex so far. vt and vn are not kept
+//     l v v ...                      a line, its vertices as those of f: edges of a curve. Closed
+//     if
+//                                    it ends where it begins. Passed over where there are faces
 //     t crease 2/1/0 a b s           edges (a, b) of sharpness s; also 2k/1/0 with one sharpness
 //                                    for k edges, and 2k/k/0 with one for each
 //     t corner 1/1/0 v s             vertices; also k/1/0 and k/k/0
@@ -28,26 +32,30 @@
 
 namespace espalier::io {
 
-/// Reads a mesh: a Lattice of dimension 2, with its marks in canonical form and its tags.
+/// Reads a mesh: a Lattice of dimension 2, with its marks in canonical form and its tags. A file of
+/// lines and no faces gives a curve, of dimension 1, with the edges in the order of the lines.
 ///
 /// Vertices and faces keep their numbers, and faces where they start and how they wind; edges are
 /// numbered anew, and edges that join the same two vertices in several faces are one (the children
 /// of degenerate faces may have had two). How faces
 /// meet does not matter, as in far::validate(): edges of many faces, faces back to back or with a
-/// vertex twice, and vertices of no face are read. A backslash at the end of a line continues the
-/// statement on the next.
+/// vertex twice, and vertices of no face are read. A curve may be in pieces and branch; each of its
+/// vertices is on an edge, and no two are joined twice. A backslash at the end of a line continues
+/// the statement on the next.
 ///
-/// \throws FileError with the line, if a `v`, an `f` or a known tag is malformed, or names what is
-///         not there; TopologyError, with the path in its message, if there is no face, and with
-///         path and line if one has fewer than three corners
+/// \throws FileError with the line, if a `v`, an `f`, an `l` or a known tag is malformed, or names
+///         what is not there, or of a curve joins two vertices twice; TopologyError, with the path
+///         in its message, if there is neither face nor line or a vertex of a curve is unused, and
+///         with path and line if a face has fewer than three corners
 Lattice readObjMesh(const std::filesystem::path& path);
 
 /// Writes a mesh so that it reads back the same: vertices and faces with their numbers, positions
-/// bit for bit, tags, and marks in canonical form, their sharpness rounded to a float.
+/// bit for bit, tags, and marks in canonical form, their sharpness rounded to a float. The edges of
+/// a curve are joined to lines as long as they can be, and so numbered anew.
 ///
 /// A mark that says smooth is not written: on a mesh it says nothing. Infinity becomes 10.
 ///
-/// \throws FileError if the mesh is not of dimension 2, its parts do not fit together, it has
+/// \throws FileError if the mesh is not of dimension 2 or 1, its parts do not fit together, it has
 ///         attributes, for which an OBJ has no place, or a position that is not finite, or if the
 ///         file cannot be written; TopologyError if a mark names what is not there
 void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh);

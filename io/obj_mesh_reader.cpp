@@ -7,7 +7,9 @@
 #include <espalier/io/obj_tags.h>
 #include <espalier/io/words.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +36,15 @@ bool parseCorner(std::string_view corner, std::int64_t& vertex) {
            (second == std::string_view::npos || isEmptyOrWhole(rest.substr(second + 1)));
 }
 
+/// The faces or the lines of a file.
+struct Paths {
+    const char* name;                      ///< "face" or "line"
+    std::vector<std::int64_t> corners;     ///< of all, from 0; may be past the last vertex
+    std::vector<std::size_t> ends;         ///< per path: end of its corners
+    std::vector<std::size_t> lineNumbers;  ///< per path
+    std::size_t count() const { return ends.size(); }
+};
+
 class ObjMeshReader {
 public:
     explicit ObjMeshReader(const std::filesystem::path& path) : path_(path), tags_(path) {}
@@ -44,65 +55,98 @@ public:
             if (keyword == "v")
                 mesh_.positions.push_back(readObjPoint(words, path_, line).position);
             else if (keyword == "f")
-                readFace(words, line);
+                readPath(words, line, faces_);
+            else if (keyword == "l")
+                readPath(words, line, lines_);
             else if (keyword == "t")
                 tags_.add(words, line);
         });
-        mesh_.complex = build();
+        const bool isCurve = faces_.count() == 0 && lines_.count() > 0;
+        mesh_.complex = isCurve ? buildCurve() : buildMesh();
         mesh_.marks = tags_.marks(mesh_.complex);
         mesh_.tags = tags_.refinement();
         return std::move(mesh_);
     }
 
 private:
-    void readFace(ObjWords& words, std::size_t line) {
+    void readPath(ObjWords& words, std::size_t line, Paths& paths) const {
         const auto vertexCount = static_cast<std::int64_t>(mesh_.positions.size());
         for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
             std::int64_t vertex = 0;
             if (!parseCorner(word, vertex))
                 throw FileError(path_, line,
-                                inQuotes(word) +
-                                    " is not a corner of a face; expected v, v/vt, v//vn or "
-                                    "v/vt/vn");
+                                inQuotes(word) + " is not a corner of a " + paths.name +
+                                    "; expected v, v/vt, v//vn or v/vt/vn");
             if (vertex == 0)
                 throw FileError(path_, line,
-                                "a face names vertex 0; expected 1 or more, or less "
-                                "than 0 to count back");
+                                std::string("a ") + paths.name +
+                                    " names vertex 0; expected 1 or more, or less "
+                                    "than 0 to count back");
             if (vertex < -vertexCount)
                 throw FileError(path_, line,
-                                "a face names vertex " + std::to_string(vertex) + "; there are " +
+                                std::string("a ") + paths.name + " names vertex " +
+                                    std::to_string(vertex) + "; there are " +
                                     std::to_string(vertexCount) + " before it");
-            corners_.push_back(vertex < 0 ? vertexCount + vertex : vertex - 1);
+            paths.corners.push_back(vertex < 0 ? vertexCount + vertex : vertex - 1);
         }
-        faceEnds_.push_back(corners_.size());
-        faceLines_.push_back(line);
+        paths.ends.push_back(paths.corners.size());
+        paths.lineNumbers.push_back(line);
     }
 
-    far::CellComplex build() const {
-        const Index vertexCount = checkedIndex(path_, mesh_.positions.size(), "vertices");
-        far::ComplexBuilder builder(2, vertexCount);
-        std::vector<Index> loop;
+    /// Calls add(vertices) for each path. What it throws of a topology gets path and line.
+    template <class Add>
+    void forEachPath(const Paths& paths, Add add) const {
+        std::vector<Index> vertices;
         std::size_t corner = 0;
-        for (std::size_t face = 0; face < faceEnds_.size(); ++face) {
-            loop.clear();
-            for (; corner < faceEnds_[face]; ++corner) {
-                if (corners_[corner] >= vertexCount)
-                    throw FileError(path_, faceLines_[face],
-                                    "a face names vertex " + std::to_string(corners_[corner] + 1) +
-                                        "; the file has " + std::to_string(vertexCount));
-                loop.push_back(static_cast<Index>(corners_[corner]));
+        for (std::size_t i = 0; i < paths.count(); ++i) {
+            vertices.clear();
+            for (; corner < paths.ends[i]; ++corner) {
+                if (paths.corners[corner] >= vertexCount())
+                    throw FileError(path_, paths.lineNumbers[i],
+                                    std::string("a ") + paths.name + " names vertex " +
+                                        std::to_string(paths.corners[corner] + 1) +
+                                        "; the file has " + std::to_string(vertexCount()));
+                vertices.push_back(static_cast<Index>(paths.corners[corner]));
             }
-            naming(path_, faceLines_[face], [&] { return builder.addFace(loop); });
+            naming(path_, paths.lineNumbers[i], [&] { add(vertices, paths.lineNumbers[i]); });
         }
+    }
+
+    far::CellComplex buildMesh() const {
+        far::ComplexBuilder builder(2, vertexCount());
+        forEachPath(faces_,
+                    [&](const std::vector<Index>& loop, std::size_t) { builder.addFace(loop); });
         return naming(path_, [&] { return builder.build(); });
     }
+
+    far::CellComplex buildCurve() const {
+        far::ComplexBuilder builder(1, vertexCount());
+        std::set<std::pair<Index, Index>> edges;
+        forEachPath(lines_, [&](const std::vector<Index>& vertices, std::size_t line) {
+            if (vertices.size() < 2)
+                throw FileError(path_, line,
+                                "a line names " + std::to_string(vertices.size()) +
+                                    (vertices.size() == 1 ? " vertex" : " vertices") +
+                                    "; expected two or more");
+            for (std::size_t i = 1; i < vertices.size(); ++i) {
+                const auto [low, high] = std::minmax(vertices[i - 1], vertices[i]);
+                if (!edges.insert({low, high}).second)
+                    throw FileError(path_, line,
+                                    "vertices " + std::to_string(low + 1) + " and " +
+                                        std::to_string(high + 1) + " are joined twice");
+                builder.addEdge(vertices[i - 1], vertices[i]);
+            }
+        });
+        return naming(path_, [&] { return builder.build(); });
+    }
+
+    Index vertexCount() const { return checkedIndex(path_, mesh_.positions.size(), "vertices"); }
 
     std::filesystem::path path_;
     Lattice mesh_;
     ObjTags tags_;
-    std::vector<std::int64_t> corners_;   ///< of all faces, from 0; may be past the last vertex
-    std::vector<std::size_t> faceEnds_;   ///< per face: end of its corners
-    std::vector<std::size_t> faceLines_;  ///< per face
+    Paths faces_{"face", {}, {}, {}};
+    Paths lines_{"line", {}, {}, {}};
 };
 
 }  // namespace

@@ -9,13 +9,41 @@
 
 #include <initializer_list>
 #include <ostream>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace espalier::io {
 
 using far::Index;
 
 namespace {
+
+/// A curve as lines, each as long as it can be: first those that begin at an end or a junction,
+/// then the closed ones, which come back to where they began.
+std::vector<std::vector<Index>> linesOf(const far::CellComplex& curve) {
+    const auto& edgesAt = curve.relation(0, 1);
+    const auto& endsOf = curve.relation(1, 0);
+    std::vector<bool> isDrawn(static_cast<std::size_t>(curve.count(1)), false);
+    std::vector<std::vector<Index>> lines;
+    const auto draw = [&](Index edge, Index from) {
+        std::vector<Index> line = {from};
+        while (!isDrawn[static_cast<std::size_t>(edge)]) {
+            isDrawn[static_cast<std::size_t>(edge)] = true;
+            const Index to = endsOf[edge][endsOf[edge].front() == line.back() ? 1 : 0];
+            line.push_back(to);
+            if (edgesAt[to].size() != 2) break;
+            edge = edgesAt[to][edgesAt[to].front() == edge ? 1 : 0];
+        }
+        if (line.size() > 1) lines.push_back(std::move(line));
+    };
+    for (Index vertex = 0; vertex < curve.count(0); ++vertex)
+        if (edgesAt[vertex].size() != 2)
+            for (const Index edge : edgesAt[vertex]) draw(edge, vertex);
+    for (Index vertex = 0; vertex < curve.count(0); ++vertex) draw(edgesAt[vertex].front(), vertex);
+    return lines;
+}
 
 class ObjMeshWriter {
 public:
@@ -27,11 +55,11 @@ public:
             for (const double coordinate : position) number(coordinate);
             out_.text("\n");
         }
-        for (Index face = 0; face < mesh.complex.count(2); ++face) {
-            out_.text("f");
-            for (const Index vertex : mesh.complex.relation(2, 0)[face]) number(vertex + 1);
-            out_.text("\n");
-        }
+        if (mesh.complex.dimension() == 1)
+            for (const std::vector<Index>& line : linesOf(mesh.complex)) writePath("l", line);
+        else
+            for (Index face = 0; face < mesh.complex.count(2); ++face)
+                writePath("f", mesh.complex.relation(2, 0)[face]);
         writeTags(mesh.tags);
         for (const auto& mark : marks.edges)
             writeMark("t crease 2/1/0", {mark.vertices[0], mark.vertices[1]}, mark.sharpness);
@@ -45,6 +73,12 @@ public:
     }
 
 private:
+    void writePath(const char* keyword, std::span<const Index> vertices) {
+        out_.text(keyword);
+        for (const Index vertex : vertices) number(vertex + 1);
+        out_.text("\n");
+    }
+
     template <class Number>
     void number(Number value) {
         out_.text(" ");
@@ -86,7 +120,8 @@ private:
 }  // namespace
 
 void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh) {
-    const far::Marks marks = checkedForWriting(path, mesh, 2);
+    const int dimension = mesh.complex.dimension() == 1 ? 1 : 2;
+    const far::Marks marks = checkedForWriting(path, mesh, dimension);
     checkFinite(path, mesh.positions);
     if (!mesh.attributes.empty())
         throw FileError(path, "cannot be written: the mesh has the attribute " +

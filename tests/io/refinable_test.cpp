@@ -51,16 +51,17 @@ TEST(Refinable, FormatsOfTheOtherKindAreRefused) {
                       "a lattice cannot be written in this format; expected .ovm, .vtu, .vtk");
     Lattice curve;
     curve.complex = far::buildCurve(3, false);
-    for (const char* name : {"a.obj", "a.ovm"})
-        expectRefused(name, curve,
-                      "what is of dimension 1 cannot be written; expected a mesh (2) or a lattice "
-                      "(3)");
+    for (const char* name : {"a.ovm", "a.vtu", "a"})
+        expectRefused(name, curve, "a curve cannot be written in this format; expected .obj");
+    expectRefused("a.obj", {},
+                  "what is of dimension 0 cannot be written; expected a curve (1), a mesh (2) or a "
+                  "lattice (3)");
     try {
         io::readRefinable("a.stl");
         ADD_FAILURE() << "a.stl was taken";
     } catch (const io::FileError& error) {
         EXPECT_STREQ(error.what(),
-                     "a.stl: not a format of meshes or lattices that is known; "
+                     "a.stl: not a format of curves, meshes or lattices that is known; "
                      "expected .obj, .ovm, .vtu, .vtk");
     }
 }

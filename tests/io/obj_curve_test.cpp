@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "obj_mesh_samples.h"
+
+#include <espalier/far/error.h>
+
+namespace espalier::test {
+namespace {
+
+using testing::HasSubstr;
+
+// A polygon 0 – 1 – 2 – 3.
+const std::string kPoints = "v 0 0 0\nv 1 2 0\nv 3 2 0\nv 4 0 0\n";  // 4 lines
+const std::string kPolygon = kPoints + "l 1 2 3 4\n";
+
+using Edges = std::vector<std::array<Index, 2>>;
+
+Edges edgesOf(const Lattice& curve) {
+    Edges edges;
+    for (Index edge = 0; edge < curve.complex.count(1); ++edge) {
+        const auto ends = curve.complex.relation(1, 0)[edge];
+        edges.push_back({ends[0], ends[1]});
+    }
+    return edges;
+}
+
+std::string refusal(const std::string& text) {
+    try {
+        readMesh(text);
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(ObjCurve, LinesWithoutFacesAreACurve) {
+    const Lattice curve = readMesh(kPolygon);
+    EXPECT_EQ(curve.complex.dimension(), 1);
+    EXPECT_EQ(curve.complex.count(0), 4);
+    EXPECT_EQ(edgesOf(curve), (Edges{{0, 1}, {1, 2}, {2, 3}}));
+    EXPECT_EQ(curve.positions[2], (Point3{3, 2, 0}));
+    for (const char* lines : {"l 1 2\nl 2 3\nl 3 4\n", "l 1/7 2/8 3/9 -1/1\n", "l 1 2\\\n 3 4\n",
+                              "l -4 -3 -2\nl 3 4\n"})
+        EXPECT_EQ(edgesOf(readMesh(kPoints + lines)), edgesOf(curve)) << lines;
+}
+
+TEST(ObjCurve, MayBeClosedInPiecesAndBranch) {
+    EXPECT_EQ(edgesOf(readMesh(kPoints + "l 1 2 3 4 1\n")),
+              (Edges{{0, 1}, {1, 2}, {2, 3}, {3, 0}}));
+    EXPECT_EQ(edgesOf(readMesh(kPoints + "l 1 2\nl 3 4\n")), (Edges{{0, 1}, {2, 3}}));
+    EXPECT_EQ(edgesOf(readMesh(kPoints + "l 1 2 3\nl 2 4\n")), (Edges{{0, 1}, {1, 2}, {1, 3}}));
+}
+
+TEST(ObjCurve, TagsAreThoseOfMeshes) {
+    const Lattice curve =
+        readMesh("t corner 1/1/0 1 10\n" + kPolygon + "t interpolateboundary 1/0/0 0\n");
+    EXPECT_EQ(curve.marks, (far::Marks{.vertices = {{1, far::kInfinitelySharp}}}));
+    EXPECT_EQ(curve.tags, RefinementTags{.boundary = far::Boundary::Open});
+}
+
+TEST(ObjCurve, IsWrittenAsLinesAsLongAsTheyCanBe) {
+    const auto linesOf = [](const std::string& lines) {
+        const std::string written = writtenMesh(readMesh(kPoints + lines));
+        EXPECT_EQ(written.substr(0, kPoints.size()), kPoints);
+        return written.substr(kPoints.size());
+    };
+    EXPECT_EQ(linesOf("l 3 4\nl 2 3\nl 1 2\n"), "l 1 2 3 4\n");
+    EXPECT_EQ(linesOf("l 2 3 4 1 2\n"), "l 1 4 3 2 1\n");
+    EXPECT_EQ(linesOf("l 3 4\nl 1 2\n"), "l 1 2\nl 3 4\n");
+    EXPECT_EQ(linesOf("l 1 2 3\nl 2 4\n"), "l 1 2\nl 2 3\nl 2 4\n");
+    // A closed line with a tail comes back to its junction.
+    EXPECT_EQ(linesOf("l 2 3 4 2\nl 1 2\n"), "l 1 2\nl 2 3 4 2\n");
+}
+
+TEST(ObjCurve, ComesBackAsItWas) {
+    Lattice curve =
+        withAwkwardPositions(readMesh(kPoints + "v 5 5 5\nl 1 2 3 1\nl 3 4 5\n").complex);
+    curve.marks.vertices = {{1, double{0.1F}}, {3, far::kInfinitelySharp}};
+    curve.marks.edges = {{{1, 2}, double{2.5F}}};
+    curve.tags = {far::Boundary::Open, far::Creasing::Chaikin, far::TriangleSubdivision::Catmark};
+    const Lattice back = readMesh(writtenMesh(curve));
+    EXPECT_EQ(far::topologyDifference(back.complex, curve.complex), std::nullopt);
+    EXPECT_TRUE(bitsOf(back.positions) == bitsOf(curve.positions));
+    EXPECT_EQ(back.marks, curve.marks);
+    EXPECT_EQ(back.tags, curve.tags);
+}
+
+TEST(ObjCurve, RefusalsNameTheLine) {
+    EXPECT_THAT(refusal(kPoints + "l 1 2 5\n"), HasSubstr("a.obj:5: a line names vertex 5"));
+    EXPECT_THAT(refusal(kPoints + "l 1 0\n"), HasSubstr("a.obj:5: a line names vertex 0"));
+    EXPECT_THAT(refusal(kPoints + "l -5 1\n"),
+                HasSubstr("a.obj:5: a line names vertex -5; there are 4 before it"));
+    EXPECT_THAT(refusal(kPoints + "l 1 x\n"),
+                HasSubstr("a.obj:5: 'x' is not a corner of a line; expected v, v/vt"));
+    EXPECT_THAT(refusal(kPolygon + "l 1\n"), HasSubstr("a.obj:6: a line names 1 vertex; expected two"));
+    EXPECT_THAT(refusal(kPoints + "l\n"), HasSubstr("a.obj:5: a line names 0 vertices; expected two"));
+    EXPECT_THAT(refusal(kPolygon + "l 4 1\nl 2 1\n"),
+                HasSubstr("a.obj:7: vertices 1 and 2 are joined twice"));
+    EXPECT_THAT(refusal(kPoints + "l 1 2 2 3 4\n"), HasSubstr("a.obj:5: "));
+    EXPECT_THAT(refusal(kPoints + "l 1 2 3\n"), HasSubstr("vertex 3"));
+    EXPECT_THAT(refusal(kPolygon + "t hole 1/0/0 0\n"), HasSubstr("a.obj:6: "));
+    EXPECT_THAT(refusal(kPoints), HasSubstr("a.obj: "));
+}
+
+}  // namespace
+}  // namespace espalier::test
