@@ -45,8 +45,11 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options) {
         "Sharp are boundary edges in one cell, or those between vertices of at most two cells");
     addChoice<stencils::Rules>(
         command, "--rules", options.rules,
-        {{"siggraph96", stencils::Rules::Siggraph96}, {"cse96", stencils::Rules::Cse96}},
-        "Edition of the rules");
+        {{"siggraph96", stencils::Rules::Siggraph96},
+         {"cse96", stencils::Rules::Cse96},
+         {"rats", stencils::Rules::Rats}},
+        "Catmull-Clark, in two editions for the edges inside a lattice; or RATS splines, for "
+        "curves and meshes");
 }
 
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {

@@ -19,9 +19,10 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
         far::RefinerOptions refinerOptions = espalier::refinerOptions(lattice, options.refinement);
         refinerOptions.sharpEdges = options.sharpEdges;
         far::TopologyRefiner refiner(lattice.complex, refinerOptions);
+        stencils::checkRules(refiner, options.rules);
         refiner.refineUniform(level);
         return refiner;
-    } catch (const far::TopologyError& error) {
+    } catch (const Error& error) {
         throw io::FileError(path, error.what());
     }
 }

@@ -93,6 +93,7 @@ template <class Real>
 StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const Index> vertices) {
     refiner.level(level);  // Throws if it is not there.
+    checkRules(refiner, rules);
     if (level == 0) return selectionTable<Real>(refiner.level(0).complex.count(0), vertices);
     // Down the levels: what each row needs of the level before. Then up: their products.
     std::vector<CompactTable> chain;
@@ -118,6 +119,7 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
 std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const double> values, int components) {
     refiner.level(level);  // Throws if it is not there.
+    checkRules(refiner, rules);
     const Index baseCount = refiner.level(0).complex.count(0);
     if (components < 1 ||
         values.size() != static_cast<std::size_t>(baseCount) * static_cast<std::size_t>(components))

@@ -11,12 +11,20 @@
 
 namespace espalier::stencils {
 
+/// Checks that `rules` can refine what `refiner` holds. Everything below does so too.
+///
+/// \throws Error under Rules::Rats for a lattice, under Boundary::Open and under
+///         TriangleSubdivision::Smooth; far::TopologyError (BadMark) for an edge or a vertex that
+///         is semi-sharp
+void checkRules(const far::TopologyRefiner& refiner, Rules rules);
+
 /// Builds R_level: row i holds the weights of level-`level` vertex i over the vertices of the level
 /// before. 8 to 27 entries a row in regular lattices. Rows sum to 1.
 ///
 /// \param level 1 to refiner.maxLevel()
+/// \throws Error as checkRules()
 /// \cost O(entries), in parallel; does not depend on positions
-/// \cite MacCracken & Joy 1996, sections 2.2 and 3
+/// \cite MacCracken & Joy 1996, sections 2.2 and 3; Savva & Clapworthy, section 2.2 (Rules::Rats)
 StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
                                      Rules rules = Rules::Siggraph96);
 

@@ -2,6 +2,7 @@
 #include <espalier/far/error.h>
 #include <espalier/far/fading.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/rats.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <numeric>
@@ -73,9 +74,19 @@ void addMask(const Neighbourhood& around, const Mask& mask, double scale, RowAcc
     }
 }
 
-/// Adds the row of the new point of `entity`.
-void addRow(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
-            const Entity& entity, RowAccumulator& row) {
+/// Adds the row of a new point of RATS.
+void addRatsRow(const far::Level& level, const Entity& entity, RowAccumulator& row) {
+    const std::vector<Entity> sources = ratsSources(level, entity);
+    for (const Entity& source : sources) {
+        const int stratum = level.strata.of(source);
+        addMask({level, source, stratum}, refinementMask(Rules::Rats, source.dimension, stratum, 0),
+                1.0 / static_cast<double>(sources.size()), row);
+    }
+}
+
+/// Adds the row of a new point of Catmull-Clark.
+void addCatmullClarkRow(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+                        const Entity& entity, RowAccumulator& row) {
     const far::RefinerOptions& options = refiner.options();
     const Neighbourhood around{level, entity, level.strata.of(entity)};
     const auto fading = far::fadingOf(level.complex, level.strata, options.creasing, entity);
@@ -87,8 +98,13 @@ void addRow(const far::TopologyRefiner& refiner, const far::Level& level, Rules 
 
 }  // namespace
 
+void checkRules(const far::TopologyRefiner& refiner, Rules rules) {
+    if (rules == Rules::Rats) checkRats(refiner);
+}
+
 StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules,
                                      std::span<const Index> vertices) {
+    checkRules(refiner, rules);
     const far::Level& parent = refiner.level(level - 1);
     const far::Refinement& refinement = refiner.refinement(level);
     const Index count = refinement.child().count(0);
@@ -96,12 +112,16 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
         if (vertex < 0 || vertex >= count)
             throw Error("there is no vertex " + std::to_string(vertex) + " on level " +
                         std::to_string(level) + ", which has " + std::to_string(count));
-    return buildTable<double>(
-        static_cast<Index>(vertices.size()), parent.complex.count(0),
-        [&](Index row, RowAccumulator& accumulator) {
-            const Index vertex = vertices[static_cast<std::size_t>(row)];
-            addRow(refiner, parent, rules, refinement.parentOf({0, vertex}).upper, accumulator);
-        });
+    return buildTable<double>(static_cast<Index>(vertices.size()), parent.complex.count(0),
+                              [&](Index row, RowAccumulator& accumulator) {
+                                  const Index vertex = vertices[static_cast<std::size_t>(row)];
+                                  const Entity entity = refinement.parentOf({0, vertex}).upper;
+                                  if (rules == Rules::Rats)
+                                      addRatsRow(parent, entity, accumulator);
+                                  else
+                                      addCatmullClarkRow(refiner, parent, rules, entity,
+                                                         accumulator);
+                              });
 }
 
 StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules) {

@@ -27,6 +27,11 @@ Mask volumeMask(Rules rules, int dimension, double n) {
 
 Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence) {
     assert(0 <= dimension && dimension <= stratum && stratum <= far::kMaxDimension);
+    if (rules == Rules::Rats) {
+        Mask average{};
+        average[static_cast<std::size_t>(stratum)] = 1;
+        return average;
+    }
     switch (stratum) {
         case 0:
             return {1, 0, 0, 0};

@@ -7,11 +7,12 @@
 
 namespace espalier::stencils {
 
-/// Which edition of the volume rules; they differ in the edge rule only, and only where other than
-/// four faces meet in an interior edge.
+/// The rules of refinement. The first two are Catmull-Clark's, and differ in the edge rule of
+/// volumes only, and there only where other than four faces meet in an interior edge.
 enum class Rules {
     Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
-    Cse96        ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
+    Cse96,       ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
+    Rats         ///< of curves and meshes: see rats.h   Savva & Clapworthy, section 2.2
 };
 
 /// The new point of an entity as an affine combination of averages: entry j is the weight of the
@@ -20,7 +21,8 @@ enum class Rules {
 /// below the entity's dimension or above its stratum are 0.
 using Mask = std::array<double, far::kMaxDimension + 1>;
 
-/// The refinement rule of an entity of dimension `dimension` on stratum `stratum`.
+/// The refinement rule of an entity of dimension `dimension` on stratum `stratum`. Of
+/// Catmull-Clark:
 ///
 ///     stratum  cell   face           edge                     vertex
 ///     3        C      (C̄ + A)/2      see Rules                (C̄ + 3Ā + 3M̄ + P)/8
@@ -34,6 +36,8 @@ using Mask = std::array<double, far::kMaxDimension + 1>;
 ///
 /// Weights may be negative: that of M where two faces meet in an interior edge (−1/2), and that of
 /// P where two edges meet in a surface vertex (−1/2). The convex-hull property fails there.
+///
+/// Of RATS: the average of dimension `stratum`, of which its new points are made (rats.h).
 ///
 /// \param dimension 0 to 3, at most `stratum`
 /// \param stratum 0 to 3

@@ -5,10 +5,10 @@
 namespace espalier::stencils {
 namespace {
 
-constexpr Rules kAllRules[] = {Rules::Siggraph96, Rules::Cse96};
+constexpr Rules kCatmullClark[] = {Rules::Siggraph96, Rules::Cse96};
 
 TEST(Masks, AreAffineAndZeroOutsideTheirDimensions) {
-    for (const Rules rules : kAllRules)
+    for (const Rules rules : {Rules::Siggraph96, Rules::Cse96, Rules::Rats})
         for (int stratum = 0; stratum <= 3; ++stratum)
             for (int dimension = 0; dimension <= stratum; ++dimension)
                 for (far::Index valence = 2; valence <= 12; ++valence) {
@@ -28,13 +28,13 @@ TEST(Masks, AreAffineAndZeroOutsideTheirDimensions) {
 
 // MacCracken & Joy 1996, section 2.2: V = (C + 3A + 3M + P)/8.
 TEST(Masks, VolumeVertexIsTheSolidVertexRule) {
-    for (const Rules rules : kAllRules)
+    for (const Rules rules : kCatmullClark)
         EXPECT_EQ(refinementMask(rules, 0, 3, 6), (Mask{1. / 8, 3. / 8, 3. / 8, 1. / 8}));
 }
 
 // The two editions agree where four faces meet (the B-spline case): (C + 2A + M)/4.
 TEST(Masks, EdgeRulesAgreeAtFourFaces) {
-    for (const Rules rules : kAllRules)
+    for (const Rules rules : kCatmullClark)
         EXPECT_EQ(refinementMask(rules, 1, 3, 4), (Mask{0, 0.25, 0.5, 0.25}));
 }
 

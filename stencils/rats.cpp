@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/stencils/rats.h>
+
+#include <algorithm>
+#include <string>
+
+namespace espalier::stencils {
+
+using far::Entity;
+using far::Index;
+using far::Level;
+
+namespace {
+
+constexpr int kCorner = 0, kBorder = 1;
+
+/// Whether a part of the entity of dimension `dimension` has at most the stratum `most`.
+bool hasPart(const Level& level, const Entity& entity, int dimension, int most) {
+    const auto parts = level.complex.relation(entity.dimension, dimension)[entity.index];
+    return std::any_of(parts.begin(), parts.end(), [&](Index part) {
+        return level.strata.of({dimension, part}) <= most;
+    });
+}
+
+std::vector<Entity> verticesOf(const Level& level, const Entity& entity) {
+    std::vector<Entity> vertices;
+    for (const Index vertex : level.complex.relation(entity.dimension, 0)[entity.index])
+        vertices.push_back({0, vertex});
+    return vertices;
+}
+
+/// The inner edges of a face that share a vertex with one of its border edges.
+std::vector<Entity> edgesAtTheBorder(const Level& level, const Entity& face) {
+    const auto edges = level.complex.relation(2, 1)[face.index];
+    std::vector<Index> onBorder;
+    std::vector<Entity> inner;
+    for (const Index edge : edges) {
+        const auto ends = level.complex.relation(1, 0)[edge];
+        if (level.strata.of({1, edge}) <= kBorder)
+            onBorder.insert(onBorder.end(), ends.begin(), ends.end());
+        else
+            inner.push_back({1, edge});
+    }
+    std::erase_if(inner, [&](const Entity& edge) {
+        const auto ends = level.complex.relation(1, 0)[edge.index];
+        return std::none_of(ends.begin(), ends.end(), [&](Index end) {
+            return std::find(onBorder.begin(), onBorder.end(), end) != onBorder.end();
+        });
+    });
+    return inner;
+}
+
+RatsPoint edgePoint(const Level& level, const Entity& edge) {
+    if (level.strata.of(edge) <= kBorder)
+        return hasPart(level, edge, 0, kCorner) ? RatsPoint::EAlpha : RatsPoint::EBeta;
+    return hasPart(level, edge, 0, kBorder) ? RatsPoint::EGamma : RatsPoint::EDelta;
+}
+
+RatsPoint facePoint(const Level& level, const Entity& face) {
+    if (hasPart(level, face, 0, kCorner)) return RatsPoint::FAlpha;
+    return hasPart(level, face, 1, kBorder) ? RatsPoint::FBeta : RatsPoint::FGamma;
+}
+
+void checkNotSemiSharp(const Level& level) {
+    if (!level.strata.hasSemiSharp()) return;
+    for (int dimension = 0; dimension <= 1; ++dimension)
+        for (Index index = 0; index < level.complex.count(dimension); ++index) {
+            const float sharpness = level.strata.sharpness({dimension, index});
+            if (sharpness == far::kSmooth || sharpness == far::kInfinitelySharp) continue;
+            std::string name = "vertex " + std::to_string(index);
+            if (dimension == 1) {
+                const auto ends = level.complex.relation(1, 0)[index];
+                const auto [low, high] = std::minmax(ends.front(), ends.back());
+                name = "edge (" + std::to_string(low) + ", " + std::to_string(high) + ")";
+            }
+            throw far::TopologyError(far::TopologyCause::BadMark, {dimension, index},
+                                     name +
+                                         " is semi-sharp; the rules of RATS know what is smooth "
+                                         "and what is infinitely sharp only");
+        }
+}
+
+}  // namespace
+
+RatsPoint ratsPoint(const Level& level, Entity entity) {
+    if (entity.dimension == 2) return facePoint(level, entity);
+    if (entity.dimension == 1) return edgePoint(level, entity);
+    switch (level.strata.of(entity)) {
+        case kCorner:
+            return RatsPoint::VAlpha;
+        case kBorder:
+            return RatsPoint::VBeta;
+        default:
+            return RatsPoint::VGamma;
+    }
+}
+
+std::vector<Entity> ratsSources(const Level& level, Entity entity) {
+    switch (ratsPoint(level, entity)) {
+        case RatsPoint::EBeta:
+        case RatsPoint::EDelta:
+        case RatsPoint::FGamma:
+            return verticesOf(level, entity);
+        case RatsPoint::FBeta: {
+            std::vector<Entity> edges = edgesAtTheBorder(level, entity);
+            if (!edges.empty()) return edges;
+            return {entity};
+        }
+        default:
+            return {entity};
+    }
+}
+
+void checkRats(const far::TopologyRefiner& refiner) {
+    if (refiner.dimension() == far::kMaxDimension)
+        throw Error("the rules of RATS are for curves and meshes, not for lattices");
+    if (refiner.boundary() == far::Boundary::Open)
+        throw Error("the rules of RATS reach the border; there are none without boundary control");
+    if (refiner.options().triangles == far::TriangleSubdivision::Smooth)
+        throw Error("the rules of RATS have no smooth triangles");
+    checkNotSemiSharp(refiner.level(0));
+}
+
+}  // namespace espalier::stencils

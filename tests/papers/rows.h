@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/stencil_table.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+// The papers' formulas as they are printed: points are rows of weights over the old vertices, so
+// that (F0 + F1 + P0 + P1) / 4 is the row of an edge point.
+namespace espalier::test {
+
+using far::CellComplex;
+using far::Entity;
+using far::Index;
+
+/// A point as an affine combination of old vertices: the weight of each.
+struct Row {
+    std::map<Index, double> weights;
+
+    friend Row operator+(Row a, const Row& b) {
+        for (const auto& [vertex, weight] : b.weights) a.weights[vertex] += weight;
+        return a;
+    }
+    friend Row operator*(double factor, Row a) {
+        for (auto& [vertex, weight] : a.weights) weight *= factor;
+        return a;
+    }
+    friend Row operator/(Row a, double divisor) {
+        for (auto& [vertex, weight] : a.weights) weight /= divisor;
+        return a;
+    }
+    friend Row operator-(const Row& a, const Row& b) { return a + -1 * b; }
+};
+
+inline Row point(Index vertex) {
+    return {{{vertex, 1}}};
+}
+
+inline Row average(const std::vector<Row>& rows) {
+    Row sum;
+    for (const Row& row : rows) sum = sum + row;
+    return sum / static_cast<double>(rows.size());
+}
+
+/// The average of the vertices of an entity: P, M, A and C in the papers' letters.
+inline Row centroid(const CellComplex& complex, Entity entity) {
+    std::vector<Row> points;
+    for (const Index vertex : complex.relation(entity.dimension, 0)[entity.index])
+        points.push_back(point(vertex));
+    return average(points);
+}
+
+inline Row rowOf(const stencils::StencilTable<double>& table, Index index) {
+    Row row;
+    for (std::size_t k = 0; k < table.columns(index).size(); ++k)
+        row.weights[table.columns(index)[k]] = table.weights(index)[k];
+    return row;
+}
+
+/// A row of a table over the rows of the level before: the row over what these are over.
+inline Row substituted(const Row& row, const std::vector<Row>& before) {
+    Row sum;
+    for (const auto& [vertex, weight] : row.weights)
+        sum = sum + weight * before[static_cast<std::size_t>(vertex)];
+    return sum;
+}
+
+/// The largest difference of two weights of the same vertex.
+inline double difference(const Row& a, const Row& b) {
+    double largest = 0;
+    for (const auto& [vertex, weight] : (a - b).weights)
+        largest = std::max(largest, std::abs(weight));
+    return largest;
+}
+
+/// The new point of an entity of the level before.
+inline Index pointOf(const far::TopologyRefiner& refiner, int level, Entity entity) {
+    return refiner.refinement(level).childOf({entity, entity}).value().index;
+}
+
+/// The entity of the level before that a vertex is the point of.
+inline Entity parentOf(const far::TopologyRefiner& refiner, int level, Index vertex) {
+    return refiner.refinement(level).parentOf({0, vertex}).upper;
+}
+
+}  // namespace espalier::test
