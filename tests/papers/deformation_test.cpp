@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "papers/frozen.h"
+#include "papers/refined_grid.h"
+#include "support/zoo.h"
+
+// MacCracken & Joy 1996, sections 4 and 6: how close the deformation is, and that it is tame.
+namespace espalier::stencils {
+namespace {
+
+using Eigen::Vector3d;
+using far::TopologyRefiner;
+using test::Frozen;
+using test::positionsAt;
+using test::refined;
+using test::Row;
+using test::vec;
+
+/// What the cubic B-spline with a phantom point 2P0 − P1 before its first one, and likewise at its
+/// end, weighs the points 0 to n of a polygon with, at x from 0 to n.
+Row clampedSpline(double x, Index n) {
+    Row row;
+    const Row extended = test::splineAt(x + 1, n + 2);
+    for (const auto& [i, weight] : extended.weights) {
+        if (i == 0)
+            row = row + weight * (2 * test::point(0) - test::point(1));
+        else if (i == n + 2)
+            row = row + weight * (2 * test::point(n) - test::point(n - 1));
+        else
+            row = row + weight * test::point(i - 1);
+    }
+    return row;
+}
+
+// Section 4: "whereas this is an approximation, it can be made arbitrarily close to the actual
+// deformation". That of a box is known: the tricubic B-spline with a phantom layer, for which the
+// place of a point at rest is its parameter. Trilinear pieces of control points are off a spline by
+// the square of their size: the error falls fourfold with each level.
+TEST(Deformation, ApproximationTendsToTheDeformation) {
+    const std::array<Index, 3> cells = {3, 2, 4};
+    const Lattice box = shapes::box({.cells = {3, 2, 4}, .max = {3, 2, 4}});
+    const test::RefinedGrid grid({3, 2, 4}, 0, far::Boundary::Sharp);
+    const std::size_t count = 400;
+    std::vector<Point3> points, pose = box.positions;
+    const auto random = test::randomValues(3 * count, 1),
+               noise = test::randomValues(3 * pose.size(), 2);
+    for (std::size_t i = 0; i < pose.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) pose[i][c] += 0.4 * noise[3 * i + c];
+    std::vector<Vector3d> exact;
+    for (std::size_t i = 0; i < count; ++i) {
+        Point3 p;
+        for (std::size_t c = 0; c < 3; ++c) p[c] = (1 + random[3 * i + c]) / 2 * cells[c];
+        points.push_back(p);
+        const Row row = tensorProduct(grid, clampedSpline(p[0], 3), clampedSpline(p[1], 2),
+                                      clampedSpline(p[2], 4));
+        exact.push_back(Vector3d::Zero());
+        for (const auto& [vertex, weight] : row.weights)
+            exact.back() += weight * vec(pose[static_cast<std::size_t>(vertex)]);
+    }
+    double before = 0;
+    for (int level = 1; level <= 4; ++level) {
+        const std::vector<Point3> posed = Frozen(box, level, points).posed(pose);
+        double squares = 0;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            squares += (vec(posed[i]) - exact[i]).squaredNorm();
+        const double error = std::sqrt(squares / count);
+        if (level > 1) {
+            // The rest is of a higher order: it falls faster, and counts at the coarse levels.
+            EXPECT_NEAR(before / error, 4, std::ldexp(2.4, -level)) << level;
+        }
+        before = error;
+    }
+    EXPECT_LT(before, 1e-3);
+}
+
+// Section 6: trilinear places, and places in tetrahedra about the average of the cell's vertices,
+// weigh the vertices of their cell by what is not negative: a point in a cell stays in the hull of
+// it. And points of a lattice whose inner edges and surface vertices have three faces or more stay
+// in the hull of the lattice, since no rule has a negative weight there.
+TEST(Deformation, PointsInsideAreConvexCombinations) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const TopologyRefiner refiner = refined(lattice, 2);
+        const auto& complex = refiner.level(2).complex;
+        const auto positions = positionsAt(lattice, refiner, 2);
+        std::vector<Point3> points;
+        for (Index cell = 0; cell < complex.count(3); cell += 7) {
+            Vector3d sum = Vector3d::Zero();
+            double total = 0, weight = 1;
+            for (const Index vertex : complex.relation(3, 0)[cell]) {
+                weight = std::fmod(weight * 1.7, 1.3) + 0.1;
+                sum += weight * vec(positions[static_cast<std::size_t>(vertex)]);
+                total += weight;
+            }
+            points.push_back({sum[0] / total, sum[1] / total, sum[2] / total});
+        }
+        const Embedding embedding = embedPoints(complex, positions, points);
+        const auto inCell = buildEmbeddingTable(complex, embedding);
+        const auto inLattice = buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
+        for (Index i = 0; i < inCell.rowCount(); ++i) {
+            const auto& located = embedding.points[static_cast<std::size_t>(i)];
+            // A point in a gap between cells has a place just outside of one.
+            if (located.place && located.place->offset != std::array<double, 3>{}) continue;
+            for (const auto* table : {&inCell, &inLattice})
+                for (const double w : table->weights(i)) {
+                    // A place may be outside its cell by rounding.
+                    ASSERT_GE(w, -1e-12) << name;
+                    ASSERT_LE(w, 1 + 1e-12) << name;
+                }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace espalier::stencils

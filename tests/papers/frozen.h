@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/shapes/lattice.h>
+#include <espalier/stencils/composition.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+// Shapes with their positions, refined; and models frozen to them.
+namespace espalier::test {
+
+inline Eigen::Vector3d vec(const Point3& p) {
+    return Eigen::Vector3d(p.data());
+}
+
+inline far::TopologyRefiner refined(const Lattice& lattice, int levels,
+                                    far::Boundary boundary = far::Boundary::Sharp) {
+    far::TopologyRefiner refiner(lattice.complex, {.boundary = boundary, .marks = lattice.marks});
+    refiner.refineUniform(levels);
+    return refiner;
+}
+
+inline std::vector<Point3> positionsAt(const Lattice& lattice, const far::TopologyRefiner& refiner,
+                                       int level) {
+    return stencils::refinePositions(refiner, level, stencils::Rules::Siggraph96,
+                                     lattice.positions);
+}
+
+/// A model frozen to a lattice (MacCracken & Joy 1996, section 5), all of it inside.
+struct Frozen {
+    Lattice rest;
+    std::vector<Point3> model;
+    stencils::Binding<double> binding;
+
+    Frozen(const Lattice& lattice, int level, const std::vector<Point3>& points)
+        : rest(lattice), model(points) {
+        const far::TopologyRefiner refiner = refined(rest, level);
+        const stencils::Embedding embedding = stencils::embedPoints(
+            refiner.level(level).complex, positionsAt(rest, refiner, level), points);
+        EXPECT_EQ(embedding.count(stencils::PointStatus::Inside),
+                  static_cast<far::Index>(points.size()));
+        binding = stencils::makeBinding<double>(refiner, level, stencils::Rules::Siggraph96,
+                                                embedding, points);
+    }
+
+    std::vector<Point3> posed(const std::vector<Point3>& pose) const {
+        return osd::evaluateBinding(binding, pose);
+    }
+
+    void expectBackAtRest() const {
+        const std::vector<Point3> back = posed(rest.positions);
+        for (std::size_t i = 0; i < model.size(); ++i)
+            // What the project promises of a model of size 1.
+            EXPECT_LT((vec(back[i]) - vec(model[i])).norm(), 1e-12);
+    }
+};
+
+}  // namespace espalier::test
