@@ -11,8 +11,12 @@
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 
+#include <functional>
+#include <map>
 #include <memory>
+#include <span>
 
+#include "choice.h"
 #include "commands.h"
 #include "pipeline.h"
 
@@ -22,13 +26,21 @@ namespace {
 using Binding = stencils::Binding<double>;
 using stencils::PointStatus;
 
+/// What weighs the vertices of the lattice: subdivision, or what there was before it.
+enum class Basis { Subdivision, Bezier, BSpline };
+
+const std::map<std::string, Basis> kBasisWords = {
+    {"subdivision", Basis::Subdivision}, {"bezier", Basis::Bezier}, {"bspline", Basis::BSpline}};
+
 struct Options {
     CommonOptions common;
     std::string model;
     std::string rest;
     std::vector<std::string> poses;
     std::string output;
+    Basis basis = Basis::Subdivision;
     int level = 3;
+    std::vector<const CLI::Option*> ofSubdivision;  ///< those that no other basis has a use for
 };
 
 /// What binding found, for the report.
@@ -37,10 +49,22 @@ struct BindingReport {
     double largestResidual;
 };
 
-/// Freezes a model to the lattice of options.rest (MacCracken & Joy 1996, section 5).
-Binding bindModel(const Options& options, const io::Model& model, const Lattice& lattice,
-                  Stages& stages, BindingReport& report) {
-    const auto points = model.positions();
+template <class Place>
+BindingReport reportOf(const stencils::PlacedPoints<Place>& embedding) {
+    return {embedding.count(PointStatus::Inside), embedding.count(PointStatus::Outside),
+            embedding.count(PointStatus::NotConverged), embedding.largestResidual()};
+}
+
+/// Shows how far the stage is that embeds so many points.
+std::function<void(far::Offset)> progressOf(Stages& stages, std::size_t pointCount) {
+    return [&stages, pointCount](far::Offset done) {
+        stages.showProgress(static_cast<std::size_t>(done), pointCount);
+    };
+}
+
+/// MacCracken & Joy 1996, section 5.
+Binding bindToSubdivision(const Options& options, std::span<const Point3> points,
+                          const Lattice& lattice, Stages& stages, BindingReport& report) {
     const auto refiner = stages.run("refining", [&] {
         return refineLattice(options.rest, lattice, options.common, options.level);
     });
@@ -48,17 +72,55 @@ Binding bindModel(const Options& options, const io::Model& model, const Lattice&
         const auto positions = stencils::refinePositions(refiner, options.level,
                                                          options.common.rules, lattice.positions);
         return stencils::embedPoints(refiner.level(options.level).complex, positions, points,
-                                     options.common.embedding, [&](far::Offset done) {
-                                         stages.showProgress(static_cast<std::size_t>(done),
-                                                             points.size());
-                                     });
+                                     options.common.embedding, progressOf(stages, points.size()));
     });
-    report = {embedding.count(PointStatus::Inside), embedding.count(PointStatus::Outside),
-              embedding.count(PointStatus::NotConverged), embedding.largestResidual()};
+    report = reportOf(embedding);
     return stages.run("building stencils", [&] {
         return stencils::makeBinding<double>(refiner, options.level, options.common.rules,
                                              embedding, points);
     });
+}
+
+stencils::TensorLattice tensorLattice(const Options& options, const Lattice& lattice) {
+    try {
+        return {
+            lattice.complex, lattice.positions,
+            options.basis == Basis::Bezier ? stencils::Basis::Bezier : stencils::Basis::BSpline};
+    } catch (const Error& error) {
+        throw io::FileError(options.rest, error.what());
+    }
+}
+
+/// The same for the lattices of the paper's section 1.
+Binding bindToTensorProduct(const Options& options, std::span<const Point3> points,
+                            const Lattice& lattice, Stages& stages, BindingReport& report) {
+    // To go on without them would be another deformation than the file asks for.
+    if (!lattice.marks.empty())
+        throw io::FileError(options.rest, "has marks, which only --basis subdivision heeds");
+    const auto tensor = stages.run("embedding", [&] { return tensorLattice(options, lattice); });
+    const auto embedding = stages.run("embedding", [&] {
+        return stencils::embedPoints(tensor, points, options.common.embedding,
+                                     progressOf(stages, points.size()));
+    });
+    report = reportOf(embedding);
+    return stages.run("building stencils",
+                      [&] { return stencils::makeBinding<double>(tensor, embedding, points); });
+}
+
+/// Freezes a model to the lattice of options.rest.
+Binding bindModel(const Options& options, const io::Model& model, const Lattice& lattice,
+                  Stages& stages, BindingReport& report) {
+    const auto bind = options.basis == Basis::Subdivision ? bindToSubdivision : bindToTensorProduct;
+    return bind(options, model.positions(), lattice, stages, report);
+}
+
+/// Refuses options that the basis has no use for, rather than pass over them.
+void checkBasis(const Options& options) {
+    if (options.basis == Basis::Subdivision) return;
+    for (const CLI::Option* option : options.ofSubdivision)
+        if (option->count() > 0)
+            throw CLI::ValidationError(option->get_name(),
+                                       "is of use with --basis subdivision only");
 }
 
 void printReport(const BindingReport& report, const Binding& binding) {
@@ -102,6 +164,7 @@ void writePose(const io::Model& model, const Binding& binding, const std::vector
 }
 
 void runDeform(const Options& options) {
+    checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
     const auto paths = outputPaths(options);
@@ -125,6 +188,7 @@ void runDeform(const Options& options) {
 }
 
 void runBind(const Options& options) {
+    checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
     checkOutput(options.output, {options.model, options.rest}, ".espb");
     Stages stages(options.common.quiet);
@@ -179,7 +243,6 @@ void addModelAndRest(CLI::App& command, Options& options) {
         .add_option("--rest", options.rest,
                     "The lattice as it lies around the model: .ovm, .vtu or .vtk")
         ->required();
-    addLevelOption(command, options.level, 1);
 }
 
 void addPosesAndOutput(CLI::App& command, Options& options) {
@@ -194,6 +257,18 @@ void addPosesAndOutput(CLI::App& command, Options& options) {
         ->required();
 }
 
+/// --basis, and the options of the only basis that has any.
+void addBasis(CLI::App& command, Options& options) {
+    addChoice<Basis>(command, "--basis", options.basis, kBasisWords,
+                     "What weighs the lattice: its subdivision; or, of a box that lies on a "
+                     "parallelepiped, Bernstein polynomials or cubic B-splines");
+    const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
+    addLevelOption(command, options.level, 1);
+    addRefinementOptions(command, options.common);
+    const auto all = command.get_options();
+    options.ofSubdivision.assign(all.begin() + others, all.end());
+}
+
 }  // namespace
 
 void addDeformCommands(CLI::App& program) {
@@ -203,7 +278,7 @@ void addDeformCommands(CLI::App& program) {
             "deform", "Bind a model to a lattice, and apply each pose of the lattice to it");
         addModelAndRest(command, *options);
         addPosesAndOutput(command, *options);
-        addRefinementOptions(command, options->common);
+        addBasis(command, *options);
         addEmbeddingOptions(command, options->common);
         addRunOptions(command, options->common);
         command.callback([options] { runDeform(*options); });
@@ -214,7 +289,7 @@ void addDeformCommands(CLI::App& program) {
             *program.add_subcommand("bind", "Bind a model to a lattice, and keep the binding");
         addModelAndRest(command, *options);
         command.add_option("-o,--output", options->output, "The bound model: .espb")->required();
-        addRefinementOptions(command, options->common);
+        addBasis(command, *options);
         addEmbeddingOptions(command, options->common);
         addRunOptions(command, options->common);
         command.callback([options] { runBind(*options); });

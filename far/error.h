@@ -36,6 +36,7 @@ enum class TopologyCause {
     NotASphere,        ///< the surface of a cell is in pieces, or has a handle
     NotOrientable,     ///< the cells (or the faces of one cell) cannot be oriented coherently
     WrongDimension,    ///< a cell for a mesh, a face for a lattice or a curve
+    NotABox,           ///< a lattice that is not a box of hexahedra, where it should be
     BadMark,           ///< a mark on an edge that does not exist, or of a value without meaning
     TooManyEntities    ///< more entities than an Index counts
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/stencils/embedding.h>
+#include <espalier/stencils/tensor_product.h>
 
 #include <cstdint>
 
@@ -30,5 +31,10 @@ struct Binding {
 template <class Real>
 Binding<Real> makeBinding(const far::TopologyRefiner& refiner, int level, Rules rules,
                           const Embedding& embedding, std::span<const Point3> points);
+
+/// The same for a box lattice with Bézier or B-spline weights.
+template <class Real>
+Binding<Real> makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
+                          std::span<const Point3> points);
 
 }  // namespace espalier::stencils

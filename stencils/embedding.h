@@ -6,6 +6,7 @@
 #include <espalier/stencils/point_location.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <algorithm>
 #include <functional>
 #include <span>
 #include <vector>
@@ -28,16 +29,29 @@ struct EmbeddingOptions {
     double tolerance = 1e-6;
 };
 
-/// Where each point of a model lies in level `level` of a lattice.
-struct Embedding {
-    std::vector<LocatedPoint> points;  ///< one a point, in their order
-    Index vertexCount = 0;             ///< vertices of the refined lattice
+/// Where each point of a model lies in a lattice.
+template <class Place>
+struct PlacedPoints {
+    std::vector<Located<Place>> points;  ///< one a point, in their order
+    Index vertexCount = 0;               ///< vertices of the lattice that the places are in
 
-    Index count(PointStatus status) const;
+    Index count(PointStatus status) const {
+        return static_cast<Index>(
+            std::count_if(points.begin(), points.end(),
+                          [&](const auto& point) { return point.status == status; }));
+    }
 
     /// The largest distance of a point from the position of its place; 0 without places.
-    double largestResidual() const;
+    double largestResidual() const {
+        double largest = 0;
+        for (const Located<Place>& point : points)
+            if (point.place) largest = std::max(largest, point.residual);
+        return largest;
+    }
 };
+
+/// Places in the cells of a level of a lattice, 1 or above.
+using Embedding = PlacedPoints<CellPlace>;
 
 /// Finds each point in a refined lattice.
 ///

@@ -2,6 +2,7 @@
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
 #include <espalier/far/standard_cells.h>
+#include <espalier/stencils/place_points.h>
 #include <espalier/stencils/point_location.h>
 #include <espalier/stencils/simplex.h>
 #include <espalier/stencils/trilinear.h>
@@ -33,10 +34,6 @@ constexpr double kBoxSlack = 1e-12;
 /// point lies: what the project promises of the rest pose.
 constexpr double kResidual = 1e-12;
 
-std::array<double, 3> toArray(const Vector3d& v) {
-    return {v[0], v[1], v[2]};
-}
-
 BoxTree::Box boundingBox(std::span<const Point3> positions) {
     BoxTree::Box box;
     for (const Point3& position : positions) box.extend(Vector3d(position.data()));
@@ -58,13 +55,7 @@ std::vector<BoxTree::Box> cellBoxes(const far::CellComplex& complex,
 
 const far::CellComplex& checked(const far::CellComplex& complex,
                                 std::span<const Point3> positions) {
-    if (positions.size() != static_cast<std::size_t>(complex.count(0)))
-        throw Error("got " + std::to_string(positions.size()) + " positions for " +
-                    std::to_string(complex.count(0)) + " vertices");
-    for (std::size_t vertex = 0; vertex < positions.size(); ++vertex)
-        if (!Vector3d(positions[vertex].data()).allFinite())
-            throw Error("the position of lattice vertex " + std::to_string(vertex) +
-                        " is not finite");
+    checkPositions(complex, positions);
     if (complex.dimension() != 3)
         throw Error("points can be embedded in a lattice only, not in a complex of dimension " +
                     std::to_string(complex.dimension()));
@@ -73,11 +64,6 @@ const far::CellComplex& checked(const far::CellComplex& complex,
             throw Error("face " + std::to_string(face) +
                         " is not a quadrilateral: embedding needs a lattice refined at least once");
     return complex;
-}
-
-double checkedTolerance(double tolerance) {
-    if (std::isfinite(tolerance) && tolerance >= 0) return tolerance;
-    throw Error("the tolerance is " + std::to_string(tolerance) + "; expected 0 or more");
 }
 
 std::vector<std::optional<std::array<Index, 8>>> hexahedra(const far::CellComplex& complex) {

@@ -16,24 +16,28 @@ enum class PointStatus : std::uint8_t {
     NotConverged  ///< no place gives it back: a degenerate cell, or a coordinate not finite
 };
 
-/// Where a point lies in a refined lattice.
-struct LocatedPoint {
+/// Where a point lies in a lattice, whatever a place in it is.
+template <class Place>
+struct Located {
     PointStatus status = PointStatus::NotConverged;
 
     /// The place that stands for the point; nothing if it was not sought (Outside) or not found
     /// (NotConverged).
-    std::optional<CellPlace> place;
+    std::optional<Place> place;
 
-    /// Distance from the nearest cell, 0 in a cell. Not computed for a point outside of which no
-    /// place was sought.
+    /// Distance from the region of the lattice, 0 in it. Not computed for a point outside of which
+    /// no place was sought.
     double distance = 0;
 
-    /// Distance of the point from the position of the place: the rounding of the solve, at most
-    /// 1e-12 of the size of the lattice or of the point's distance from the origin. Where the
-    /// nearest cell is too flat to solve for, a point within the tolerance has the place that is
-    /// nearest to it, and its distance from that. 0 without a place.
+    /// Distance of the point from the position of the place; 0 without a place.
     double residual = 0;
 };
+
+/// Where a point lies in a refined lattice. The residual is the rounding of the solve, at most
+/// 1e-12 of the size of the lattice or of the point's distance from the origin. Where the nearest
+/// cell is too flat to solve for, a point within the tolerance has the place that is nearest to it,
+/// and its distance from that.
+using LocatedPoint = Located<CellPlace>;
 
 /// Finds the cells of a refined lattice that hold given points.
 ///

@@ -5,74 +5,18 @@
     cli_test.py PATH_OF_ESPALIER PATH_OF_THE_EXAMPLE
 """
 
-import json
 import math
 import os
-import pathlib
 import pty
 import struct
 import subprocess
 import sys
-import tempfile
 import unittest
 
-ESPALIER = EXAMPLE = ""
+import program
+from program import CliTest, icosphere_points
 
-
-def icosphere_points(count):
-    """Points well inside the unit cube, on a spiral round its middle."""
-    points = []
-    for i in range(count):
-        z = 1 - 2 * (i + 0.5) / count
-        angle = math.pi * (3 - math.sqrt(5)) * i
-        radius = math.sqrt(1 - z * z)
-        points.append((0.5 + 0.4 * radius * math.cos(angle),
-                       0.5 + 0.4 * radius * math.sin(angle), 0.5 + 0.4 * z))
-    return points
-
-
-class CliTest(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.path = pathlib.Path(self.folder.name)
-
-    def run_program(self, *arguments, code=0):
-        result = subprocess.run([ESPALIER, *map(str, arguments)], cwd=self.path, text=True,
-                                capture_output=True, timeout=120)
-        self.assertEqual(result.returncode, code, result.stderr)
-        if code != 0:
-            self.assertEqual(result.stderr.count("\n"), 1, "one line: " + result.stderr)
-        return result
-
-    def error_of(self, *arguments, code=1):
-        return self.run_program(*arguments, code=code).stderr
-
-    def write_model(self, points, name="model.obj"):
-        lines = ["# a comment"] + ["v %.17g %.17g %.17g" % p for p in points]
-        lines += ["vt 0 0", "f 1/1 2/1 3/1"]
-        (self.path / name).write_text("\n".join(lines) + "\n")
-
-    def write_mesh(self, tags=(), name="mesh.obj"):
-        """A plane of 3 by 3 squares; vertices 0, 3, 12 and 15 are its corners, 5 is inside."""
-        lines = [f"v {i % 4} {i // 4} {0.1 * (i % 3)}" for i in range(16)]
-        for j in range(3):
-            for i in range(3):
-                a = 4 * j + i + 1
-                lines.append(f"f {a} {a + 1} {a + 5} {a + 4}")
-        (self.path / name).write_text("\n".join([*lines, *tags]) + "\n")
-
-    def read_points(self, name):
-        lines = (self.path / name).read_text().splitlines()
-        return [tuple(map(float, line.split()[1:4])) for line in lines if line.startswith("v ")]
-
-    def assert_close(self, points, expected, bound):
-        self.assertEqual(len(points), len(expected))
-        for p, q in zip(points, expected):
-            self.assertLess(math.dist(p, q), bound)
-
-    def info(self, *arguments):
-        return json.loads(self.run_program("info", *arguments, "--json").stdout)
+EXAMPLE = ""
 
 
 class Shapes(CliTest):
@@ -172,17 +116,6 @@ class RefineAndStencils(CliTest):
         self.assertEqual((rows, columns, entries), (len(refined), len(base), len(lines) - 1))
         self.assert_close(self.product("s.mtx", base), refined, 1e-15)
 
-    def product(self, name, points):
-        """A matrix times points."""
-        lines = [line for line in (self.path / name).read_text().splitlines()
-                 if not line.startswith("%")]
-        product = [[0.0] * 3 for _ in range(int(lines[0].split()[0]))]
-        for line in lines[1:]:
-            row, column, weight = line.split()
-            for c in range(3):
-                product[int(row) - 1][c] += float(weight) * points[int(column) - 1][c]
-        return product
-
     def test_meshes_are_refined_like_lattices(self):
         creases = ["t crease 2/1/0 5 6 2.5", "t corner 1/1/0 10 0.5"]
         self.write_mesh(creases)
@@ -262,12 +195,6 @@ class RefineAndStencils(CliTest):
         self.assertIn("mesh.obj:26", error)
         self.assertIn("(0, 9)", error)
 
-    def read_ovm_positions(self, name):
-        lines = (self.path / name).read_text().splitlines()
-        at = lines.index("Vertices")
-        count = int(lines[at + 1])
-        return [tuple(map(float, line.split())) for line in lines[at + 2:at + 2 + count]]
-
     def test_attributes_are_refined_with_the_positions(self):
         # z of a cube as an attribute: on the refined lattice it is z again.
         self.run_program("shape", "box", "-o", "b.vtk")
@@ -302,7 +229,7 @@ class RefineAndStencils(CliTest):
 class Compare(CliTest):
     def setUp(self):
         super().setUp()
-        result = subprocess.run([ESPALIER, "compare"], capture_output=True, text=True)
+        result = subprocess.run([program.ESPALIER, "compare"], capture_output=True, text=True)
         if "without OpenSubdiv" in result.stderr:
             self.skipTest("espalier was built without OpenSubdiv")
 
@@ -391,8 +318,8 @@ class Deform(CliTest):
 
     def test_terminal_shows_progress(self):
         terminal, other_end = pty.openpty()
-        subprocess.run([ESPALIER, "deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk",
-                        "-o", "out.obj"], cwd=self.path, check=True, timeout=120,
+        subprocess.run([program.ESPALIER, "deform", "model.obj", "--rest", "rest.vtu", "--to",
+                        "pose.vtk", "-o", "out.obj"], cwd=self.path, check=True, timeout=120,
                        stdout=subprocess.DEVNULL, stderr=other_end)
         os.close(other_end)
         shown = os.read(terminal, 100000).decode()
@@ -506,8 +433,8 @@ class Deform(CliTest):
 
     def test_full_standard_output_is_an_error(self):
         with open("/dev/full", "w") as full:
-            result = subprocess.run([ESPALIER, "info", "rest.vtu"], cwd=self.path, stdout=full,
-                                    stderr=subprocess.PIPE, text=True, timeout=120)
+            result = subprocess.run([program.ESPALIER, "info", "rest.vtu"], cwd=self.path,
+                                    stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
         self.assertEqual(result.returncode, 1)
         self.assertIn("standard output", result.stderr)
 
@@ -545,5 +472,5 @@ class Deform(CliTest):
 
 if __name__ == "__main__":
     EXAMPLE = os.path.abspath(sys.argv.pop())
-    ESPALIER = os.path.abspath(sys.argv.pop())
+    program.ESPALIER = os.path.abspath(sys.argv.pop())
     unittest.main()

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+
+#include <vector>
+
+namespace espalier::stencils {
+
+using far::Index;
+
+/// The functions by which the points of a box lattice were weighed before there was subdivision.
+enum class Basis {
+    Bezier,  ///< Bernstein polynomials over the whole lattice (Sederberg & Parry 1986)
+    BSpline  ///< uniform cubic B-splines (Griessmair & Purgathofer 1989)
+};
+
+/// A range of places along an axis of n cells, which runs from 0 to n.
+struct AxisRange {
+    double low = 0, high = 0;
+};
+
+/// Where the functions of an axis add up to 1: all of it for Bernstein polynomials; 1 to cells − 1
+/// for B-splines, which is what Boundary::Open leaves in the limit.
+AxisRange axisRange(Basis basis, Index cells);
+
+/// The functions of successive grid points of an axis at one place; all others are 0 there.
+struct AxisFunctions {
+    Index first = 0;                       ///< grid point of the first of them
+    std::vector<double> values = {};       ///< they sum to 1
+    std::vector<double> derivatives = {};  ///< by the place, in cells; they sum to 0
+};
+
+/// Bézier: the `cells` + 1 Bernstein polynomials of degree `cells` at the parameter at / cells,
+/// added up by de Casteljau's scheme: nothing cancels, so that values keep double precision at any
+/// degree, and sums are off by no more than 2e-16 a degree. B-spline: the four of [1 u u² u³] M.
+///
+/// \param at in axisRange(basis, cells), which must not be empty
+/// \cost Bézier O(cells²), B-spline constant
+/// \cite MacCracken & Joy 1996, section 4, on Sederberg & Parry; Joy, bicubic refinement, for M
+AxisFunctions axisFunctions(Basis basis, Index cells, double at);
+
+}  // namespace espalier::stencils

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests of the program share: a folder for each, and the files they write and read."""
+
+import json
+import math
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+ESPALIER = ""  # path of the program; the tests set it
+
+
+def icosphere_points(count):
+    """Points well inside the unit cube, on a spiral round its middle."""
+    points = []
+    for i in range(count):
+        z = 1 - 2 * (i + 0.5) / count
+        angle = math.pi * (3 - math.sqrt(5)) * i
+        radius = math.sqrt(1 - z * z)
+        points.append((0.5 + 0.4 * radius * math.cos(angle),
+                       0.5 + 0.4 * radius * math.sin(angle), 0.5 + 0.4 * z))
+    return points
+
+
+class CliTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.path = pathlib.Path(self.folder.name)
+
+    def run_program(self, *arguments, code=0):
+        result = subprocess.run([ESPALIER, *map(str, arguments)], cwd=self.path, text=True,
+                                capture_output=True, timeout=120)
+        self.assertEqual(result.returncode, code, result.stderr)
+        if code != 0:
+            self.assertEqual(result.stderr.count("\n"), 1, "one line: " + result.stderr)
+        return result
+
+    def error_of(self, *arguments, code=1):
+        return self.run_program(*arguments, code=code).stderr
+
+    def write_model(self, points, name="model.obj"):
+        lines = ["# a comment"] + ["v %.17g %.17g %.17g" % p for p in points]
+        lines += ["vt 0 0", "f 1/1 2/1 3/1"]
+        (self.path / name).write_text("\n".join(lines) + "\n")
+
+    def write_mesh(self, tags=(), name="mesh.obj"):
+        """A plane of 3 by 3 squares; vertices 0, 3, 12 and 15 are its corners, 5 is inside."""
+        lines = [f"v {i % 4} {i // 4} {0.1 * (i % 3)}" for i in range(16)]
+        for j in range(3):
+            for i in range(3):
+                a = 4 * j + i + 1
+                lines.append(f"f {a} {a + 1} {a + 5} {a + 4}")
+        (self.path / name).write_text("\n".join([*lines, *tags]) + "\n")
+
+    def read_points(self, name):
+        lines = (self.path / name).read_text().splitlines()
+        return [tuple(map(float, line.split()[1:4])) for line in lines if line.startswith("v ")]
+
+    def read_ovm_positions(self, name):
+        lines = (self.path / name).read_text().splitlines()
+        at = lines.index("Vertices")
+        count = int(lines[at + 1])
+        return [tuple(map(float, line.split())) for line in lines[at + 2:at + 2 + count]]
+
+    def assert_close(self, points, expected, bound):
+        self.assertEqual(len(points), len(expected))
+        for p, q in zip(points, expected):
+            self.assertLess(math.dist(p, q), bound)
+
+    def product(self, name, points):
+        """A matrix times points."""
+        lines = [line for line in (self.path / name).read_text().splitlines()
+                 if not line.startswith("%")]
+        product = [[0.0] * 3 for _ in range(int(lines[0].split()[0]))]
+        for line in lines[1:]:
+            row, column, weight = line.split()
+            for c in range(3):
+                product[int(row) - 1][c] += float(weight) * points[int(column) - 1][c]
+        return product
+
+    def info(self, *arguments):
+        return json.loads(self.run_program("info", *arguments, "--json").stdout)

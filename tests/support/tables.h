@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/sparse_matrix.h>
+#include <espalier/stencils/tensor_product.h>
+
+#include <Eigen/Core>
+#include <random>
+#include <vector>
+
+namespace espalier::test {
+
+using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+inline Positions asMatrix(const std::vector<Point3>& points) {
+    return Eigen::Map<const Positions>(points.data()->data(),
+                                       static_cast<Eigen::Index>(points.size()), 3);
+}
+
+/// Table times points.
+inline Positions times(const stencils::StencilTable<double>& table,
+                       const std::vector<Point3>& points) {
+    return stencils::SparseView(table).matrix() * asMatrix(points);
+}
+
+inline double largestDistance(const Positions& a, const Positions& b) {
+    return (a - b).rowwise().norm().maxCoeff();
+}
+
+/// Points moved by up to 1/2 in each coordinate.
+inline std::vector<Point3> shaken(std::vector<Point3> points, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> move(-0.5, 0.5);
+    for (Point3& point : points)
+        for (double& coordinate : point) coordinate += move(random);
+    return points;
+}
+
+/// D of a box lattice.
+inline stencils::StencilTable<double> tableOf(const stencils::TensorLattice& lattice,
+                                              const std::vector<Point3>& points,
+                                              const stencils::EmbeddingOptions& options = {}) {
+    return stencils::buildDeformationTable(lattice,
+                                           stencils::embedPoints(lattice, points, options));
+}
+
+}  // namespace espalier::test
