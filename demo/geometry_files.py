@@ -36,8 +36,13 @@ def read_model(path):
     model = surface(np.array(points, float), loops)
     scalars = numpy_support.numpy_to_vtk((np.array(colours) * 255).astype(np.uint8), deep=1)
     model.GetCellData().SetScalars(scalars)
+    return with_normals(model)
+
+
+def with_normals(data):
+    """The same polygons with smooth normals at their points."""
     normals = vtk.vtkPolyDataNormals()
-    normals.SetInputData(model)
+    normals.SetInputData(data)
     normals.SplittingOff()
     normals.ConsistencyOff()
     normals.Update()
@@ -81,8 +86,8 @@ def points_of(shown):
 
 
 class LatticeFile:
-    """A lattice as drawn: points, edges (pairs of points) with a stratum each, and the faces of its
-    boundary.
+    """A lattice as drawn: points, cells (each a list of faces), edges (pairs of points) with a
+    stratum each, and the faces of its boundary.
 
     Strata are those of MacCracken & Joy 1996, figure 5: 0 corner, 1 sharp, 2 boundary, 3 inside.
     What lies in a single cell is sharp, which holds at every level, unless the file has marks that
@@ -99,22 +104,14 @@ class LatticeFile:
         if grid.GetNumberOfCells() == 0:
             raise SystemExit(f"{path}: not a readable .vtu file, or one without cells")
         self.points = numpy_support.vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
-        cells = [cell_faces(grid, cell) for cell in range(grid.GetNumberOfCells())]
-        self._find_boundary(cells)
-        self._find_edges(cells, edge_marks(grid))
-        self._find_point_strata(cells, grid)
+        self.cells = [cell_faces(grid, cell) for cell in range(grid.GetNumberOfCells())]
+        self.boundary = boundary_of(self.cells)
+        self._find_edges(edge_marks(grid))
+        self._find_point_strata(grid)
 
-    def _find_boundary(self, cells):
-        loops, count = {}, {}
-        for face in (face for faces in cells for face in faces):
-            key = tuple(sorted(face))
-            loops[key] = face
-            count[key] = count.get(key, 0) + 1
-        self.boundary = [loops[key] for key, cells_of_face in count.items() if cells_of_face == 1]
-
-    def _find_edges(self, cells, marks):
+    def _find_edges(self, marks):
         count = {}
-        for faces in cells:
+        for faces in self.cells:
             for edge in edges_of(faces):
                 count[edge] = count.get(edge, 0) + 1
         outer = edges_of(self.boundary)
@@ -124,12 +121,12 @@ class LatticeFile:
             3 if edge not in outer else 1 if marks.get(edge, count[edge] == 1) else 2
             for edge in edges])
 
-    def _find_point_strata(self, cells, grid):
+    def _find_point_strata(self, grid):
         """A point is sharp on two sharp edges, and a corner on more, or in one cell."""
         count = len(self.points)
         sharp_edges = np.bincount(self.edges[self.edge_strata == 1].ravel(), minlength=count)
         point_cells = np.zeros(count, int)
-        for faces in cells:
+        for faces in self.cells:
             point_cells[list({v for face in faces for v in face})] += 1
         outer = np.zeros(count, bool)
         outer[[v for face in self.boundary for v in face]] = True
@@ -140,6 +137,16 @@ class LatticeFile:
             single = np.where(marks < 0, single, marks > 0)
         self.point_strata = np.where(outer, np.where(sharp_edges == 2, 1, 2), 3)
         self.point_strata[single | (sharp_edges > 2)] = 0
+
+
+def boundary_of(cells):
+    """The faces that are in one of the cells only."""
+    loops, count = {}, {}
+    for face in (face for faces in cells for face in faces):
+        key = tuple(sorted(face))
+        loops[key] = face
+        count[key] = count.get(key, 0) + 1
+    return [loops[key] for key, cells_of_face in count.items() if cells_of_face == 1]
 
 
 def edges_of(loops):

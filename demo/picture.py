@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws models and lattices off screen, and puts the drawings side by side with captions."""
+"""Draws models and lattices off screen."""
 
 from dataclasses import dataclass, field
 
@@ -7,16 +7,14 @@ import numpy as np
 import vtk
 from vtk.util import numpy_support
 
-from geometry_files import points_of, surface, vtk_points
+from geometry_files import points_of, surface, vtk_points, with_normals
+from images import BACKGROUND, SUPERSAMPLING, shrunk, to_array, to_image
 
-BACKGROUND = (1.0, 1.0, 1.0)
-INK = (0.20, 0.21, 0.24)
 GHOST = (0.72, 0.74, 0.78)
 LATTICE = (0.84, 0.37, 0.00)
 #: Corner yellow, sharp red, boundary green, inside blue as in the paper's figure 5, in hues that
 #: colour-blind readers tell apart (Okabe and Ito).
 STRATA = ((0.94, 0.78, 0.15), (0.80, 0.28, 0.05), (0.00, 0.62, 0.45), (0.00, 0.45, 0.70))
-SUPERSAMPLING = 2
 
 
 @dataclass
@@ -121,6 +119,31 @@ class Drawing:
         self.points.append(lattice.points)
         return self
 
+    def add_faces(self, points, loops, colour, opacity=1.0, smooth=False):
+        """Polygons; with smooth shading, as the surface that they approximate."""
+        data = surface(points, loops)
+        if smooth:
+            data = with_normals(data)
+        look = self._add(data, colour, opacity).GetProperty()
+        if smooth:
+            look.SetInterpolationToPhong()
+        else:
+            look.SetInterpolationToFlat()
+        self.points.append(points)
+        return self
+
+    def add_edges(self, points, edges, colour, radius):
+        if len(edges):
+            self._add(tubes(points, np.asarray(edges), radius), colour)
+        self.points.append(points)
+        return self
+
+    def add_points(self, points, colour, radius):
+        if len(points):
+            self._add(balls(np.asarray(points), radius), colour)
+            self.points.append(np.asarray(points))
+        return self
+
     def add_ground_shadow(self, model, up):
         """A soft shadow on the plane below the model."""
         self.actors.append(ground_shadow(model, np.asarray(up, float)))
@@ -145,6 +168,8 @@ class Drawing:
 class Studio:
     """Renders drawings, all from one view.
 
+    With occlusion, corners and gaps are darker; drawings of lines alone are cleaner without.
+
     All of them in one window: a window of its own for each would close the connection to the
     display in between, and a virtual display starts afresh when its last client leaves.
     """
@@ -152,8 +177,9 @@ class Studio:
     #: Cut off again all around, in pixels: ambient occlusion is wrong along the borders.
     FRAME = 12
 
-    def __init__(self, view, height):
+    def __init__(self, view, height, occlusion=True):
         self.view, self.height, self.width = view, height, round(height * view.aspect)
+        self.occlusion = occlusion
         self.window = vtk.vtkRenderWindow()
         self.window.SetOffScreenRendering(1)
         self.window.SetMultiSamples(0)
@@ -176,9 +202,15 @@ class Studio:
         grab.Update()
         self.window.RemoveRenderer(renderer)
         image = to_array(grab.GetOutput())[..., :3] / 255
-        edge, scale = self.FRAME * SUPERSAMPLING, SUPERSAMPLING
-        image = image[edge:-edge, edge:-edge]
-        return image.reshape(self.height, scale, self.width, scale, 3).mean(axis=(1, 3))
+        edge = self.FRAME * SUPERSAMPLING
+        return shrunk(image[edge:-edge, edge:-edge])
+
+    def pixels_of(self, points):
+        """Where points are in the images, n × 2: from the left and from the top."""
+        left, _, right, top = self.view.window
+        axes = self.view.axes(self.view.direction, self.view.up)
+        flat = np.asarray(points, float) @ axes[:2].T
+        return (flat * [1, -1] + [-left, top]) * (self.width / (right - left))
 
     def _lit_renderer(self):
         renderer = vtk.vtkRenderer()
@@ -191,29 +223,13 @@ class Studio:
             light.SetIntensity(intensity)
             renderer.AddLight(light)
         extent = self.view.extent
-        renderer.SetUseSSAO(True)
+        renderer.SetUseSSAO(self.occlusion)
         renderer.SetSSAORadius(0.06 * extent)
         renderer.SetSSAOBias(0.006 * extent)
         renderer.SetSSAOKernelSize(128)
         renderer.SSAOBlurOn()
         renderer.UseFXAAOn()
         return renderer
-
-
-def to_image(pixels):
-    """A vtkImageData of rows × columns × components, the bottom row first."""
-    image = vtk.vtkImageData()
-    image.SetDimensions(pixels.shape[1], pixels.shape[0], 1)
-    flat = np.ascontiguousarray(pixels).reshape(-1, pixels.shape[2])
-    image.GetPointData().SetScalars(numpy_support.numpy_to_vtk(flat, deep=1))
-    return image
-
-
-def to_array(image):
-    """A vtkImageData as height × width × components, the top row first."""
-    width, height, _ = image.GetDimensions()
-    values = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars())
-    return values.reshape(height, width, -1)[::-1]
 
 
 def tubes(points, edges, radius):
@@ -298,47 +314,3 @@ def blurred(grid, radius):
         for axis in (0, 1):
             grid = np.apply_along_axis(np.convolve, axis, grid, kernel, "same")
     return grid
-
-
-def caption_strip(text, width, height, size):
-    """A line of text in the middle of an image."""
-    style = vtk.vtkTextProperty()
-    style.SetFontFamilyToArial()
-    style.SetFontSize(size * SUPERSAMPLING)
-    style.SetColor(*INK)
-    style.SetBackgroundOpacity(0)
-    image, dimensions = vtk.vtkImageData(), [0, 0]
-    vtk.vtkTextRenderer.GetInstance().RenderString(style, text, image, dimensions, 72)
-    pixels = to_array(image)[-dimensions[1]:, :dimensions[0]] / 255
-    scale = SUPERSAMPLING
-    pad = [(0, -n % scale) for n in pixels.shape[:2]] + [(0, 0)]
-    pixels = np.pad(pixels, pad)
-    rows, columns = pixels.shape[0] // scale, pixels.shape[1] // scale
-    pixels = pixels.reshape(rows, scale, columns, scale, 4).mean(axis=(1, 3))
-    strip = np.ones((height, width, 3)) * BACKGROUND
-    if columns > width or rows > height:
-        raise SystemExit(f"the caption '{text}' does not fit a panel {width} pixels wide")
-    top, left = (height - rows) // 2, (width - columns) // 2
-    area = strip[top:top + rows, left:left + columns]
-    area += pixels[..., 3:] * (np.array(INK) - area)
-    return strip
-
-
-def compose(images, captions, gap=16):
-    """Panels of equal height in a row, a caption under each."""
-    height = images[0].shape[0]
-    size = min(max(17, round(height / 22)), 24)
-    columns = []
-    for image, caption in zip(images, captions):
-        strip = caption_strip(caption, image.shape[1], round(2.4 * size), size)
-        columns += [np.concatenate([image, strip]), np.ones((height + len(strip), gap, 3))]
-    return np.concatenate(columns[:-1], axis=1)
-
-
-def write_png(path, image):
-    writer = vtk.vtkPNGWriter()
-    writer.SetFileName(str(path))
-    writer.SetInputData(to_image((np.clip(image, 0, 1) * 255 + 0.5).astype(np.uint8)[::-1]))
-    writer.Write()
-    if writer.GetErrorCode():
-        raise SystemExit(f"{path}: cannot be written")

@@ -13,7 +13,8 @@ All panels of a picture are seen from the same place. Models are .obj files, lat
 import argparse
 
 from geometry_files import LatticeFile, points_of, read_model
-from picture import LATTICE, STRATA, Drawing, LatticeStyle, Studio, View, compose, write_png
+from images import compose, write_png
+from picture import LATTICE, STRATA, Drawing, LatticeStyle, Studio, View
 
 
 def vector(length):

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draws the figures of docs/gallery.md from what the program writes, and writes that page.
+
+    xvfb-run -a python3 gallery.py --program espalier --work FOLDER --docs FOLDER [NAME...]
+
+With NAMEs, just these figures, and not the page.
+"""
+
+import argparse
+import pathlib
+import sys
+
+import gallery_bases
+import gallery_cells
+import gallery_curves
+import gallery_lattices
+import gallery_patch
+import gallery_polyhedra
+import gallery_rats
+from gallery_page import Entry, demo_entries, write_page
+from gallery_parts import Program
+from palette import write_palette_png
+
+#: Headings, figures of scripts/demo, and figures to draw.
+SECTIONS = (
+    ("Lattices and their cells", [], gallery_lattices.FIGURES + gallery_cells.FIGURES),
+    ("Deformations", demo_entries(), gallery_bases.FIGURES),
+    ("Curves and a patch", [], gallery_curves.FIGURES + gallery_patch.FIGURES),
+    ("Polyhedra", [], gallery_polyhedra.FIGURES),
+    ("RATS splines", [], gallery_rats.FIGURES),
+)
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--program", type=pathlib.Path, required=True, help="espalier")
+    parser.add_argument("--work", type=pathlib.Path, required=True, help="for what it writes")
+    parser.add_argument("--docs", type=pathlib.Path, required=True,
+                        help="the folder of gallery.md and figures/gallery")
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    arguments = parser.parse_args()
+    unknown = set(arguments.names) - {figure.name for _, _, figures in SECTIONS
+                                      for figure in figures}
+    if unknown:
+        sys.exit(f"no figure is called {', '.join(sorted(unknown))}")
+    return arguments
+
+
+def draw(figure, arguments):
+    """Draws a figure into its file, and returns what the page says of it."""
+    print(figure.name, flush=True)
+    folder = arguments.work / figure.name
+    folder.mkdir(parents=True, exist_ok=True)
+    program = Program(arguments.program.resolve(), folder)
+    image = f"figures/gallery/{figure.name}.png"
+    (arguments.docs / image).parent.mkdir(parents=True, exist_ok=True)
+    write_palette_png(arguments.docs / image, figure.draw(program))
+    return Entry(figure.title, figure.source, figure.caption, image, program.commands)
+
+
+def main():
+    arguments = parse_arguments()
+    page = []
+    for heading, entries, figures in SECTIONS:
+        chosen = [f for f in figures if not arguments.names or f.name in arguments.names]
+        page.append((heading, entries + [draw(figure, arguments) for figure in chosen]))
+    if not arguments.names:
+        write_page(arguments.docs / "gallery.md", page)
+
+
+if __name__ == "__main__":
+    main()

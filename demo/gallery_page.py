@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes docs/gallery.md: pictures, what they show, and the commands that made what they show."""
+
+import re
+from dataclasses import dataclass
+
+import scenes
+
+INTRODUCTION = """# Gallery
+
+Figures of the five papers, drawn again from what the program writes. `scripts/figures` makes
+all of them, and this page: the commands under a picture are those that ran. Colours are those of
+Okabe and Ito, which colour-blind readers tell apart.
+"""
+
+REFERENCES = """## The papers
+
+- R. MacCracken, K. I. Joy. *Free-form deformations with lattices of arbitrary topology.*
+  SIGGRAPH 96.
+- K. I. Joy, R. MacCracken. *The refinement rules for Catmull-Clark solids.* UC Davis, CSE-96-1,
+  1996.
+- K. I. Joy. *Bicubic uniform B-spline surface refinement.* On-line geometric modeling notes.
+- S. Z. Zaini Azlan, M. Y. Misro. *Construction of Catmull-Clark subdivision scheme.* 2021.
+- A. Savva, G. J. Clapworthy. *The relation between RATS-splines and the Catmull and Clark
+  B-splines.*
+"""
+
+DEMO_SOURCE = "MacCracken & Joy 1996, Figure {}"
+
+
+@dataclass
+class Entry:
+    """A picture of the page."""
+
+    title: str
+    source: str
+    caption: str
+    image: str
+    commands: list
+
+
+def demo_entries():
+    """The three panels that scripts/demo draws."""
+    return [
+        demo_entry("star", "disk", "A disk becomes a star", 7,
+                   "A round lattice of ten sectors, refined; a disk in it; the outermost vertices "
+                   "moved out and in by turns, and the disk with them."),
+        demo_entry("barbell", "block", "A block becomes a barbell", 8,
+                   "A mesh in the shape of a block, extruded to a lattice; posed as a barbell. The "
+                   "checkerboard runs through from the bar into the ends: there are no seams."),
+        demo_entry("figure", "figure", "An arm is lifted", 9,
+                   "A lattice built around the arm alone, along its bones. Posed, it lifts the arm "
+                   "and turns the palm to the viewer; all that is outside the lattice stays."),
+    ]
+
+
+def demo_entry(scene, model, title, number, caption):
+    options = scenes.shape_options()
+    commands = [" ".join(["espalier shape", *options[scene, pose], f"-o {scene}-{pose}.vtu"])
+                for pose in ("rest", "posed")]
+    commands += [f"espalier refine {scene}-rest.vtu -n 2 -o {scene}-refined.vtu",
+                 f"espalier deform {model}.obj --rest {scene}-rest.vtu --to {scene}-posed.vtu "
+                 f"-n 3 -o {scene}-deformed.obj"]
+    return Entry(title, DEMO_SOURCE.format(number), caption, f"figures/{scene}.png", commands)
+
+
+def write_page(path, sections):
+    """Writes the page. `sections` are pairs of a heading and entries."""
+    parts = [INTRODUCTION]
+    for heading, entries in sections:
+        parts.append(f"## {heading}\n")
+        parts += [entry_text(entry) for entry in entries]
+    path.write_text("\n".join([*parts, REFERENCES]), encoding="utf-8")
+
+
+def entry_text(entry):
+    commands = "\n".join(wrapped(command) for command in entry.commands)
+    return (f"### {entry.title}\n\n![{entry.title}]({entry.image})\n\n"
+            f"{filled(f'**{entry.source}.** {entry.caption}')}\n\n```sh\n{commands}\n```\n")
+
+
+def filled(text, width=100, between=" "):
+    """Text in lines of at most so many characters, broken where `between` is."""
+    lines = [""]
+    for part in re.split(between, text):
+        if lines[-1] and len(lines[-1]) + 1 + len(part) > width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {part}".strip()
+    return "\n".join(lines)
+
+
+def wrapped(command, width=100):
+    """A command on lines that the shell joins, each option beside its values."""
+    return filled(command, width - 6, " (?=-[-a-z])").replace("\n", " \\\n    ")

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the figures of the gallery share: running the program, meshes, panels seen alike."""
+
+import shlex
+import subprocess
+from dataclasses import dataclass
+from typing import Callable
+
+import numpy as np
+
+from images import captioned, row
+from picture import Studio, View
+
+# After Okabe and Ito: colour-blind readers tell them apart.
+RED, GREEN, BLUE = (0.84, 0.37, 0.00), (0.00, 0.62, 0.45), (0.00, 0.45, 0.70)
+DARK = (0.30, 0.31, 0.34)
+#: Pale grounds for surfaces, on which lines of the colours above are readable.
+SHELL, PALE_SKY, PALE_ORANGE = (0.96, 0.94, 0.90), (0.72, 0.87, 0.95), (0.97, 0.82, 0.58)
+AMBER, STONE = (0.97, 0.74, 0.30), (0.88, 0.87, 0.84)
+
+
+@dataclass
+class Figure:
+    """A figure of the gallery. `draw` is given a Program and returns an image."""
+
+    name: str
+    title: str
+    source: str
+    caption: str
+    draw: Callable
+
+
+class Program:
+    """Runs espalier in a folder, and remembers what it ran."""
+
+    def __init__(self, path, folder):
+        self.path, self.folder = path, folder
+        self.commands = []
+
+    def write(self, mesh, name, word="f"):
+        """Writes a mesh that the program is to read, once."""
+        mesh.write(self.file(name), word)
+        self.note(f"{name}: {len(mesh.points)} points, written by the script")
+        return mesh
+
+    def note(self, text):
+        """Says among the commands where a file comes from, once."""
+        if f"# {text}" not in self.commands:
+            self.commands.append(f"# {text}")
+
+    def run(self, command):
+        """Runs `espalier COMMAND`, and returns what it printed."""
+        self.commands.append(f"espalier {command}")
+        done = subprocess.run([self.path, *shlex.split(command)], cwd=self.folder, text=True,
+                              capture_output=True, check=False)
+        if done.returncode:
+            raise SystemExit(f"espalier {command}\n{done.stderr}")
+        return done.stdout
+
+    def file(self, name):
+        return self.folder / name
+
+
+@dataclass
+class Mesh:
+    """Points, and faces or lines as lists of points."""
+
+    points: np.ndarray
+    loops: list
+
+    def __post_init__(self):
+        # VTK's tubes round to points of whole numbers.
+        self.points = np.asarray(self.points, float)
+
+    @classmethod
+    def read(cls, path):
+        """The `v`, `f` and `l` of an OBJ file that the program wrote."""
+        points, loops = [], []
+        for line in path.read_text(encoding="utf-8").splitlines():
+            word, _, rest = line.partition(" ")
+            if word == "v":
+                points.append([float(x) for x in rest.split()[:3]])
+            elif word in ("f", "l"):
+                loops.append([int(v) - 1 for v in rest.split()])
+        return cls(points, loops)
+
+    def write(self, path, word="f"):
+        lines = [" ".join(["v", *(f"{x:.17g}" for x in p)]) for p in self.points]
+        lines += [" ".join([word, *(str(v + 1) for v in loop)]) for loop in self.loops]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    @property
+    def edges(self):
+        return np.array(sorted({(min(a, b), max(a, b)) for loop in self.loops
+                                for a, b in zip(loop, loop[1:] + loop[:1])}))
+
+
+@dataclass
+class Look:
+    """How the panels of a picture are seen."""
+
+    direction: tuple
+    up: tuple = (0, 0, 1)
+    height: int = 300
+    occlusion: bool = True
+    margin: float = 0.04
+
+
+def render(drawings, look, points=None):
+    """Images of drawings from one view that holds all their points (or those given), and the
+    studio that made them."""
+    if points is None:
+        points = [p for drawing in drawings for p in drawing.points]
+    view = View.around(points, look.direction, look.up, margin=look.margin)
+    studio = Studio(view, look.height, look.occlusion)
+    return [studio.render(drawing) for drawing in drawings], studio
+
+
+def panels(drawings, captions, look, size=17, points=None, gap=16, width=0):
+    """Drawings side by side, a caption under each, all seen from one place; each at least so
+    wide."""
+    images, _ = render(drawings, look, points)
+    images = [centred(image, max(width, image.shape[1])) for image in images]
+    return row([captioned(image, caption, size) for image, caption in zip(images, captions)], gap)
+
+
+def centred(image, width):
+    """An image in the middle of a wider one."""
+    spare = width - image.shape[1]
+    return np.pad(image, [(0, 0), (spare // 2, spare - spare // 2), (0, 0)], constant_values=1)
+
+
+def extent(points, look):
+    """The height of the window that holds all the points: what lines are measured by."""
+    return View.around([points], look.direction, look.up, margin=look.margin).extent
