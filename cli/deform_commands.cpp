@@ -266,7 +266,10 @@ void addBasis(CLI::App& command, Options& options) {
     addLevelOption(command, options.level, 1);
     addRefinementOptions(command, options.common);
     const auto all = command.get_options();
-    options.ofSubdivision.assign(all.begin() + others, all.end());
+    for (auto option = all.begin() + others; option != all.end(); ++option) {
+        (*option)->group("With --basis subdivision only");
+        options.ofSubdivision.push_back(*option);
+    }
 }
 
 }  // namespace

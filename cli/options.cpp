@@ -3,6 +3,8 @@
 
 #include "choice.h"
 
+#include <map>
+
 namespace espalier::cli {
 
 CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,
@@ -15,12 +17,12 @@ CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const st
                           : "The lattice: .ovm, .vtu or .vtk")
         ->required();
     addLevelOption(command, options.level, 0);
-    addRefinementOptions(command, options.common);
+    addRefinementOptions(command, options.common, isAny);
     addRunOptions(command, options.common);
     return command;
 }
 
-void addRefinementOptions(CLI::App& command, CommonOptions& options) {
+void addRefinementOptions(CLI::App& command, CommonOptions& options, bool hasRats) {
     const std::string unlessTagged = ", unless the file says otherwise";
     addChoice<far::Boundary>(
         command, "--boundary", options.refinement.boundary,
@@ -43,13 +45,13 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options) {
         command, "--sharp-edges", options.sharpEdges,
         {{"single-cell", far::SharpEdges::SingleCell}, {"literal", far::SharpEdges::Literal}},
         "Sharp are boundary edges in one cell, or those between vertices of at most two cells");
+    std::map<std::string, stencils::Rules> rules = {{"siggraph96", stencils::Rules::Siggraph96},
+                                                    {"cse96", stencils::Rules::Cse96}};
+    if (hasRats) rules["rats"] = stencils::Rules::Rats;
     addChoice<stencils::Rules>(
-        command, "--rules", options.rules,
-        {{"siggraph96", stencils::Rules::Siggraph96},
-         {"cse96", stencils::Rules::Cse96},
-         {"rats", stencils::Rules::Rats}},
-        "Catmull-Clark, in two editions for the edges inside a lattice; or RATS splines, for "
-        "curves and meshes");
+        command, "--rules", options.rules, rules,
+        std::string("Catmull-Clark, in two editions for the edges inside a lattice") +
+            (hasRats ? "; or RATS splines, for curves and meshes" : ""));
 }
 
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
@@ -67,7 +69,7 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
                                         {"nearest", stencils::OutsidePolicy::Nearest},
                                         {"error", stencils::OutsidePolicy::Error}},
                                        "Points outside the lattice stay in place, go with the "
-                                       "nearest cell, or are an error");
+                                       "nearest place in it, or are an error");
     command
         .add_option("--tolerance", options.embedding.tolerance,
                     "How far outside still counts as inside, as a fraction of the lattice's size")

@@ -39,7 +39,8 @@ CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const st
                             FileKind kind, LatticeOptions& options);
 
 /// Adds --boundary, --creasing, --triangles, --sharp-edges and --rules to a command.
-void addRefinementOptions(CLI::App& command, CommonOptions& options);
+/// \param hasRats whether `rats` is one of the rules: it is none for lattices, nor for OpenSubdiv
+void addRefinementOptions(CLI::App& command, CommonOptions& options, bool hasRats = false);
 
 /// Adds --outside and --tolerance to a command.
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options);

@@ -45,7 +45,7 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
 Lattice readInput(const LatticeOptions& options, FileKind kind, Stages& stages) {
     return stages.run("reading", [&] {
         return kind == FileKind::Refinable ? io::readRefinable(options.lattice)
-                                               : io::readLattice(options.lattice);
+                                           : io::readLattice(options.lattice);
     });
 }
 

@@ -55,13 +55,15 @@ const LatticeFormat* findFormat(const Path& path) {
     return nullptr;
 }
 
-const LatticeFormat& formatOf(const Path& path) {
-    if (const LatticeFormat* format = findFormat(path)) return *format;
-    throw FileError(path, "not a lattice format that is known; expected " + latticeExtensions());
-}
-
 bool isMeshFile(const Path& path) {
     return extensionOf(path) == kMeshExtension;
+}
+
+const LatticeFormat& formatOf(const Path& path) {
+    if (const LatticeFormat* format = findFormat(path)) return *format;
+    throw FileError(path, (isMeshFile(path) ? "an OBJ holds a mesh or a curve, not a lattice"
+                                            : "not a lattice format that is known") +
+                              ("; expected " + latticeExtensions()));
 }
 
 }  // namespace

@@ -11,9 +11,8 @@
 //     v x y z                        a vertex; w or a colour after it is not kept
 //     f v v v ...                    a face: v, v/vt, v//vn or v/vt/vn, from 1; −1 is the last
 //                                    vertex so far. vt and vn are not kept
-//     l v v ...                      a line, its vertices as those of f: edges of a curve. Closed
-//     if
-//                                    it ends where it begins. Passed over where there are faces
+//     l v v ...                      a line of a curve: vertices as in f; closed if it ends where it
+//                                    begins. Passed over where there is a face
 //     t crease 2/1/0 a b s           edges (a, b) of sharpness s; also 2k/1/0 with one sharpness
 //                                    for k edges, and 2k/k/0 with one for each
 //     t corner 1/1/0 v s             vertices; also k/1/0 and k/k/0
@@ -24,7 +23,7 @@
 //
 // The counts of a tag are those of its whole numbers, its numbers and its strings. Unlike f, tags
 // number vertices and faces from 0. They may come before what they name, and of two on the same
-// thing the later one counts.
+// thing the later one counts. On a curve creases say nothing: all of its edges are.
 //
 // A sharpness is held in single precision, as by OpenSubdiv and by refinement (sharpness.h): 10 and
 // more is infinite, 0 and less is no mark. Tags of other names are passed over, face-varying data
@@ -37,16 +36,15 @@ namespace espalier::io {
 ///
 /// Vertices and faces keep their numbers, and faces where they start and how they wind; edges are
 /// numbered anew, and edges that join the same two vertices in several faces are one (the children
-/// of degenerate faces may have had two). How faces
-/// meet does not matter, as in far::validate(): edges of many faces, faces back to back or with a
-/// vertex twice, and vertices of no face are read. A curve may be in pieces and branch; each of its
-/// vertices is on an edge, and no two are joined twice. A backslash at the end of a line continues
-/// the statement on the next.
+/// of degenerate faces may have had two). How faces meet does not matter, as in far::validate():
+/// edges of many faces, faces back to back or with a vertex twice, and vertices of no face are
+/// read. A curve may be in pieces and branch; each of its vertices is on an edge, and no two are
+/// joined twice. A backslash at the end of a line continues the statement on the next.
 ///
-/// \throws FileError with the line, if a `v`, an `f`, an `l` or a known tag is malformed, or names
-///         what is not there, or of a curve joins two vertices twice; TopologyError, with the path
-///         in its message, if there is neither face nor line or a vertex of a curve is unused, and
-///         with path and line if a face has fewer than three corners
+/// \throws FileError with the line, if a `v`, an `f`, an `l` that counts or a known tag is malformed,
+///         or names what is not there, or if lines join two vertices twice; FileError naming a vertex
+///         that is on no line of a curve; TopologyError, with the path in its message, if there is
+///         neither face nor line, and with path and line if a face has fewer than three corners
 Lattice readObjMesh(const std::filesystem::path& path);
 
 /// Writes a mesh so that it reads back the same: vertices and faces with their numbers, positions

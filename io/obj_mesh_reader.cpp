@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/complex_builder.h>
+#include <espalier/far/error.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_parts.h>
 #include <espalier/io/obj_mesh.h>
@@ -45,6 +46,13 @@ struct Paths {
     std::size_t count() const { return ends.size(); }
 };
 
+/// An `l`, to be read when it is known that there is no face.
+struct LineStatement {
+    ObjWords words;
+    std::size_t line;
+    std::size_t vertexCount;  ///< of the vertices before it
+};
+
 class ObjMeshReader {
 public:
     explicit ObjMeshReader(const std::filesystem::path& path) : path_(path), tags_(path) {}
@@ -55,13 +63,16 @@ public:
             if (keyword == "v")
                 mesh_.positions.push_back(readObjPoint(words, path_, line).position);
             else if (keyword == "f")
-                readPath(words, line, faces_);
+                readPath(words, line, mesh_.positions.size(), faces_);
             else if (keyword == "l")
-                readPath(words, line, lines_);
+                lineStatements_.push_back({words, line, mesh_.positions.size()});
             else if (keyword == "t")
                 tags_.add(words, line);
         });
-        const bool isCurve = faces_.count() == 0 && lines_.count() > 0;
+        const bool isCurve = faces_.count() == 0 && !lineStatements_.empty();
+        if (faces_.count() == 0 && !isCurve)
+            throw far::TopologyError(far::TopologyCause::EmptyComplex, {2, 0},
+                                     path_.string() + ": there is no face, and no line");
         mesh_.complex = isCurve ? buildCurve() : buildMesh();
         mesh_.marks = tags_.marks(mesh_.complex);
         mesh_.tags = tags_.refinement();
@@ -69,8 +80,9 @@ public:
     }
 
 private:
-    void readPath(ObjWords& words, std::size_t line, Paths& paths) const {
-        const auto vertexCount = static_cast<std::int64_t>(mesh_.positions.size());
+    /// \param vertexCount of the vertices before it
+    void readPath(ObjWords& words, std::size_t line, std::size_t vertexCount, Paths& paths) const {
+        const auto before = static_cast<std::int64_t>(vertexCount);
         for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
             std::int64_t vertex = 0;
             if (!parseCorner(word, vertex))
@@ -82,12 +94,12 @@ private:
                                 std::string("a ") + paths.name +
                                     " names vertex 0; expected 1 or more, or less "
                                     "than 0 to count back");
-            if (vertex < -vertexCount)
+            if (vertex < -before)
                 throw FileError(path_, line,
                                 std::string("a ") + paths.name + " names vertex " +
                                     std::to_string(vertex) + "; there are " +
-                                    std::to_string(vertexCount) + " before it");
-            paths.corners.push_back(vertex < 0 ? vertexCount + vertex : vertex - 1);
+                                    std::to_string(before) + " before it");
+            paths.corners.push_back(vertex < 0 ? before + vertex : vertex - 1);
         }
         paths.ends.push_back(paths.corners.size());
         paths.lineNumbers.push_back(line);
@@ -120,9 +132,13 @@ private:
     }
 
     far::CellComplex buildCurve() const {
+        Paths lines{"line", {}, {}, {}};
+        for (LineStatement statement : lineStatements_)
+            readPath(statement.words, statement.line, statement.vertexCount, lines);
         far::ComplexBuilder builder(1, vertexCount());
         std::set<std::pair<Index, Index>> edges;
-        forEachPath(lines_, [&](const std::vector<Index>& vertices, std::size_t line) {
+        std::vector<bool> isUsed(mesh_.positions.size(), false);
+        forEachPath(lines, [&](const std::vector<Index>& vertices, std::size_t line) {
             if (vertices.size() < 2)
                 throw FileError(path_, line,
                                 "a line names " + std::to_string(vertices.size()) +
@@ -130,15 +146,26 @@ private:
                                     "; expected two or more");
             for (std::size_t i = 1; i < vertices.size(); ++i) {
                 const auto [low, high] = std::minmax(vertices[i - 1], vertices[i]);
-                if (!edges.insert({low, high}).second)
+                if (low == high)
                     throw FileError(path_, line,
-                                    "vertices " + std::to_string(low + 1) + " and " +
-                                        std::to_string(high + 1) + " are joined twice");
+                                    "a line names " + nameInFile(low) + " twice in a row");
+                if (!edges.insert({low, high}).second)
+                    throw FileError(
+                        path_, line,
+                        nameInFile(low) + " and " + nameInFile(high) + " are joined twice");
                 builder.addEdge(vertices[i - 1], vertices[i]);
             }
+            for (const Index vertex : vertices) isUsed[static_cast<std::size_t>(vertex)] = true;
         });
+        const auto unused = std::find(isUsed.begin(), isUsed.end(), false);
+        if (unused != isUsed.end())
+            throw FileError(
+                path_, nameInFile(static_cast<Index>(unused - isUsed.begin())) + " is on no line");
         return naming(path_, [&] { return builder.build(); });
     }
+
+    /// "vertex 1" for the first.
+    static std::string nameInFile(Index vertex) { return "vertex " + std::to_string(vertex + 1); }
 
     Index vertexCount() const { return checkedIndex(path_, mesh_.positions.size(), "vertices"); }
 
@@ -146,7 +173,7 @@ private:
     Lattice mesh_;
     ObjTags tags_;
     Paths faces_{"face", {}, {}, {}};
-    Paths lines_{"line", {}, {}, {}};
+    std::vector<LineStatement> lineStatements_;
 };
 
 }  // namespace

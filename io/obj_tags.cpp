@@ -190,9 +190,10 @@ void ObjTags::setTriangles(const Tag& tag) {
 Index ObjTags::checkedNumber(std::int64_t number, Index count, const char* what,
                              std::size_t line) const {
     if (number < 0 || number >= count)
-        throw FileError(path_, line,
-                        std::string("a tag names ") + what + " " + std::to_string(number) +
-                            "; expected 0 to " + std::to_string(count - 1));
+        throw FileError(
+            path_, line,
+            std::string("a tag names ") + what + " " + std::to_string(number) +
+                (count == 0 ? "; there are none" : "; expected 0 to " + std::to_string(count - 1)));
     return static_cast<Index>(number);
 }
 

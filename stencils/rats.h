@@ -22,8 +22,8 @@
 
 namespace espalier::stencils {
 
-/// The ten types of new points, by what they are the point of. Curves have those of vertices and
-/// of border edges alone.
+/// The ten types of new points, by what they are the point of. All of a curve is border: it has
+/// V_α, V_β, E_α and E_β.
 ///
 /// \cite Savva & Clapworthy, section 2 (1) to (10); the equations are those of a rectangular grid
 enum class RatsPoint {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/stencils/box_least_squares.h>
 #include <espalier/stencils/place_points.h>
 #include <espalier/stencils/tensor_product.h>
-#include <espalier/stencils/trilinear.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -18,10 +19,14 @@ using Eigen::Vector3d;
 namespace {
 
 /// How far a vertex may lie from its place in the affine grid, in parts of the lattice's diagonal.
-/// Files in single precision are off by 6e-8 of a coordinate, those with six digits, as printf and
-/// iostreams write by default, by 5e-6, and a vertex by up to √3 of that: 8.7e-6. Parallelepipeds
-/// that somebody moved a vertex of by hand are off by far more.
+/// Files with six digits, as printf and iostreams write by default, are off by 5e-6 of a
+/// coordinate, and a vertex by up to √3 of that: 8.7e-6. Parallelepipeds that somebody moved a
+/// vertex of by hand are off by far more.
 constexpr double kAffine = 1e-5;
+
+/// The same in parts of the largest coordinate, for lattices far from the origin: √3 times the
+/// 6e-8 by which files in single precision are off.
+constexpr double kSingle = 1.1e-7;
 
 /// The least volume of a parallelepiped with sides of length 1: flatter, and the local coordinates
 /// would have under half the digits of a double.
@@ -68,6 +73,7 @@ TensorLattice::TensorLattice(const far::CellComplex& complex, std::span<const Po
     for (const Point3& position : rest) box.extend(Vector3d(position.data()));
     size_ = box.diagonal().stableNorm();
     fitAxes();
+    invertAxes();
     checkFit();
 }
 
@@ -86,23 +92,32 @@ void TensorLattice::fitAxes() {
     });
     axes_ *= squares.cwiseInverse().asDiagonal();
     origin_ = mean - axes_ * middle;
-    toCells_ = axes_.inverse();
+}
+
+/// By way of unit vectors: the volume of tiny or huge cells is not a number.
+void TensorLattice::invertAxes() {
+    const Vector3d lengths(axes_.col(0).stableNorm(), axes_.col(1).stableNorm(),
+                           axes_.col(2).stableNorm());
+    const Matrix3d units = axes_ * lengths.cwiseInverse().asDiagonal();
+    if (!(std::abs(units.determinant()) > kFlat))
+        throw Error("the rest positions have no volume: they are not a parallelepiped");
+    toCells_ = lengths.cwiseInverse().asDiagonal() * units.inverse();
 }
 
 void TensorLattice::checkFit() const {
-    const double sides = axes_.col(0).norm() * axes_.col(1).norm() * axes_.col(2).norm();
-    if (!(std::abs(axes_.determinant()) > kFlat * sides))
-        throw Error("the rest positions have no volume: they are not a parallelepiped");
     Index farthest = 0;
     double distance = 0;
     forEachVertex(grid_, [&](const Vector3d& point, Index vertex) {
-        const double off = (positionAt(point) - restAt(vertex)).norm();
+        const double off = (positionAt(point) - restAt(vertex)).stableNorm();
         if (off > distance) {
             distance = off;
             farthest = vertex;
         }
     });
-    if (distance <= kAffine * size_) return;
+    double largest = 0;
+    for (const Point3& position : rest_)
+        for (const double coordinate : position) largest = std::max(largest, std::abs(coordinate));
+    if (distance <= kAffine * size_ + kSingle * largest) return;
     std::ostringstream message;
     message << "the rest positions are not an evenly divided parallelepiped: vertex " << farthest
             << " is " << distance << " from its place in the nearest one";
@@ -111,14 +126,7 @@ void TensorLattice::checkFit() const {
 
 /// In cells. Clamping would do for right angles only.
 Vector3d TensorLattice::nearestInRegion(const Vector3d& point) const {
-    Trilinear::Corners corners;
-    for (int i = 0; i < 8; ++i) {
-        // VTK's order: i in Gray code.
-        const Vector3d isHigh((i ^ (i >> 1)) & 1, (i >> 1) & 1, i >> 2);
-        corners[static_cast<std::size_t>(i)] =
-            positionAt(low_ + isHigh.cwiseProduct(high_ - low_)) - point;
-    }
-    return low_ + Trilinear(corners).nearestToOrigin().cwiseProduct(high_ - low_);
+    return nearestInBox(axes_, point - origin_, low_, high_);
 }
 
 Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolerance,
@@ -131,7 +139,7 @@ Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolera
     Vector3d at = local.cwiseMax(low_).cwiseMin(high_);
     if ((local - at).lpNorm<Eigen::Infinity>() > kOnBoundary) {
         at = nearestInRegion(point);
-        result.distance = (positionAt(at) - point).norm();
+        result.distance = (positionAt(at) - point).stableNorm();
     }
     const bool isInside = result.distance <= tolerance * size_;
     result.status = isInside ? PointStatus::Inside : PointStatus::Outside;
@@ -141,7 +149,7 @@ Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolera
     for (const auto& [vertex, weight] : weights(*result.place)) {
         back += weight * restAt(vertex);
     }
-    result.residual = (back - point).norm();
+    result.residual = (back - point).stableNorm();
     return result;
 }
 

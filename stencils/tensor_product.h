@@ -62,6 +62,7 @@ public:
 
 private:
     void fitAxes();
+    void invertAxes();
     void checkFit() const;
     Eigen::Vector3d nearestInRegion(const Eigen::Vector3d& point) const;
     Eigen::Vector3d positionAt(const Eigen::Vector3d& at) const { return origin_ + axes_ * at; }

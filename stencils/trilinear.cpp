@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/stencils/box_least_squares.h>
 #include <espalier/stencils/trilinear.h>
 
 #include <Eigen/Geometry>
@@ -108,34 +109,21 @@ Vector3d Trilinear::nearestToOrigin() const {
     // Far below what tells one place from another; the distance has settled long before.
     constexpr double kSettled = 1e-12;
     Vector3d uvw = Vector3d::Constant(0.5);
-    double squared = position(uvw).squaredNorm();
+    double distance = position(uvw).stableNorm();
     for (int step = 0; step < kMostSteps; ++step) {
-        const Vector3d offset = position(uvw);
+        // The nearest place of the linear map that touches this one here.
         const Matrix3d j = jacobian(uvw);
-        const Vector3d gradient = j.transpose() * offset;
-        // Axes on which the gradient pushes out of the cube are held.
-        Matrix3d normal = j.transpose() * j;
-        Vector3d right = gradient;
-        for (Eigen::Index axis = 0; axis < 3; ++axis) {
-            const bool isHeld =
-                (uvw[axis] <= 0 && gradient[axis] > 0) || (uvw[axis] >= 1 && gradient[axis] < 0);
-            if (!isHeld) continue;
-            normal.row(axis).setZero();
-            normal.col(axis).setZero();
-            normal(axis, axis) = 1;
-            right[axis] = 0;
-        }
-        Vector3d move = normal.fullPivLu().solve(right);
-        if (!move.allFinite()) return uvw;
+        const Vector3d target = j * uvw - position(uvw);
+        Vector3d move = nearestInBox(j, target, Vector3d::Zero(), Vector3d::Ones()) - uvw;
         // Shorten the step until it helps.
         double length = 0;
         for (int halving = 0; halving < 30; ++halving, move /= 2) {
-            const Vector3d next = (uvw - move).cwiseMax(0).cwiseMin(1);
-            const double nextSquared = position(next).squaredNorm();
-            if (nextSquared < squared) {
-                length = (next - uvw).lpNorm<Eigen::Infinity>();
+            const Vector3d next = uvw + move;
+            const double nextDistance = position(next).stableNorm();
+            if (nextDistance < distance) {
+                length = move.lpNorm<Eigen::Infinity>();
                 uvw = next;
-                squared = nextSquared;
+                distance = nextDistance;
                 break;
             }
         }

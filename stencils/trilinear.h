@@ -41,8 +41,8 @@ public:
     /// for by splitting the parameter cube, since each part lies in the box of its corners.
     std::optional<Eigen::Vector3d> findOriginInside(double tolerance) const;
 
-    /// The place in [0, 1]³ that is (locally) nearest to the origin, by projected Gauss-Newton
-    /// steps.
+    /// The place in [0, 1]³ that is (locally) nearest to the origin, by Gauss-Newton steps within
+    /// the cube; in a parallelepiped, by the first of them.
     Eigen::Vector3d nearestToOrigin() const;
 
 private:

@@ -43,6 +43,12 @@ TEST(ObjCurve, LinesWithoutFacesAreACurve) {
         EXPECT_EQ(edgesOf(readMesh(kPoints + lines)), edgesOf(curve)) << lines;
 }
 
+TEST(ObjCurve, LinesBesideFacesArePassedOver) {
+    const std::string face = kPoints + "f 1 2 3 4\n";
+    for (const char* lines : {"l 1 2\n", "l 0 9\n", "l\n", "l what\n"})
+        expectSameMesh(readMesh(face + lines), readMesh(face));
+}
+
 TEST(ObjCurve, MayBeClosedInPiecesAndBranch) {
     EXPECT_EQ(edgesOf(readMesh(kPoints + "l 1 2 3 4 1\n")),
               (Edges{{0, 1}, {1, 2}, {2, 3}, {3, 0}}));
@@ -91,14 +97,18 @@ TEST(ObjCurve, RefusalsNameTheLine) {
                 HasSubstr("a.obj:5: a line names vertex -5; there are 4 before it"));
     EXPECT_THAT(refusal(kPoints + "l 1 x\n"),
                 HasSubstr("a.obj:5: 'x' is not a corner of a line; expected v, v/vt"));
-    EXPECT_THAT(refusal(kPolygon + "l 1\n"), HasSubstr("a.obj:6: a line names 1 vertex; expected two"));
-    EXPECT_THAT(refusal(kPoints + "l\n"), HasSubstr("a.obj:5: a line names 0 vertices; expected two"));
+    EXPECT_THAT(refusal(kPolygon + "l 1\n"),
+                HasSubstr("a.obj:6: a line names 1 vertex; expected two"));
+    EXPECT_THAT(refusal(kPoints + "l\n"),
+                HasSubstr("a.obj:5: a line names 0 vertices; expected two"));
     EXPECT_THAT(refusal(kPolygon + "l 4 1\nl 2 1\n"),
-                HasSubstr("a.obj:7: vertices 1 and 2 are joined twice"));
-    EXPECT_THAT(refusal(kPoints + "l 1 2 2 3 4\n"), HasSubstr("a.obj:5: "));
-    EXPECT_THAT(refusal(kPoints + "l 1 2 3\n"), HasSubstr("vertex 3"));
-    EXPECT_THAT(refusal(kPolygon + "t hole 1/0/0 0\n"), HasSubstr("a.obj:6: "));
-    EXPECT_THAT(refusal(kPoints), HasSubstr("a.obj: "));
+                HasSubstr("a.obj:7: vertex 1 and vertex 2 are joined twice"));
+    EXPECT_THAT(refusal(kPoints + "l 1 2 2 3 4\n"),
+                HasSubstr("a.obj:5: a line names vertex 2 twice in a row"));
+    EXPECT_THAT(refusal(kPoints + "l 1 2 3\n"), HasSubstr("a.obj: vertex 4 is on no line"));
+    EXPECT_THAT(refusal(kPolygon + "t hole 1/0/0 0\n"),
+                HasSubstr("a.obj:6: a tag names face 0; there are none"));
+    EXPECT_THAT(refusal(kPoints), HasSubstr("a.obj: there is no face, and no line"));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/stencils/box_least_squares.h>
 #include <espalier/stencils/box_tree.h>
 #include <espalier/stencils/simplex.h>
 #include <espalier/stencils/trilinear.h>
@@ -11,6 +12,7 @@
 namespace espalier::stencils {
 namespace {
 
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using far::Index;
 
@@ -118,6 +120,68 @@ TEST(TrilinearMap, NearestPlaceIsNoFartherThanAnySample) {
             for (int j = 0; j <= 8; ++j)
                 for (int k = 0; k <= 8; ++k)
                     EXPECT_LE(nearest, map.position({i / 8., j / 8., k / 8.}).norm() + 1e-9);
+    }
+}
+
+// A convex problem: x is the nearest if, and only if, the distance does not fall along an axis that
+// is free, nor inwards along one at an end. At any size, and however skew the map.
+TEST(NearestInBox, MeetsTheConditionsOfAMinimum) {
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    const Vector3d low(-1, 0, 2), high(1, 0.5, 2.25);
+    std::array<int, 4> heldCount = {};
+    for (const double size : {1e-150, 1e-9, 1.0, 1e150})
+        for (const double shear : {0.0, 1.0, 50.0})
+            for (int i = 0; i < 300; ++i) {
+                Matrix3d map = Matrix3d::Identity();
+                for (Eigen::Index row = 0; row < 3; ++row)
+                    for (Eigen::Index column = row + 1; column < 3; ++column)
+                        map(row, column) = shear * normal(random);
+                const Vector3d middle = (low + high) / 2;
+                const Vector3d x0 =
+                    middle + Vector3d(normal(random), normal(random), normal(random));
+                const Vector3d target = map * x0;
+                const Vector3d x = nearestInBox(size * map, size * target, low, high);
+                const Vector3d slope = map.transpose() * (map * x - target);
+                int held = 0;
+                for (Eigen::Index axis = 0; axis < 3; ++axis) {
+                    ASSERT_GE(x[axis], low[axis]);
+                    ASSERT_LE(x[axis], high[axis]);
+                    // Rounding of a solve, in parts of what cancels.
+                    const double zero = 1e-12 * map.col(axis).norm() * map.norm() * 10;
+                    const bool mayFall = x[axis] > low[axis], mayRise = x[axis] < high[axis];
+                    ASSERT_TRUE(!mayFall || slope[axis] < zero) << size << " " << shear;
+                    ASSERT_TRUE(!mayRise || slope[axis] > -zero) << size << " " << shear;
+                    held += x[axis] == low[axis] || x[axis] == high[axis];
+                }
+                ++heldCount[static_cast<std::size_t>(held)];
+            }
+    for (const int count : heldCount) EXPECT_GT(count, 20);
+}
+
+TEST(NearestInBox, SingularMaps) {
+    const Vector3d zeros = Vector3d::Zero(), ones = Vector3d::Ones();
+    EXPECT_TRUE(nearestInBox(Matrix3d::Zero(), ones, zeros, ones).allFinite());
+    Matrix3d flat = Matrix3d::Identity();
+    flat(2, 2) = 0;
+    EXPECT_LT((flat * nearestInBox(flat, {0.25, 3, 5}, zeros, ones) - Vector3d(0.25, 1, 0)).norm(),
+              1e-15);
+}
+
+TEST(TrilinearMap, NearestPlaceDoesNotDependOnTheSizeOfTheCell) {
+    std::mt19937 random(9);
+    std::uniform_real_distribution<double> uniform(-1, 2);
+    for (unsigned seed = 0; seed < 50; ++seed) {
+        auto corners = shakenCube(0.15, seed);
+        const Vector3d point(uniform(random), uniform(random), uniform(random));
+        const Vector3d expected = seenFrom(corners, point).nearestToOrigin();
+        for (const double size : {1e-150, 1e-30, 1e-9, 1e30, 1e150}) {
+            auto scaled = corners;
+            for (Vector3d& corner : scaled) corner *= size;
+            // The distance has its least value: places this near give it to all digits.
+            EXPECT_LT((seenFrom(scaled, size * point).nearestToOrigin() - expected).norm(), 1e-6)
+                << size;
+        }
     }
 }
 

@@ -184,6 +184,48 @@ TEST(TensorEmbedding, RestPositionsMayBeRounded) {
     }
 }
 
+// A float of size 1000 is off by 3e-5: more than six digits are of a lattice of size 7.
+TEST(TensorEmbedding, RestPositionsMayBeFloatsFarFromTheOrigin) {
+    const Cells n = {7, 3, 6};
+    Skew skew;
+    skew.axes /= 7;
+    skew.origin = {1000, -3000, 2000};
+    auto rest = skew(test::gridPositions(n));
+    for (Point3& position : rest)
+        for (double& x : position) x = static_cast<float>(x);
+    const TensorLattice lattice(test::grid(n), rest, Basis::BSpline);
+    const auto embedding = embedPoints(lattice, skew(randomPoints(n, 1.1, 100, 18)));
+    EXPECT_EQ(embedding.count(PointStatus::Inside), 100);
+    rest[21][1] += 0.01;
+    EXPECT_THAT(refusalOf(test::grid(n), rest, Basis::BSpline), HasSubstr("vertex 21 is 0.0"));
+}
+
+// What is inside, outside and nearest is a matter of shape, not of size.
+TEST(TensorEmbedding, DoesNotDependOnTheSizeOfTheLattice) {
+    const Cells n = {3, 4, 3};
+    const auto at = randomPoints(n, -2, 200, 19);
+    const auto pose = test::gridPositions(n);
+    for (const Basis basis : {Basis::Bezier, Basis::BSpline})
+        for (const double size : {1e-150, 1e-9, 1e150}) {
+            Skew skew, scaled;
+            scaled.axes *= size;
+            scaled.origin *= size;
+            const EmbeddingOptions nearest = {.outside = OutsidePolicy::Nearest};
+            const TensorLattice here(test::grid(n), skew(pose), basis);
+            const TensorLattice there(test::grid(n), scaled(pose), basis);
+            const auto placed = embedPoints(here, skew(at), nearest);
+            const auto placedThere = embedPoints(there, scaled(at), nearest);
+            EXPECT_GT(placed.count(PointStatus::Outside), 50);
+            for (std::size_t i = 0; i < at.size(); ++i) {
+                EXPECT_EQ(placedThere.points[i].status, placed.points[i].status);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    // Rounding of the solve, in cells.
+                    EXPECT_NEAR(placedThere.points[i].place->at[axis],
+                                placed.points[i].place->at[axis], 1e-12);
+            }
+        }
+}
+
 TEST(TensorEmbedding, DoesNotDependOnTheNumberOfThreads) {
     const Cells n = {4, 4, 4};
     const TensorLattice lattice(test::grid(n), test::gridPositions(n), Basis::BSpline);
