@@ -55,7 +55,8 @@ def draw(figure, arguments):
     image = f"figures/gallery/{figure.name}.png"
     (arguments.docs / image).parent.mkdir(parents=True, exist_ok=True)
     write_palette_png(arguments.docs / image, figure.draw(program))
-    return Entry(figure.title, figure.source, figure.caption, image, program.commands)
+    caption = figure.caption.format(**program.numbers)
+    return Entry(figure.title, figure.source, caption, image, program.commands)
 
 
 def main():

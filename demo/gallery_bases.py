@@ -19,9 +19,11 @@ from quad_mesh import write_materials, write_obj
 CELL = 1.05
 CELLS = np.array([5, 3, 3])
 HALF = CELLS * CELL / 2
-REST = ("shape box --cells 5 3 3 --min " + " ".join(f"{-x:g}" for x in HALF) + " --max " +
+REST = (f"shape box --cells {CELLS[0]} {CELLS[1]} {CELLS[2]} "
+        "--min " + " ".join(f"{-x:g}" for x in HALF) + " --max " +
         " ".join(f"{x:g}" for x in HALF) + " -o rest.vtu")
 LOOK = Look((0.32, -1, 0.42), height=300, margin=0.05)
+LEVEL = 3  # of the subdivision that is shown beside the other bases
 LEVELS = (1, 2, 3, 4, 5, 6)
 
 
@@ -54,11 +56,13 @@ def draw_bases(program):
     rest, pose = (LatticeFile(program.file(f"{name}.vtu")) for name in ("rest", "pose"))
     model = read_model(program.file("block.obj"))
     shown = [(model, rest, "At rest")]
-    for basis, title in (("bezier", "Bézier"), ("bspline", "B-spline"),
-                         ("subdivision", "Subdivision")):
-        program.run(f"deform block.obj --rest rest.vtu --to pose.vtu --basis {basis} "
+    for basis, options, title in (("bezier", "", "Bézier"), ("bspline", "", "B-spline"),
+                                  ("subdivision", f"-n {LEVEL} ", "Subdivision")):
+        program.run(f"deform block.obj --rest rest.vtu --to pose.vtu --basis {basis} {options}"
                     f"-o {basis}.obj")
         shown.append((read_model(program.file(f"{basis}.obj")), pose, title))
+    distance = largest_distance(*(points_of(shape) for shape, _, _ in shown[-2:]))
+    program.numbers["distance"] = f"{distance:.1g}"
     line = 0.0026 * extent(pose.points, LOOK)
     drawings = []
     for shape, lattice, _ in shown:
@@ -70,6 +74,11 @@ def draw_bases(program):
     entries = [(LATTICE, "lattice: the region of Bézier and of subdivision", "line"),
                (BLUE, "the region of the B-spline", "line")]
     return column([picture, legend(entries, picture.shape[1])], gap=4)
+
+
+def largest_distance(points, others):
+    """Between points of the same number, in cells of the lattice."""
+    return np.linalg.norm(points - others, axis=1).max() / CELL
 
 
 def box_edges(half):
@@ -91,7 +100,7 @@ def draw_convergence(program):
     errors = []
     for level in LEVELS:
         points = deformed(f"--boundary open -n {level}", f"open-{level}")
-        errors.append(np.linalg.norm(points - exact, axis=1).max() / CELL)
+        errors.append(largest_distance(points, exact))
     picture = log_chart(LEVELS, errors, BLUE, "level", "cells", (640, 360))
     return column([picture, legend([(BLUE, "largest distance from the B-spline", "point")],
                                    picture.shape[1], size=16)])
@@ -101,10 +110,11 @@ FIGURES = [
     Figure(
         "bases", "Before lattices of arbitrary topology",
         "MacCracken & Joy 1996, section 1, on Sederberg & Parry and on Griessmair & Purgathofer",
-        "A block in a box lattice of 5 × 3 × 3 cells, whose two middle layers are lifted. Bézier: "
-        "each vertex moves all of the block, and none moves it much. B-spline: a vertex moves what "
-        "is near. Subdivision, at level 3, moves this block as the B-spline does, to 0.004 of a "
-        "cell; but its region is the whole box, where that of the B-spline ends a cell before.",
+        f"A block in a box lattice of {' × '.join(map(str, CELLS))} cells, whose two middle layers "
+        "are lifted. Bézier: each vertex moves all of the block, and none moves it much. B-spline: "
+        f"a vertex moves what is near. Subdivision, at level {LEVEL}, moves this block as the "
+        "B-spline does, to {distance} of a cell; but its region is the whole box, where that of "
+        "the B-spline ends a cell before.",
         draw_bases),
     Figure(
         "convergence", "Subdivision becomes the B-spline", "MacCracken & Joy 1996, section 4",

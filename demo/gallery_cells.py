@@ -71,7 +71,8 @@ def draw_types(program):
                             [f"Type-{n} cell"], look, points=[own], width=330))
     rows = [np.concatenate(images, axis=1) for images in (solids, cells)]
     entries = [(RED, "the two vertices of valence n", "point"),
-               (BLUE, "the 2n vertices of valence 3", "point")]
+               (BLUE, "the 2n vertices of valence 3", "point"),
+               (PALE_ORANGE, "the cell", "area"), (GHOST, "the solid", "line")]
     return column([*rows, legend(entries, rows[0].shape[1])], gap=6)
 
 
@@ -83,6 +84,7 @@ def add_cell(drawing, points, cell, n, line):
         # All eight are of valence 3. The two that are meant are the vertex and the cell point.
         ends = {min(ends), max(ends)}
     rest = [v for v in vertices_of(cell) if v not in ends]
+    assert (len(ends), len(rest)) == (2, 2 * n)  # what the caption and the legend say
     drawing.add_points(points[rest], BLUE, 3.2 * line)
     return drawing.add_points(points[sorted(ends)], RED, 4.4 * line)
 
@@ -103,6 +105,7 @@ def draw_repeated(program):
         edges = sorted(edges_of([f for cell in special for f in cell]))
         drawing.add_edges(lattice.points, edges, DARK, line * (1, 0.9, 0.7, 0.5)[level - 1])
         drawings.append(drawing)
+        assert len(special) == 6 * 2**(level - 1)  # two of its kind from each, as the caption says
         captions.append(f"Level {level}: {len(special)} of {len(lattice.cells):,} cells")
     picture = panels(drawings, captions, look, gap=40)
     entries = [(AMBER, "cells of type 4", "area"), (GHOST, "the lattice", "line")]
@@ -140,17 +143,17 @@ def draw_partition(program):
     plain.add_points(seen, GREEN, 2.2 * line)
     cut = Drawing().add_faces(points, cell, STONE, 0.3)
     cut.add_edges(joined, own, GREEN, 1.3 * line).add_edges(joined, new, BLUE, line)
-    cut.add_points([middle], BLUE, 3 * line)
+    cut.add_points([middle], BLUE, 5 * line)
     apart = Drawing()
     for base in bases:
         # Thicker: the picture of all that is apart is made smaller.
         add_apart(apart, joined, (*base, apex), set(own), 1.5 * line)
-    picture = np.concatenate([
-        panels([drawing], [caption], look, points=window)
-        for drawing, caption, window in ((plain, "A type-4 cell", [seen]),
-                                         (cut, "Cut into 16 tetrahedra", [seen]),
-                                         (apart, "The 16 taken apart", apart.points))], axis=1)
-    entries = [(GREEN, "edges of the cell", "line"), (BLUE, "edges of the partition", "line")]
+    shown = ((plain, "A type-4 cell", [seen]), (cut, f"Cut into {len(bases)} tetrahedra", [seen]),
+             (apart, f"The {len(bases)} taken apart", apart.points))
+    picture = np.concatenate([panels([drawing], [caption], look, points=window)
+                              for drawing, caption, window in shown], axis=1)
+    entries = [(GREEN, "edges of the cell", "line"), (BLUE, "edges of the partition", "line"),
+               (BLUE, "average of the vertices", "point"), (STONE, "faces", "area")]
     return column([picture, legend(entries, picture.shape[1])], gap=4)
 
 

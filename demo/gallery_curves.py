@@ -39,7 +39,8 @@ def draw_curves(program):
     head = np.concatenate([blank(LABEL, 44)] + [
         caption_strip(words, WIDTH, 44, 17)
         for words in ("Control polygon", "Once", "Twice", "Four times")], axis=1)
-    entries = [(GHOST, "control polygon", "line"), (RED, "vertex point", "point"),
+    entries = [(DARK, "control point", "point"), (DARK, "polygon of the column", "line"),
+               (GHOST, "control polygon behind it", "line"), (RED, "vertex point", "point"),
                (GREEN, "edge point", "point"), (BLUE, "the curve, near enough", "line")]
     return column([head, *rows, legend(entries, head.shape[1])], gap=14)
 

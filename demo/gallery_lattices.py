@@ -3,7 +3,7 @@
 
 from dataclasses import replace
 
-from gallery_parts import DARK, PALE_SKY, Figure, Look, extent, panels
+from gallery_parts import BLUE, DARK, PALE_SKY, Figure, Look, extent, panels
 from geometry_files import LatticeFile, boundary_of, edges_of
 from images import column, legend
 from picture import GHOST, STRATA, Drawing, LatticeStyle
@@ -84,12 +84,13 @@ def draw_open(program):
                                           0.6 * line)
             drawing.add_faces(lattice.points, lattice.boundary, PALE_SKY)
             outer = sorted(edges_of(lattice.boundary))
-            drawings.append(drawing.add_edges(lattice.points, outer, STRATA[3],
+            drawings.append(drawing.add_edges(lattice.points, outer, BLUE,
                                               line * (1, 0.8, 0.55)[level]))
         captions = [f"{name.capitalize()} lattice", "Level 1", "Level 2", "Level 3"]
         rows.append(panels(drawings, captions, FLAT_LOOK, gap=30, width=330))
     entries = [(GHOST, "boundary of the lattice", "line"),
-               (PALE_SKY, "what is left without boundary control", "area")]
+               (PALE_SKY, "what is left without boundary control", "area"),
+               (BLUE, "edges of its cells", "line")]
     return column([*rows, legend(entries, rows[0].shape[1])], gap=8)
 
 

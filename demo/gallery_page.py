@@ -9,8 +9,10 @@ import scenes
 INTRODUCTION = """# Gallery
 
 Figures of the five papers, drawn again from what the program writes. `scripts/figures` makes
-all of them, and this page: the commands under a picture are those that ran. Colours are those of
-Okabe and Ito, which colour-blind readers tell apart.
+all of them, and this page: the commands under a picture are those that ran. They can be run
+again where their inputs then lie: those of `figures/gallery/NAME.png` in `out/gallery/NAME/`, those
+of the star, the barbell and the arm in `out/`. Colours are those of Okabe and Ito, which
+colour-blind readers tell apart.
 """
 
 REFERENCES = """## The papers
@@ -42,25 +44,23 @@ class Entry:
 def demo_entries():
     """The three panels that scripts/demo draws."""
     return [
-        demo_entry("star", "disk", "A disk becomes a star", 7,
+        demo_entry("star", "A disk becomes a star", 7,
                    "A round lattice of ten sectors, refined; a disk in it; the outermost vertices "
-                   "moved out and in by turns, and the disk with them."),
-        demo_entry("barbell", "block", "A block becomes a barbell", 8,
+                   "moved out and in by turns, and the disk with them. Here and in the next two, "
+                   "the model is grey at first, and the lattice has the colours of its strata, as "
+                   "above; then the model has its own, and all of the lattice is orange."),
+        demo_entry("barbell", "A block becomes a barbell", 8,
                    "A mesh in the shape of a block, extruded to a lattice; posed as a barbell. The "
                    "checkerboard runs through from the bar into the ends: there are no seams."),
-        demo_entry("figure", "figure", "An arm is lifted", 9,
+        demo_entry("figure", "An arm is lifted", 9,
                    "A lattice built around the arm alone, along its bones. Posed, it lifts the arm "
                    "and turns the palm to the viewer; all that is outside the lattice stays."),
     ]
 
 
-def demo_entry(scene, model, title, number, caption):
-    options = scenes.shape_options()
-    commands = [" ".join(["espalier shape", *options[scene, pose], f"-o {scene}-{pose}.vtu"])
-                for pose in ("rest", "posed")]
-    commands += [f"espalier refine {scene}-rest.vtu -n 2 -o {scene}-refined.vtu",
-                 f"espalier deform {model}.obj --rest {scene}-rest.vtu --to {scene}-posed.vtu "
-                 f"-n 3 -o {scene}-deformed.obj"]
+def demo_entry(scene, title, number, caption):
+    model = scenes.MODELS[scene]
+    commands = [f"# {model}.obj: the {model} of scripts/demo", *scenes.commands(scene)]
     return Entry(title, DEMO_SOURCE.format(number), caption, f"figures/{scene}.png", commands)
 
 

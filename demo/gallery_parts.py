@@ -15,13 +15,14 @@ from picture import Studio, View
 RED, GREEN, BLUE = (0.84, 0.37, 0.00), (0.00, 0.62, 0.45), (0.00, 0.45, 0.70)
 DARK = (0.30, 0.31, 0.34)
 #: Pale grounds for surfaces, on which lines of the colours above are readable.
-SHELL, PALE_SKY, PALE_ORANGE = (0.96, 0.94, 0.90), (0.72, 0.87, 0.95), (0.97, 0.82, 0.58)
+PALE_SKY, PALE_ORANGE = (0.72, 0.87, 0.95), (0.97, 0.82, 0.58)
 AMBER, STONE = (0.97, 0.74, 0.30), (0.88, 0.87, 0.84)
 
 
 @dataclass
 class Figure:
-    """A figure of the gallery. `draw` is given a Program and returns an image."""
+    """A figure of the gallery. `draw` is given a Program and returns an image. A {name} in the
+    caption becomes what `draw` left in the program's `numbers`."""
 
     name: str
     title: str
@@ -31,11 +32,11 @@ class Figure:
 
 
 class Program:
-    """Runs espalier in a folder, and remembers what it ran."""
+    """Runs espalier in a folder, and remembers what it ran, and what was measured in its files."""
 
     def __init__(self, path, folder):
         self.path, self.folder = path, folder
-        self.commands = []
+        self.commands, self.numbers = [], {}
 
     def write(self, mesh, name, word="f"):
         """Writes a mesh that the program is to read, once."""

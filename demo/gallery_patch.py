@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from gallery_parts import (BLUE, DARK, GREEN, PALE_SKY, RED, SHELL, Figure, Look, Mesh, extent,
-                           render)
+from gallery_parts import (AMBER, BLUE, DARK, GREEN, PALE_SKY, RED, STONE, Figure, Look, Mesh,
+                           extent, render)
 from images import captioned, column, legend, put_text, row
 from picture import GHOST, Drawing
 
@@ -22,6 +22,16 @@ def grid(columns, rows, height):
     first = [y * columns + x for y in range(rows - 1) for x in range(columns - 1)]
     faces = [[v, v + 1, v + columns + 1, v + columns] for v in first]
     return Mesh(np.array(points, float), faces)
+
+
+def sides(mesh):
+    """How many points a rectangular net of quadrilaterals has along its sides, the longer first."""
+    # a·b points and (a − 1)(b − 1) faces: a + b is points − faces + 1.
+    total, product = len(mesh.points) - len(mesh.loops) + 1, len(mesh.points)
+    apart = round((total**2 - 4 * product)**0.5)
+    longer, shorter = (total + apart) // 2, (total - apart) // 2
+    assert longer * shorter == product
+    return longer, shorter
 
 
 def arranged(mesh):
@@ -46,18 +56,29 @@ def draw_patch(program):
     second = Drawing().add_edges(net.points, net.edges, GHOST, 0.8 * line)
     second.add_edges(fine.points, fine.edges, DARK, 0.8 * line)
     kinds = kinds_of(places)
+    # What the caption says.
+    assert [np.count_nonzero(kinds == kind) for kind in "FEV"] == [9, 12, 4]
     for kind, _, colour in KINDS:
         second.add_points(fine.points[kinds == kind], colour, 5.2 * line)
     (left, right), studio = render([first, second], LOOK, points=[net.points])
     for i, (x, y) in enumerate(studio.pixels_of(net.points)):
         put_text(left, f"P{i // 4},{i % 4}", x + 7, y - 6, 13, anchor=(0, 1), halo=True)
     quarters = draw_quarters(net, fine, places, surface)
-    picture = row([captioned(left, "The net of 4 × 4 points, and its patch", 17),
-                   captioned(right, "The 25 points of its refinement", 17),
-                   captioned(quarters, "Four of 4 × 4, a quarter of the patch each", 17)], gap=24)
-    entries = [(colour, words, "point") for _, words, colour in KINDS]
-    entries += [(PALE_SKY, "the patch", "area")]
-    return column([picture, legend(entries, picture.shape[1])], gap=4)
+    nets = row([captioned(left, "The net of 4 × 4 points, and its patch", 17),
+                captioned(right, "The 25 points of its refinement", 17)], gap=24)
+    quarters = captioned(quarters, "Four of 4 × 4, a quarter of the patch each", 17)
+    # A legend of its own: its pale lines are another net than those in the middle.
+    return row([
+        with_legends(nets, [[(colour, words, "point") for _, words, colour in KINDS],
+                            [(PALE_SKY, "the patch", "area"), (GHOST, "the first net", "line")]]),
+        with_legends(quarters, [[(AMBER, "a quarter of the patch", "area"),
+                                 (STONE, "the other quarters", "area")],
+                                [(DARK, "its 4 × 4 points", "point"),
+                                 (GHOST, "the rest of the 25", "line")]])], gap=24)
+
+
+def with_legends(image, rows):
+    return column([image, *(legend(entries, image.shape[1]) for entries in rows)], gap=4)
 
 
 def kinds_of(places):
@@ -82,7 +103,7 @@ def draw_quarters(net, fine, places, surface):
         outer = [e for e in fine.edges if not own >= set(e.tolist())]
         drawing = Drawing().add_edges(fine.points, outer, GHOST, 0.7 * line)
         drawing.add_edges(fine.points, inner, DARK, line)
-        for part, colour in ((True, PALE_SKY), (False, SHELL)):
+        for part, colour in ((True, AMBER), (False, STONE)):
             faces = [f for f in surface.loops
                      if in_quarter(surface.points[f].mean(axis=0), middle, right, up) == part]
             drawing.add_faces(surface.points, faces, colour)

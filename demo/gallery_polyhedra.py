@@ -89,6 +89,15 @@ SOLIDS = (
 )
 
 
+#: Table 2: coordinates and faces of each iteration.
+TABLE = {
+    "cube": ((8, 6), (26, 24), (98, 96), (386, 384)),  # printed as 284
+    "pyramid": ((5, 5), (18, 16), (66, 64), (258, 256)),
+    "dodecahedron": ((20, 12), (62, 60), (242, 240), (962, 960)),
+    "hexecontahedron": ((62, 60), (242, 240), (962, 960), (3842, 3840)),
+}
+
+
 def draw_table(program):
     columns = [row_labels()]
     for name, title, make, colour in SOLIDS:
@@ -97,6 +106,7 @@ def draw_table(program):
         for level in LEVELS[1:]:
             program.run(f"refine {name}.obj -n {level} -o {name}-{level}.obj")
             meshes.append(Mesh.read(program.file(f"{name}-{level}.obj")))
+        assert TABLE[name] == tuple((len(mesh.points), len(mesh.loops)) for mesh in meshes)
         window = extent(meshes[0].points, look)
         drawings = []
         for mesh, line in zip(meshes, (0.0042, 0.0034, 0.0026, 0.0017)):

@@ -7,7 +7,8 @@ import numpy as np
 
 from gallery_parts import (AMBER, BLUE, DARK, GREEN, PALE_SKY, RED, Figure, Look, Mesh, extent,
                            panels, render)
-from gallery_patch import grid
+from gallery_patch import grid, sides
+from geometry_files import edges_of
 from images import blank, column, disc, legend, put_ink, put_text, row, text_mask
 from picture import GHOST, Drawing
 
@@ -35,15 +36,18 @@ def draw_points(program):
     line = 0.0030 * extent(net.points, LOOK)
     old = Drawing().add_edges(net.points, net.edges, DARK, line)
     drawings = [old.add_points(net.points, DARK, 3.6 * line)]
-    for options in (RATS, CATMULL_CLARK):
+    captions = ["The old points: {} × {}".format(*sides(net))]
+    for options, title, fewer in ((RATS, "RATS", 1), (CATMULL_CLARK, "Catmull-Clark", 3)):
         mesh = refined(program, "net", options, 1)
+        assert sides(mesh) == tuple(2 * n - fewer for n in sides(net))  # what the caption says
+        captions.append("{}: {} × {} new points".format(title, *sides(mesh)))
         drawing = Drawing().add_edges(net.points, net.edges, GHOST, 0.8 * line)
         drawing.add_edges(mesh.points, mesh.edges, BLUE, 0.7 * line)
         drawings.append(drawing.add_points(mesh.points, BLUE, 3.4 * line))
-    picture = panels(drawings, ["The old points: 6 × 5", "RATS: 11 × 9 new points",
-                                "Catmull-Clark: 9 × 7 new points"], LOOK, gap=30)
-    entries = [(DARK, "old point", "point"), (BLUE, "new point", "point"),
-               (GHOST, "the net of the old points", "line")]
+    picture = panels(drawings, captions, LOOK, gap=30)
+    entries = [(DARK, "old point", "point"), (DARK, "old net", "line"),
+               (GHOST, "old net, behind the new one", "line"), (BLUE, "new point", "point"),
+               (BLUE, "new net", "line")]
     return column([picture, legend(entries, picture.shape[1])], gap=4)
 
 
@@ -65,6 +69,7 @@ def draw_surfaces(program):
     picture = panels(drawings, ["RATS", "Catmull-Clark, without boundary control"],
                      replace(LOOK, height=380), gap=60)
     entries = [(PALE_SKY, "inner patches", "area"), (AMBER, "patches at the border", "area"),
+               (DARK, f"edges at level {level}", "line"),
                (GHOST, "the net of the old points", "line")]
     return column([picture, legend(entries, picture.shape[1])], gap=4)
 
@@ -72,8 +77,7 @@ def draw_surfaces(program):
 def border_edges(mesh):
     count = {}
     for loop in mesh.loops:
-        for a, b in zip(loop, loop[1:] + loop[:1]):
-            edge = (min(a, b), max(a, b))
+        for edge in edges_of([loop]):
             count[edge] = count.get(edge, 0) + 1
     return {edge for edge, faces in count.items() if faces == 1}
 
@@ -102,7 +106,8 @@ def rats_types(net, fine):
 
     Vertex points come first, then edge points, then face points, in the order of the old ones. The
     old edge of an edge point is seen from the vertex points beside it."""
-    border = {v for edge in border_edges(net) for v in edge}
+    on_border = border_edges(net)
+    border = {v for edge in on_border for v in edge}
     faces_of = {}
     for loop in net.loops:
         for v in loop:
@@ -116,19 +121,19 @@ def rats_types(net, fine):
     types = [0 if v in corners else 1 if v in border else 2 for v in range(old)]
     for edge in range(old, first_face):
         a, b = sorted(ends[edge])
-        if (a, b) in border_edges(net):
+        if (a, b) in on_border:
             types.append(3 if {a, b} & corners else 4)
         else:
             types.append(5 if {a, b} & border else 6)
     for loop in net.loops:
-        own = set(loop)
-        types.append(7 if own & corners else 8 if own & border else 9)
+        types.append(7 if set(loop) & corners else 8 if edges_of([loop]) & on_border else 9)
     return types
 
 
 def draw_types(program):
     net = program.write(grid(5, 5, lambda x, y: 0), "flat.obj")
     fine = refined(program, "flat", RATS, 1)
+    program.numbers.update(old="{} × {}".format(*sides(net)), new=len(fine.points))
     look = Look((0, 0, 1), up=(0, 1, 0), height=520, occlusion=False, margin=0.07)
     line = 0.0022 * extent(net.points, look)
     drawing = Drawing().add_edges(net.points, net.edges, GHOST, line)
@@ -231,7 +236,10 @@ def draw_arbitrary(program):
         second = Drawing().add_faces(mesh.points, mesh.loops, PALE_SKY)
         second.add_edges(wires, coarse.edges, BLUE, 0.6 * line)
         pictures.append(panels([first, second], [title, "Its RATS surface"], look, gap=20))
-    return row(pictures, gap=30)
+    picture = row(pictures, gap=30)
+    entries = [(DARK, "mesh", "line"), (PALE_SKY, "RATS surface", "area"),
+               (BLUE, "its edges, without the points of types E delta and F gamma", "line")]
+    return column([picture, legend(entries, picture.shape[1])], gap=4)
 
 
 FIGURES = [
@@ -243,8 +251,8 @@ FIGURES = [
         draw_points),
     Figure(
         "rats-types", "The ten types of RATS points", "Savva & Clapworthy, Figure 6",
-        "A flat net of 5 × 5 old points (crosses) and its 81 new ones, numbered as in the paper's "
-        "list: V<sub>α</sub> V<sub>β</sub> V<sub>γ</sub>, E<sub>α</sub> E<sub>β</sub> "
+        "A flat net of {old} old points (crosses) and its {new} new ones, numbered as in the "
+        "paper's list: V<sub>α</sub> V<sub>β</sub> V<sub>γ</sub>, E<sub>α</sub> E<sub>β</sub> "
         "E<sub>γ</sub> E<sub>δ</sub>, F<sub>α</sub> F<sub>β</sub> F<sub>γ</sub>.",
         draw_types),
     Figure(

@@ -2,10 +2,11 @@
 """Sizes shared by the demo's models and the lattices around them. Metres; y is up, and the figure
 faces +z, so that its left arm is at +x.
 
-    scenes.py SCENE POSE
+    scenes.py SCENE
 
-prints what to say to `espalier shape` for the lattice of a scene (figure, star or barbell) in a
-pose (rest or posed). The two poses of a scene have the same topology.
+prints the commands that make a scene (figure, star or barbell), to be run where its model is.
+scripts/demo runs them, and docs/gallery.md prints them. The two poses of the lattice of a scene
+have the same topology.
 """
 
 import sys
@@ -25,6 +26,9 @@ def chain(start, bones):
         joints.append(along(joints[-1], direction, length))
     return joints
 
+
+#: The scenes, and the model in each.
+MODELS = {"figure": "figure", "star": "disk", "barbell": "block"}
 
 # The figure's left arm, a little away from the body.
 SHOULDER, ELBOW, WRIST, HAND_TIP = chain(
@@ -95,8 +99,17 @@ def shape_options():
     }
 
 
+def commands(scene):
+    """The lattice in both poses, its refinement for the picture, and the deformed model."""
+    options = shape_options()
+    shapes = [" ".join(["espalier shape", *options[scene, pose], f"-o {scene}-{pose}.vtu"])
+              for pose in ("rest", "posed")]
+    return [*shapes, f"espalier refine {scene}-rest.vtu -n 2 -o {scene}-refined.vtu",
+            f"espalier deform {MODELS[scene]}.obj --rest {scene}-rest.vtu --to {scene}-posed.vtu "
+            f"-n 3 -o {scene}-deformed.obj"]
+
+
 if __name__ == "__main__":
-    known = shape_options()
-    if tuple(sys.argv[1:]) not in known:
+    if len(sys.argv) != 2 or sys.argv[1] not in MODELS:
         sys.exit(__doc__)
-    print(*known[tuple(sys.argv[1:])])
+    print(*commands(sys.argv[1]), sep="\n")

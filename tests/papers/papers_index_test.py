@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that every claim in docs/papers.md names tests, and that these are there."""
+"""Checks that every claim in docs/papers.md names tests, and that these are there and built."""
 
 import ast
 import pathlib
@@ -37,6 +37,16 @@ def tests_in(path):
     return set(re.findall(r"^(?:TYPED_)?TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", text, re.MULTILINE))
 
 
+def is_listed(path):
+    """Whether the CMakeLists.txt beside a test names it: a file that it does not is never run."""
+    try:
+        text = (path.parent / "CMakeLists.txt").read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return False
+    words = re.split(r"[\s()/]+", re.sub(r"#.*", "", text))
+    return path.name in words
+
+
 def errors_in(page):
     """What is wrong with a page of claims, a line each."""
     errors = []
@@ -57,6 +67,8 @@ def errors_in(page):
                 errors.append(f"line {number}: there is no file {link}")
             elif (suite, name) not in tests_in(path):
                 errors.append(f"line {number}: {link} has no test {suite}.{name}")
+            elif not is_listed(path):
+                errors.append(f"line {number}: {link} is not in the CMakeLists.txt of its folder")
     return errors
 
 
@@ -72,13 +84,18 @@ class Checker(unittest.TestCase):
             "| 2.1 | rule | [`Curve.Halves`](a_test.cpp), [`Deform.test_rest`](b_test.py) |\n"
             "\nOutside of a table, see [`Curve.Fixture`](a_test.cpp).\n")
 
-    def check(self, text):
+    LISTS = ("test(papers SOURCES\n  a_test.cpp  # the first\n)\n"
+             "add_test(NAME b COMMAND python3 ${FOLDER}/b_test.py)\n")
+
+    def check(self, text, lists=LISTS):
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
             (folder / "a_test.cpp").write_text(
                 "TEST(Curve, Halves) {\n}\nTEST_P(Curve,\n       Fixture) {\n}\n"
                 "// TEST(Curve, InAComment)\n")
             (folder / "b_test.py").write_text("class Deform:\n    def test_rest(self): pass\n")
+            if lists is not None:
+                (folder / "CMakeLists.txt").write_text(lists)
             (folder / "page.md").write_text(text)
             return errors_in(folder / "page.md")
 
@@ -101,6 +118,16 @@ class Checker(unittest.TestCase):
     def test_missing_files_are_found(self):
         errors = self.check(self.GOOD.replace("b_test.py", "c_test.py"))
         self.assertEqual(errors, ["line 3: there is no file c_test.py"])
+
+    def test_files_that_are_not_built_are_found(self):
+        unlisted = "{}: {} is not in the CMakeLists.txt of its folder".format
+        a, b = unlisted("line 3", "a_test.cpp"), unlisted("line 3", "b_test.py")
+        a_again = unlisted("line 5", "a_test.cpp")
+        for lists, errors in [("", [a, b, a_again]), (None, [a, b, a_again]),
+                              (self.LISTS.replace("a_test.cpp", "# a_test.cpp"), [a, a_again]),
+                              (self.LISTS.replace("a_test.cpp", "aa_test.cpp"), [a, a_again]),
+                              (self.LISTS.replace("/b_test.py", "/b_test.pyc"), [b])]:
+            self.assertEqual(self.check(self.GOOD, lists), errors, lists)
 
     def test_claims_without_a_test_are_found(self):
         errors = self.check(self.GOOD + "\n| W | S | T |\n|---|---|---|\n| 2.2 | rule | |\n")
