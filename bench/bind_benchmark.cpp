@@ -57,5 +57,3 @@ BENCHMARK(bindAndApply)->Unit(benchmark::kSecond)->Iterations(1);
 
 }  // namespace
 }  // namespace espalier
-
-BENCHMARK_MAIN();

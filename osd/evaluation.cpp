@@ -25,25 +25,17 @@ void checkLayout(const BufferDescriptor& layout, std::size_t size, Offset entrie
 
 }  // namespace
 
-template <class Real>
-void checkEvaluation(const stencils::StencilTable<Real>& table, Values<Real> source,
-                     const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
+void checkEvaluation(Index rowCount, Index columnCount, std::size_t sourceSize,
+                     const BufferDescriptor& sourceLayout, std::size_t destinationSize,
                      const BufferDescriptor& destinationLayout, RowRange rows) {
-    if (rows.first < 0 || rows.last < rows.first || rows.last > table.rowCount())
+    if (rows.first < 0 || rows.last < rows.first || rows.last > rowCount)
         throw Error("rows " + std::to_string(rows.first) + " to " + std::to_string(rows.last) +
-                    " are not in a table of " + std::to_string(table.rowCount()) + " rows");
-    checkLayout(sourceLayout, source.size(), table.columnCount(), "source");
-    checkLayout(destinationLayout, destination.size(), rows.last, "destination");
+                    " are not in a table of " + std::to_string(rowCount) + " rows");
+    checkLayout(sourceLayout, sourceSize, columnCount, "source");
+    checkLayout(destinationLayout, destinationSize, rows.last, "destination");
     if (sourceLayout.length != destinationLayout.length)
         throw Error("source entries have " + std::to_string(sourceLayout.length) +
                     " components, destination entries " + std::to_string(destinationLayout.length));
 }
-
-template void checkEvaluation(const stencils::StencilTable<float>&, Values<float>,
-                              const BufferDescriptor&, MutableValues<float>,
-                              const BufferDescriptor&, RowRange);
-template void checkEvaluation(const stencils::StencilTable<double>&, Values<double>,
-                              const BufferDescriptor&, MutableValues<double>,
-                              const BufferDescriptor&, RowRange);
 
 }  // namespace espalier::osd

@@ -4,6 +4,7 @@
 #include <espalier/osd/buffer_descriptor.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <cstddef>
 #include <span>
 #include <type_traits>
 
@@ -24,6 +25,12 @@ using Values = std::span<const std::type_identity_t<Real>>;
 template <class Real>
 using MutableValues = std::span<std::type_identity_t<Real>>;
 
+/// The checks of checkEvaluation() below, for any form of a table of so many rows and columns, and
+/// buffers of so many numbers.
+void checkEvaluation(Index rowCount, Index columnCount, std::size_t sourceSize,
+                     const BufferDescriptor& sourceLayout, std::size_t destinationSize,
+                     const BufferDescriptor& destinationLayout, RowRange rows);
+
 /// What every evaluator is called with, and does:
 ///
 ///     destination[row][c] = Σ_k weights(row)[k] · source[columns(row)[k]][c]
@@ -43,6 +50,9 @@ using MutableValues = std::span<std::type_identity_t<Real>>;
 template <class Real>
 void checkEvaluation(const stencils::StencilTable<Real>& table, Values<Real> source,
                      const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
-                     const BufferDescriptor& destinationLayout, RowRange rows);
+                     const BufferDescriptor& destinationLayout, RowRange rows) {
+    checkEvaluation(table.rowCount(), table.columnCount(), source.size(), sourceLayout,
+                    destination.size(), destinationLayout, rows);
+}
 
 }  // namespace espalier::osd

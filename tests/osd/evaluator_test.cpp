@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <random>
+#include <utility>
 
 #include "support/threads.h"
 
@@ -17,14 +22,50 @@ using stencils::StencilTable;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+/// An evaluator that takes the table as it is.
+template <class E>
+struct Direct {
+    template <class Real>
+    class Of {
+    public:
+        explicit Of(const StencilTable<Real>& table) : table_(table) {}
+
+        void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                      MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                      RowRange rows) const {
+            E::evaluate(table_, source, sourceLayout, destination, destinationLayout, rows);
+        }
+
+    private:
+        const StencilTable<Real>& table_;
+    };
+};
+
+/// One that compiles it. On a processor without these instructions, to those it has: the suite is
+/// then run on them twice.
+template <Simd simd>
+struct Compiled {
+    template <class Real>
+    class Of : public CompiledTable<Real> {
+    public:
+        explicit Of(const StencilTable<Real>& table)
+            : CompiledTable<Real>(table, hasSimd(simd) ? simd : bestSimd()) {}
+    };
+};
+
 /// One suite for every evaluator: instantiate it with another pair to test another back end.
 template <class E, class R>
 struct Case {
-    using Evaluator = E;
+    using Evaluator = typename E::template Of<R>;
     using Real = R;
 };
-using Cases = ::testing::Types<Case<ReferenceEvaluator, float>, Case<ReferenceEvaluator, double>,
-                               Case<CpuEvaluator, float>, Case<CpuEvaluator, double>>;
+using Cases =
+    ::testing::Types<Case<Direct<ReferenceEvaluator>, float>,
+                     Case<Direct<ReferenceEvaluator>, double>, Case<Direct<CpuEvaluator>, float>,
+                     Case<Direct<CpuEvaluator>, double>, Case<Compiled<Simd::Baseline>, float>,
+                     Case<Compiled<Simd::Baseline>, double>, Case<Compiled<Simd::Avx2>, float>,
+                     Case<Compiled<Simd::Avx2>, double>, Case<Compiled<Simd::Avx512>, float>,
+                     Case<Compiled<Simd::Avx512>, double>>;
 
 template <class C>
 class EvaluatorTest : public ::testing::Test {
@@ -52,6 +93,50 @@ protected:
         return StencilTable<Real>(columnCount, offsets, columns, weights);
     }
 
+    /// Rows of which some share their columns, 1 to 40 each; of every third set, the weights are
+    /// outer products. In a random order.
+    static StencilTable<Real> tableOfSets(Index columnCount, unsigned seed) {
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<Real> weight(Real(0.1), 1);
+        std::vector<std::pair<std::vector<Index>, std::vector<Real>>> rows;
+        for (Index size = 1; size <= 40; ++size) {
+            const bool isProduct = size % 3 == 0;
+            const std::array<std::size_t, 3> sides = {1 + random() % 5, 2 + random() % 3,
+                                                      1 + random() % 4};
+            std::vector<Index> columns(static_cast<std::size_t>(columnCount));
+            std::iota(columns.begin(), columns.end(), Index{0});
+            std::shuffle(columns.begin(), columns.end(), random);
+            columns.resize(sides[0] * sides[1] * sides[2]);
+            std::vector<std::size_t> places(columns.size());
+            std::iota(places.begin(), places.end(), std::size_t{0});
+            std::sort(columns.begin(), columns.end());
+            std::shuffle(places.begin(), places.end(), random);
+            for (Index i = 0; i < size; ++i) {
+                std::array<std::vector<Real>, 3> factors;
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    for (std::size_t k = 0; k < sides[axis]; ++k)
+                        factors[axis].push_back(weight(random));
+                std::vector<Real> weights;
+                for (const std::size_t p : places)
+                    weights.push_back(isProduct ? factors[0][p % sides[0]] *
+                                                      factors[1][p / sides[0] % sides[1]] *
+                                                      factors[2][p / sides[0] / sides[1]]
+                                                : weight(random));
+                rows.emplace_back(columns, weights);
+            }
+        }
+        std::shuffle(rows.begin(), rows.end(), random);
+        std::vector<Offset> offsets = {0};
+        std::vector<Index> columns;
+        std::vector<Real> weights;
+        for (const auto& [own, ofRow] : rows) {
+            columns.insert(columns.end(), own.begin(), own.end());
+            weights.insert(weights.end(), ofRow.begin(), ofRow.end());
+            offsets.push_back(static_cast<Offset>(columns.size()));
+        }
+        return StencilTable<Real>(columnCount, offsets, columns, weights);
+    }
+
     static std::vector<Real> randomValues(std::size_t count, unsigned seed) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<Real> value(-1, 1);
@@ -65,8 +150,8 @@ TYPED_TEST_SUITE(EvaluatorTest, Cases);
 TYPED_TEST(EvaluatorTest, ByHand) {
     const std::vector<typename TestFixture::Real> source = {1, 10, 2, 20, 3, 30, 4, 40};
     std::vector<typename TestFixture::Real> destination(6, 99);
-    TestFixture::Evaluator::evaluate(this->small, source, {0, 2, 2}, destination, {0, 2, 2},
-                                     {0, 3});
+    typename TestFixture::Evaluator(this->small)
+        .evaluate(source, {0, 2, 2}, destination, {0, 2, 2}, {0, 3});
     EXPECT_THAT(destination, ElementsAre(16, 160, 0, 0, -1, -10));
 }
 
@@ -75,8 +160,8 @@ TYPED_TEST(EvaluatorTest, OffsetsAndStrides) {
     using R = typename TestFixture::Real;
     const std::vector<R> source = {-7, 1, 10, -7, 2, 20, -7, 3, 30, -7, 4, 40};
     std::vector<R> destination(2 + 3 * 4, 99);
-    TestFixture::Evaluator::evaluate(this->small, source, {1, 2, 3}, destination, {2, 2, 4},
-                                     {0, 3});
+    typename TestFixture::Evaluator(this->small)
+        .evaluate(source, {1, 2, 3}, destination, {2, 2, 4}, {0, 3});
     EXPECT_THAT(destination, ElementsAre(99, 99, 16, 160, 99, 99, 0, 0, 99, 99, -1, -10, 99, 99));
 }
 
@@ -84,29 +169,32 @@ TYPED_TEST(EvaluatorTest, SubRangeWritesItsRowsOnly) {
     using R = typename TestFixture::Real;
     const std::vector<R> source = {1, 2, 3, 4};
     std::vector<R> destination(3, 99);
-    TestFixture::Evaluator::evaluate(this->small, source, {0, 1, 1}, destination, {0, 1, 1},
-                                     {2, 3});
+    typename TestFixture::Evaluator(this->small)
+        .evaluate(source, {0, 1, 1}, destination, {0, 1, 1}, {2, 3});
     EXPECT_THAT(destination, ElementsAre(99, 99, -1));
-    TestFixture::Evaluator::evaluate(this->small, source, {0, 1, 1}, destination, {0, 1, 1},
-                                     {1, 1});
+    typename TestFixture::Evaluator(this->small)
+        .evaluate(source, {0, 1, 1}, destination, {0, 1, 1}, {1, 1});
     EXPECT_THAT(destination, ElementsAre(99, 99, -1));
     // The destination need not reach beyond the range.
     std::vector<R> first(1, 99);
-    TestFixture::Evaluator::evaluate(this->small, source, {0, 1, 1}, first, {0, 1, 1}, {0, 1});
+    typename TestFixture::Evaluator(this->small)
+        .evaluate(source, {0, 1, 1}, first, {0, 1, 1}, {0, 1});
     EXPECT_THAT(first, ElementsAre(16));
 }
 
-// Against sums in long double, for several numbers of components; deterministic in any number of
-// threads, to the last bit.
-TYPED_TEST(EvaluatorTest, RandomTables) {
-    using R = typename TestFixture::Real;
-    const auto table = TestFixture::randomTable(5000, 60, 1);
+/// Compares with sums in long double, for several numbers of components; in any number of threads
+/// and any range of rows, to the last bit.
+template <class Evaluator, class R>
+void expectSums(const StencilTable<R>& table, const std::vector<R>& values) {
+    const Index rowCount = table.rowCount();
+    const Evaluator evaluator(table);
     for (const Offset length : {1, 2, 3, 4, 5, 12}) {
         const BufferDescriptor layout = BufferDescriptor::packed(length);
-        const auto source = TestFixture::randomValues(static_cast<std::size_t>(60 * length), 2);
-        std::vector<R> destination(static_cast<std::size_t>(5000 * length));
-        TestFixture::Evaluator::evaluate(table, source, layout, destination, layout, {0, 5000});
-        for (Index row = 0; row < 5000; ++row)
+        const auto source =
+            std::span(values).first(static_cast<std::size_t>(table.columnCount() * length));
+        std::vector<R> destination(static_cast<std::size_t>(rowCount * length));
+        evaluator.evaluate(source, layout, destination, layout, {0, rowCount});
+        for (Index row = 0; row < rowCount; ++row)
             for (Offset c = 0; c < length; ++c) {
                 long double sum = 0, size = 0;
                 for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
@@ -119,16 +207,34 @@ TYPED_TEST(EvaluatorTest, RandomTables) {
                 // One rounding a product and a sum; rows have at most 60 entries.
                 const long double bound = 61 * std::numeric_limits<R>::epsilon() * size;
                 ASSERT_LE(std::abs(destination[static_cast<std::size_t>(row * length + c)] - sum),
-                          bound);
+                          bound)
+                    << row;
             }
         for (const int threads : {1, 2, 8}) {
             std::vector<R> again(destination.size());
             test::withThreads(threads, [&] {
-                TestFixture::Evaluator::evaluate(table, source, layout, again, layout, {0, 5000});
+                evaluator.evaluate(source, layout, again, layout, {0, rowCount});
             });
             ASSERT_EQ(again, destination);
         }
+        std::vector<R> parts(destination.size());
+        for (const Index middle : {rowCount / 3, rowCount})
+            evaluator.evaluate(source, layout, parts, layout,
+                               {middle == rowCount ? rowCount / 3 : 0, middle});
+        ASSERT_EQ(parts, destination);
     }
+}
+
+TYPED_TEST(EvaluatorTest, RandomTables) {
+    using R = typename TestFixture::Real;
+    expectSums<typename TestFixture::Evaluator, R>(TestFixture::randomTable(5000, 60, 1),
+                                                   TestFixture::randomValues(60 * 12, 2));
+}
+
+TYPED_TEST(EvaluatorTest, RowsThatShareTheirColumns) {
+    using R = typename TestFixture::Real;
+    expectSums<typename TestFixture::Evaluator, R>(TestFixture::tableOfSets(90, 3),
+                                                   TestFixture::randomValues(90 * 12, 4));
 }
 
 TYPED_TEST(EvaluatorTest, RefusesWhatDoesNotFitAndWritesNothing) {
@@ -139,7 +245,8 @@ TYPED_TEST(EvaluatorTest, RefusesWhatDoesNotFitAndWritesNothing) {
                                    const BufferDescriptor& fromLayout, std::span<R> to,
                                    const BufferDescriptor& toLayout, RowRange rows) {
         try {
-            TestFixture::Evaluator::evaluate(this->small, from, fromLayout, to, toLayout, rows);
+            typename TestFixture::Evaluator(this->small)
+                .evaluate(from, fromLayout, to, toLayout, rows);
             FAIL() << "accepted; expected: " << why;
         } catch (const Error& error) {
             EXPECT_THAT(error.what(), HasSubstr(why));

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <benchmark/benchmark.h>
+#include <espalier/far/parallel.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/stencils/sparse_matrix.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "workloads.h"
+#ifdef ESPALIER_WITH_OPENSUBDIV
+#include <opensubdiv/osd/bufferDescriptor.h>
+#include <opensubdiv/osd/cpuEvaluator.h>
+#endif
+
+// A table times xyz values: ours, OpenSubdiv's and Eigen's on the same arrays, named
+// apply/WORKLOAD/REAL/COMPONENTS/WHO. What each gives is compared with our plain evaluator's before
+// it is timed.
+namespace espalier {
+namespace {
+
+using bench::Workload;
+using far::Index;
+using far::Offset;
+using osd::BufferDescriptor;
+using stencils::StencilTable;
+
+/// Made when it is asked for; the latest is kept.
+const Workload& workload(const std::string& key, const std::function<Workload()>& make) {
+    static std::string held;
+    static std::unique_ptr<const Workload> latest;
+    if (held != key) {
+        latest.reset();
+        latest = std::make_unique<const Workload>(make());
+        held = key;
+    }
+    return *latest;
+}
+
+template <class Real>
+const StencilTable<Real>& tableOf(const Workload& workload) {
+    if constexpr (sizeof(Real) == sizeof(float))
+        return workload.inFloat;
+    else
+        return workload.inDouble;
+}
+
+/// Times evaluate(source, destination).
+template <class Real, class Evaluate>
+void run(benchmark::State& state, const StencilTable<Real>& table, int components, int threads,
+         Evaluate evaluate) {
+    const far::ThreadLimit limit(threads);
+    const std::vector<Real> source = bench::randomValues(table, components);
+    std::vector<Real> result(static_cast<std::size_t>(table.rowCount() * Offset{components}));
+    evaluate(source, result);
+    // Against sums in the order of the table; values up to 1, rows up to 64 entries.
+    for (Index row = 0; row < table.rowCount(); row += 997)
+        for (int c = 0; c < components; ++c) {
+            double sum = 0;
+            for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                sum += static_cast<double>(table.weights(row)[k]) *
+                       source[static_cast<std::size_t>(table.columns(row)[k] * components + c)];
+            const double got = result[static_cast<std::size_t>(row * Offset{components} + c)];
+            if (!(std::abs(got - sum) <= 64 * std::numeric_limits<Real>::epsilon()))
+                return state.SkipWithError("the result is wrong");
+        }
+    for (auto _ : state) {
+        evaluate(source, result);
+        benchmark::ClobberMemory();
+    }
+    state.counters["rows"] = table.rowCount();
+    state.counters["entries"] = static_cast<double>(table.entryCount());
+}
+
+template <class Real>
+void applyCompiled(benchmark::State& state, const StencilTable<Real>& table, int components,
+                   int threads) {
+    const osd::CompiledTable<Real> compiled(table);
+    const auto layout = BufferDescriptor::packed(components);
+    run(state, table, components, threads,
+        [&](const std::vector<Real>& source, std::vector<Real>& result) {
+            compiled.evaluate(source, layout, result, layout, {0, table.rowCount()});
+        });
+    const double csr = static_cast<double>(table.entryCount()) * (sizeof(Real) + sizeof(Index));
+    state.counters["bytes of CSR"] = static_cast<double>(compiled.byteCount()) / csr;
+    state.counters["products"] = static_cast<double>(compiled.productRowCount()) / table.rowCount();
+    // What must be moved: the table, and the results, which are written once.
+    const double moved = static_cast<double>(compiled.byteCount()) +
+                         static_cast<double>(table.rowCount()) * components * sizeof(Real);
+    state.SetBytesProcessed(static_cast<Offset>(static_cast<double>(state.iterations()) * moved));
+}
+
+template <class Real>
+void applyEigen(benchmark::State& state, const StencilTable<Real>& table, int components,
+                int threads) {
+    using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const stencils::SparseView<Real> view(table);
+    run(state, table, components, threads,
+        [&](const std::vector<Real>& source, std::vector<Real>& result) {
+            const Eigen::Map<const Matrix> from(source.data(), table.columnCount(), components);
+            Eigen::Map<Matrix>(result.data(), table.rowCount(), components).noalias() =
+                view.matrix() * from;
+        });
+}
+
+#ifdef ESPALIER_WITH_OPENSUBDIV
+void applyOpenSubdiv(benchmark::State& state, const StencilTable<float>& table, int components,
+                     int threads) {
+    namespace Osd = OpenSubdiv::Osd;
+    std::vector<int> sizes, offsets;
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        sizes.push_back(static_cast<int>(table.columns(row).size()));
+        offsets.push_back(static_cast<int>(table.offsets()[static_cast<std::size_t>(row)]));
+    }
+    const Osd::BufferDescriptor layout(0, components, components);
+    run(state, table, components, threads,
+        [&](const std::vector<float>& source, std::vector<float>& result) {
+            Osd::CpuEvaluator::EvalStencils(source.data(), layout, result.data(), layout,
+                                            sizes.data(), offsets.data(), table.columns().data(),
+                                            table.weights().data(), 0, table.rowCount());
+        });
+}
+#endif
+
+struct Case {
+    std::string key;
+    std::function<Workload()> make;
+};
+
+template <class Real>
+void add(const Case& chosen, int components, const std::string& who, int threads,
+         void (*apply)(benchmark::State&, const StencilTable<Real>&, int, int)) {
+    const std::string real = sizeof(Real) == sizeof(float) ? "float" : "double";
+    benchmark::RegisterBenchmark(
+        ("apply/" + chosen.key + "/" + real + "/" + std::to_string(components) + "/" + who).c_str(),
+        [=](benchmark::State& state) {
+            const Workload& made = workload(chosen.key, chosen.make);
+            apply(state, tableOf<Real>(made), components, threads);
+        })
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+}
+
+const bool kRegistered = [] {
+    const std::vector<Case> cases = {{"surface 0.4 M", [] { return bench::surface(400'000); }},
+                                     {"surface 1.6 M", [] { return bench::surface(1'600'000); }},
+                                     {"regular model", bench::regularModel},
+                                     {"irregular model", bench::irregularModel}};
+    for (const Case& each : cases) {
+#ifdef ESPALIER_WITH_OPENSUBDIV
+        add<float>(each, 3, "OpenSubdiv", 1, applyOpenSubdiv);
+#endif
+        add<float>(each, 3, "Eigen", 1, applyEigen<float>);
+        add<float>(each, 3, "Espalier", 1, applyCompiled<float>);
+        add<float>(each, 3, "Espalier 2 threads", 2, applyCompiled<float>);
+        add<float>(each, 36, "Espalier", 1, applyCompiled<float>);
+        add<double>(each, 3, "Eigen", 1, applyEigen<double>);
+        add<double>(each, 3, "Espalier", 1, applyCompiled<double>);
+    }
+    return true;
+}();
+
+}  // namespace
+}  // namespace espalier

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <benchmark/benchmark.h>
+#include <espalier/far/parallel.h>
+
+#include <vector>
+
+namespace espalier {
+namespace {
+
+/// a = b + s · c over arrays that no cache holds: what the memory gives. Counts two reads and one
+/// write a number.
+void triad(benchmark::State& state) {
+    constexpr far::Offset kCount = 64 << 20;
+    const far::ThreadLimit limit(static_cast<int>(state.range(0)));
+    std::vector<float> a(kCount, 0), b(kCount, 1), c(kCount, 2);
+    for (auto _ : state)
+        far::parallelFor(kCount, 1 << 18, [&](far::Offset first, far::Offset last) {
+            float* to = a.data();
+            const float *from = b.data(), *other = c.data();
+            for (far::Offset i = first; i < last; ++i) to[i] = from[i] + 3.0F * other[i];
+            benchmark::ClobberMemory();
+        });
+    state.SetBytesProcessed(state.iterations() * kCount * 3 * far::Offset{sizeof(float)});
+}
+BENCHMARK(triad)
+    ->Name("triad/threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace espalier

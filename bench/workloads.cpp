@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workloads.h"
+
+#include <espalier/far/complex_builder.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/tensor_product.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <utility>
+
+namespace espalier::bench {
+
+using far::Index;
+using stencils::Rules;
+
+namespace {
+
+/// A torus that meanders through the unit cube, a thousand rings of a thousand points.
+std::vector<Point3> model() {
+    constexpr int kRings = 1000, kPoints = 1000;
+    std::vector<Point3> points;
+    for (int i = 0; i < kRings; ++i)
+        for (int j = 0; j < kPoints; ++j) {
+            const double u = 2 * std::numbers::pi * i / kRings;
+            const double v = 2 * std::numbers::pi * j / kPoints;
+            const double tube = 0.09 * (1 + 0.3 * std::sin(7 * u + 3 * v));
+            const double around = 0.24 + tube * std::cos(v);
+            points.push_back({0.5 + around * std::cos(u), 0.5 + around * std::sin(u),
+                              0.5 + 0.1 * std::sin(3 * u) + tube * std::sin(v)});
+        }
+    return points;
+}
+
+Workload workload(stencils::StencilTable<double> table) {
+    auto inFloat = stencils::convertTable<float>(table);
+    return {std::move(inFloat), std::move(table)};
+}
+
+}  // namespace
+
+Workload surface(int rowCount) {
+    constexpr int kLevel = 3;
+    const auto side = static_cast<Index>(std::lround(std::sqrt(rowCount / std::pow(4, kLevel))));
+    std::vector<std::vector<Index>> loops;
+    for (Index j = 0; j < side; ++j)
+        for (Index i = 0; i < side; ++i) {
+            const Index right = (i + 1) % side, above = (j + 1) % side;
+            loops.push_back(
+                {j * side + i, j * side + right, above * side + right, above * side + i});
+        }
+    far::TopologyRefiner refiner(far::buildMesh(side * side, loops));
+    refiner.refineUniform(kLevel);
+    return workload(stencils::buildStencils<double>(refiner, kLevel));
+}
+
+Workload regularModel() {
+    const Lattice box = shapes::box({.cells = {10, 10, 10}});
+    const stencils::TensorLattice lattice(box.complex, box.positions, stencils::Basis::BSpline);
+    return workload(
+        stencils::buildDeformationTable<double>(lattice, stencils::embedPoints(lattice, model())));
+}
+
+Workload irregularModel() {
+    constexpr int kLevel = 3;
+    const Lattice cylinder = shapes::cylinder({.sectors = 8,
+                                               .pattern = {.rings = 3},
+                                               .layers = 6,
+                                               .radius = 0.6,
+                                               .from = {0.5, 0.5, 0},
+                                               .to = {0.5, 0.5, 1}});
+    far::TopologyRefiner refiner(cylinder.complex);
+    refiner.refineUniform(kLevel);
+    const auto rest =
+        stencils::refinePositions(refiner, kLevel, Rules::Siggraph96, cylinder.positions);
+    const auto embedding = stencils::embedPoints(refiner.level(kLevel).complex, rest, model());
+    return workload(
+        stencils::buildDeformationTable<double>(refiner, kLevel, Rules::Siggraph96, embedding));
+}
+
+template <class Real>
+std::vector<Real> randomValues(const stencils::StencilTable<Real>& table, int components) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<Real> uniform(-1, 1);
+    std::vector<Real> values(static_cast<std::size_t>(table.columnCount()) *
+                             static_cast<std::size_t>(components));
+    for (Real& value : values) value = uniform(random);
+    return values;
+}
+
+template std::vector<float> randomValues(const stencils::StencilTable<float>&, int);
+template std::vector<double> randomValues(const stencils::StencilTable<double>&, int);
+
+}  // namespace espalier::bench

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/stencil_table.h>
+
+#include <vector>
+
+namespace espalier::bench {
+
+/// A table to apply, in both precisions.
+struct Workload {
+    stencils::StencilTable<float> inFloat;
+    stencils::StencilTable<double> inDouble;
+};
+
+/// S_3 of a torus of quadrilaterals, of about so many rows; 13 entries each.
+Workload surface(int rowCount);
+
+/// A model of a million points, in the order of a mesh, bound to a box of 10 × 10 × 10 cells by
+/// B-splines, so that each row has 64 entries; as a subdivided lattice has between the planes of
+/// its base vertices.
+Workload regularModel();
+
+/// The same model bound at level 3 to a cylinder, whose axis is irregular, as are its ends.
+Workload irregularModel();
+
+/// Values for the columns of a table, `components` each.
+template <class Real>
+std::vector<Real> randomValues(const stencils::StencilTable<Real>& table, int components);
+
+}  // namespace espalier::bench

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/parallel.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/osd/table_compiler.h>
+
+#include <algorithm>
+
+namespace espalier::osd {
+namespace {
+
+using kernels::kPadding;
+
+std::size_t at(Offset index) {
+    return static_cast<std::size_t>(index);
+}
+
+Offset paddedLength(Offset length) {
+    return (length + kPadding - 1) / kPadding * kPadding;
+}
+
+/// The source entries, padded with zeros.
+template <class Real>
+AlignedVector<Real> packed(Index count, Values<Real> source, const BufferDescriptor& layout) {
+    const Offset stride = paddedLength(layout.length);
+    AlignedVector<Real> points(at(count * stride));
+    constexpr Offset kGrain = 8192;
+    far::parallelFor(count, kGrain, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i)
+            std::copy_n(source.data() + layout.offset + i * layout.stride, layout.length,
+                        points.data() + i * stride);
+    });
+    return points;
+}
+
+}  // namespace
+
+template <class Real>
+struct CompiledTable<Real>::Data {
+    Index rowCount, columnCount;
+    kernels::Kernels<Real> kernels;
+    CompiledRows<Real> rows;
+
+    void evaluateGroups(Offset first, Offset last, const AlignedVector<Real>& points, Offset stride,
+                        const kernels::Destination<Real>& to) const {
+        AlignedVector<Real> own;
+        for (Offset g = first; g < last; ++g) {
+            const auto& group = rows.groups[at(g)];
+            own.resize(at(group.columnCount * stride));
+            for (Index k = 0; k < group.columnCount; ++k)
+                std::copy_n(points.data() + rows.groupColumns[at(group.firstColumn + k)] * stride,
+                            stride, own.data() + k * stride);
+            const Real* numbers = rows.groupNumbers.data() + group.firstNumber;
+            const Index* rowNumbers = rows.groupRows.data() + group.firstRow;
+            if (group.size[0] == 0)
+                kernels.panels(
+                    {numbers, own.data(), stride, group.columnCount, rowNumbers, group.rowCount},
+                    to);
+            else
+                kernels.products({numbers,
+                                  own.data(),
+                                  stride,
+                                  {group.size[0], group.size[1], group.size[2]},
+                                  rowNumbers,
+                                  group.rowCount},
+                                 to);
+        }
+    }
+
+    void evaluateRuns(Offset first, Offset last, const AlignedVector<Real>& points, Offset stride,
+                      const kernels::Destination<Real>& to) const {
+        for (Offset r = first; r < last; ++r) {
+            const auto& run = rows.runs[at(r)];
+            kernels.rows(
+                {rows.weights.data() + run.firstEntry, rows.columns.data() + run.firstEntry,
+                 run.length, points.data(), stride, rows.rows.data() + run.firstRow, run.rowCount},
+                to);
+        }
+    }
+};
+
+template <class Real>
+CompiledTable<Real>::CompiledTable(const stencils::StencilTable<Real>& table, Simd simd) {
+    if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
+    data_ = std::make_unique<const Data>(Data{table.rowCount(), table.columnCount(),
+                                              kernels::kernelsFor<Real>(simd), compileRows(table)});
+}
+
+template <class Real>
+CompiledTable<Real>::~CompiledTable() = default;
+template <class Real>
+CompiledTable<Real>::CompiledTable(CompiledTable&&) noexcept = default;
+template <class Real>
+CompiledTable<Real>& CompiledTable<Real>::operator=(CompiledTable&&) noexcept = default;
+
+template <class Real>
+Index CompiledTable<Real>::rowCount() const {
+    return data_->rowCount;
+}
+
+template <class Real>
+Index CompiledTable<Real>::columnCount() const {
+    return data_->columnCount;
+}
+
+template <class Real>
+Index CompiledTable<Real>::panelRowCount() const {
+    return static_cast<Index>(data_->rows.groupRows.size());
+}
+
+template <class Real>
+Index CompiledTable<Real>::productRowCount() const {
+    Index count = 0;
+    for (const auto& group : data_->rows.groups) count += group.size[0] > 0 ? group.rowCount : 0;
+    return count;
+}
+
+template <class Real>
+std::size_t CompiledTable<Real>::byteCount() const {
+    const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
+    const CompiledRows<Real>& rows = data_->rows;
+    return bytes(rows.groups) + bytes(rows.groupColumns) + bytes(rows.groupNumbers) +
+           bytes(rows.groupRows) + bytes(rows.runs) + bytes(rows.columns) + bytes(rows.weights) +
+           bytes(rows.rows);
+}
+
+template <class Real>
+void CompiledTable<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                                   MutableValues<Real> destination,
+                                   const BufferDescriptor& destinationLayout, RowRange rows) const {
+    checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
+                    destinationLayout, rows);
+    const AlignedVector<Real> points = packed<Real>(columnCount(), source, sourceLayout);
+    const Offset stride = paddedLength(sourceLayout.length);
+    const kernels::Destination<Real> to = {destination.data() + destinationLayout.offset,
+                                           destinationLayout.stride,
+                                           destinationLayout.length,
+                                           rows.first,
+                                           rows.last,
+                                           rows.first == 0 && rows.last == rowCount()};
+    const auto groupCount = static_cast<Offset>(data_->rows.groups.size());
+    constexpr Offset kGroups = 8;
+    far::parallelFor(groupCount, kGroups, [&](Offset first, Offset last) {
+        data_->evaluateGroups(first, last, points, stride, to);
+    });
+    far::parallelFor(
+        static_cast<Offset>(data_->rows.runs.size()), 1,
+        [&](Offset first, Offset last) { data_->evaluateRuns(first, last, points, stride, to); });
+}
+
+template class CompiledTable<float>;
+template class CompiledTable<double>;
+
+}  // namespace espalier::osd

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/osd/evaluation.h>
+#include <espalier/osd/kernels.h>
+
+#include <cstddef>
+#include <memory>
+
+namespace espalier::osd {
+
+/// A stencil table in the form that is fastest to evaluate. The table itself stays the truth; this
+/// holds all of its weights, and does not refer to it.
+///
+/// Rows with the same columns — points that are bound to one cell of the base, level-n vertices of
+/// one base face — become panels: their columns are there once, and their weights lie so that one
+/// register holds those of several rows. Of those that are outer products (outer_product.h), as in
+/// regular regions, just the factors are kept: 12 numbers instead of 64. All other rows lie as in
+/// the table, those of one length together. Results come out in the order of the table.
+///
+/// Immutable, and so safe to share between threads.
+///
+/// \cite MacCracken & Joy 1996, section 5: the deformation is evaluated again for each pose
+template <class Real>
+class CompiledTable {
+public:
+    /// \param simd which kernels evaluate it
+    /// \throws Error if this processor does not have `simd`
+    /// \cost O(entries + rows log rows)
+    explicit CompiledTable(const stencils::StencilTable<Real>& table, Simd simd = bestSimd());
+    ~CompiledTable();
+    CompiledTable(CompiledTable&&) noexcept;
+    CompiledTable& operator=(CompiledTable&&) noexcept;
+
+    Index rowCount() const;
+    Index columnCount() const;
+
+    /// Rows that lie in panels, outer products among them.
+    Index panelRowCount() const;
+    Index productRowCount() const;
+
+    /// Memory that it takes.
+    std::size_t byteCount() const;
+
+    /// As checkEvaluation() says. Sums are made in another order than that of the columns, with
+    /// fused products where the processor has them, and weights of outer products are up to 3 ulp
+    /// off. Results do not depend on the number of threads, nor on the range, bit for bit.
+    ///
+    /// \cost O(entries × components), in parallel; a copy of the source
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows) const;
+
+private:
+    struct Data;
+    std::unique_ptr<const Data> data_;
+};
+
+}  // namespace espalier::osd

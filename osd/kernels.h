@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+
+// The inner loops of compiled tables, compiled once for each kind of processor and chosen when the
+// program runs. They see plain arrays only: nothing that is inline elsewhere may be compiled here
+// with instructions that other processors lack.
+namespace espalier::osd {
+
+/// Vector instructions that the kernels are made for.
+enum class Simd {
+    Baseline,  ///< those that every processor of the target has: SSE2 on x86-64
+    Avx2,      ///< AVX2 and FMA
+    Avx512     ///< AVX-512 F
+};
+
+/// The most that this processor has.
+Simd bestSimd();
+
+/// Whether this processor, and this build, has them.
+bool hasSimd(Simd simd);
+
+}  // namespace espalier::osd
+
+namespace espalier::osd::kernels {
+
+using far::Index;
+using far::Offset;
+
+/// Rows of a panel: as many as a register of AVX-512 holds numbers.
+template <class Real>
+inline constexpr Index kLanes = static_cast<Index>(64 / sizeof(Real));
+
+/// Components of an entry are padded with zeros to a multiple of this.
+inline constexpr Offset kPadding = 4;
+
+/// Where results go: component c of row r to values[r · stride + c], for rows first to last − 1.
+template <class Real>
+struct Destination {
+    Real* values;
+    Offset stride;
+    Offset length;
+    Index first, last;
+    bool isWhole;  ///< whether that is all rows of the table, and need not be looked at
+};
+
+/// Rows that share their columns, kLanes by kLanes; the last panel may have fewer.
+template <class Real>
+struct PanelRun {
+    const Real* weights;  ///< panels × columnCount × kLanes, aligned to 64 bytes
+    const Real* points;   ///< columnCount × pointStride: the source entries of the columns
+    Offset pointStride;   ///< a multiple of kPadding
+    Index columnCount;
+    const Index* rows;  ///< rowCount
+    Index rowCount;
+};
+
+/// Rows that share their columns and are outer products (outer_product.h), kLanes by kLanes; the
+/// last panel may have fewer.
+template <class Real>
+struct ProductRun {
+    const Real* factors;  ///< panels × (size[0] + size[1] + size[2]) × kLanes, aligned to 64 bytes
+    const Real* points;   ///< size[0] · size[1] · size[2] × pointStride, in the product's order
+    Offset pointStride;   ///< a multiple of kPadding
+    Index size[3];
+    const Index* rows;  ///< rowCount
+    Index rowCount;
+};
+
+/// Rows of the same number of entries, each with columns of its own.
+template <class Real>
+struct RowRun {
+    const Real* weights;   ///< rowCount × length
+    const Index* columns;  ///< rowCount × length
+    Index length;
+    const Real* points;  ///< all source entries, aligned to kPadding numbers
+    Offset pointStride;  ///< a multiple of kPadding
+    const Index* rows;   ///< rowCount
+    Index rowCount;
+};
+
+template <class Real>
+struct Kernels {
+    void (*panels)(const PanelRun<Real>& run, const Destination<Real>& to);
+    void (*products)(const ProductRun<Real>& run, const Destination<Real>& to);
+    void (*rows)(const RowRun<Real>& run, const Destination<Real>& to);
+};
+
+/// \param simd one that hasSimd()
+template <class Real>
+const Kernels<Real>& kernelsFor(Simd simd);
+
+}  // namespace espalier::osd::kernels

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bodies of the kernels. Each kernels_*.cpp includes this once, inside its own namespace and
+// with its own processor flags. No #pragma once, and no includes.
+
+/// So many numbers in a register, or in several where the processor's are shorter.
+template <class Real, int count>
+struct Vector {
+    typedef Real Type __attribute__((vector_size(count * sizeof(Real)), may_alias));
+};
+
+/// Two numbers, anywhere.
+template <class Real>
+struct PairOf {
+    typedef Real Type
+        __attribute__((vector_size(2 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
+};
+
+template <class V, class Real>
+const V& at(const Real* address) {
+    return *reinterpret_cast<const V*>(address);
+}
+
+/// Numbers in a register of this processor.
+template <class Real>
+constexpr int kRegister = ESPALIER_REGISTER_BYTES / sizeof(Real);
+
+/// Writes components `from` to `from` + width − 1 of the rows of a panel.
+template <int width, class Real>
+void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, Index count,
+                Offset from, const Destination<Real>& to) {
+    // Two components at a time: a store costs as much as several sums.
+    using Pair = typename PairOf<Real>::Type;
+    const auto store = [&](Index lane, Offset stride) {
+        Real* result = to.values + rows[lane] * stride + from;
+        int c = 0;
+        for (; c + 1 < width; c += 2)
+            *reinterpret_cast<Pair*>(result + c) = Pair{results[c][lane], results[c + 1][lane]};
+        if (c < width) result[c] = results[c][lane];
+    };
+    if (to.isWhole && count == kLanes<Real> && to.stride == 3) {
+        for (Index lane = 0; lane < kLanes<Real>; ++lane) store(lane, 3);
+    } else {
+        for (Index lane = 0; lane < count; ++lane)
+            if (to.isWhole || (rows[lane] >= to.first && rows[lane] < to.last))
+                store(lane, to.stride);
+    }
+}
+
+/// Components `from` to `from` + width − 1 of one panel.
+template <int width, class Real>
+void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* rows, Index count,
+                   Offset from, const Destination<Real>& to) {
+    constexpr int lanes = kLanes<Real>, each = kRegister<Real>, parts = lanes / each;
+    using V = typename Vector<Real, each>::Type;
+    alignas(64) Real results[width][lanes];
+    // As many registers at a time as leave room for two sums a component: one sum would wait for
+    // itself.
+    for (int part = 0; part < parts; ++part) {
+        V even[width] = {}, odd[width] = {};
+        const Real* points = run.points + from;
+        const Real* own = weights + part * each;
+        Index k = 0;
+        for (; k + 1 < run.columnCount; k += 2) {
+            const V& first = at<V>(own);
+            const V& second = at<V>(own + lanes);
+            for (int c = 0; c < width; ++c) even[c] += first * points[c];
+            for (int c = 0; c < width; ++c) odd[c] += second * points[run.pointStride + c];
+            own += 2 * lanes;
+            points += 2 * run.pointStride;
+        }
+        if (k < run.columnCount)
+            for (int c = 0; c < width; ++c) even[c] += at<V>(own) * points[c];
+        for (int c = 0; c < width; ++c)
+            *reinterpret_cast<V*>(results[c] + part * each) = even[c] + odd[c];
+    }
+    storeLanes<width>(results, rows, count, from, to);
+}
+
+/// The same of a panel of outer products: along axis 0, then what that gives along axis 1, then 2.
+/// \tparam fixed the size along axis 0, which the inner loop is unrolled for; any if 0
+template <int width, int fixed, class Real>
+void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Index* rows,
+                     Index count, Offset from, const Destination<Real>& to) {
+    constexpr int lanes = kLanes<Real>, each = kRegister<Real>, parts = lanes / each;
+    using V = typename Vector<Real, each>::Type;
+    const Index n = fixed > 0 ? fixed : run.size[0], m = run.size[1], l = run.size[2];
+    alignas(64) Real results[width][lanes];
+    for (int part = 0; part < parts; ++part) {
+        const Real* a = factors + part * each;
+        const Real* b = a + n * lanes;
+        const Real* c = b + m * lanes;
+        const Real* points = run.points + from;
+        V all[width] = {};
+        for (Index k = 0; k < l; ++k) {
+            V plane[width] = {};
+            for (Index j = 0; j < m; ++j) {
+                V line[width] = {};
+                for (Index i = 0; i < n; ++i) {
+                    const V& factor = at<V>(a + i * lanes);
+                    for (int d = 0; d < width; ++d) line[d] += factor * points[d];
+                    points += run.pointStride;
+                }
+                const V& factor = at<V>(b + j * lanes);
+                for (int d = 0; d < width; ++d) plane[d] += factor * line[d];
+            }
+            const V& factor = at<V>(c + k * lanes);
+            for (int d = 0; d < width; ++d) all[d] += factor * plane[d];
+        }
+        for (int d = 0; d < width; ++d) *reinterpret_cast<V*>(results[d] + part * each) = all[d];
+    }
+    storeLanes<width>(results, rows, count, from, to);
+}
+
+/// Calls step<width>(from) for all components, up to 4 at a time.
+template <class Step>
+void forComponents(Offset length, Step step) {
+    Offset from = 0;
+    for (; from + 4 < length; from += 4) step.template operator()<4>(from);
+    switch (length - from) {
+        case 1:
+            return step.template operator()<1>(from);
+        case 2:
+            return step.template operator()<2>(from);
+        case 3:
+            return step.template operator()<3>(from);
+        default:
+            return step.template operator()<4>(from);
+    }
+}
+
+template <class Real>
+void evaluatePanels(const PanelRun<Real>& run, const Destination<Real>& to) {
+    constexpr Index lanes = kLanes<Real>;
+    const Real* weights = run.weights;
+    for (Index first = 0; first < run.rowCount; first += lanes) {
+        const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
+        forComponents(to.length, [&]<int width>(Offset from) {
+            evaluatePanel<width>(run, weights, run.rows + first, count, from, to);
+        });
+        weights += static_cast<Offset>(run.columnCount) * lanes;
+    }
+}
+
+template <class Real>
+void evaluateProducts(const ProductRun<Real>& run, const Destination<Real>& to) {
+    constexpr Index lanes = kLanes<Real>;
+    const Real* factors = run.factors;
+    for (Index first = 0; first < run.rowCount; first += lanes) {
+        const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
+        forComponents(to.length, [&]<int width>(Offset from) {
+            if (run.size[0] == 4)
+                evaluateProduct<width, 4>(run, factors, run.rows + first, count, from, to);
+            else
+                evaluateProduct<width, 0>(run, factors, run.rows + first, count, from, to);
+        });
+        factors += (run.size[0] + run.size[1] + run.size[2]) * lanes;
+    }
+}
+
+/// Components `from` to `from` + width − 1 of each row.
+template <int width, class Real>
+void evaluateRowsOf(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
+    using V = typename Vector<Real, kPadding>::Type;
+    const Real* points = run.points + from;
+    const Real* weights = run.weights;
+    const Index* columns = run.columns;
+    for (Index i = 0; i < run.rowCount; ++i) {
+        V even = {}, odd = {};
+        Index k = 0;
+        for (; k + 1 < run.length; k += 2) {
+            even += weights[k] * at<V>(points + columns[k] * run.pointStride);
+            odd += weights[k + 1] * at<V>(points + columns[k + 1] * run.pointStride);
+        }
+        if (k < run.length) even += weights[k] * at<V>(points + columns[k] * run.pointStride);
+        weights += run.length;
+        columns += run.length;
+        const Index row = run.rows[i];
+        if (row < to.first || row >= to.last) continue;
+        const V sum = even + odd;
+        Real* result = to.values + row * to.stride + from;
+        for (int c = 0; c < width; ++c) result[c] = sum[c];
+    }
+}
+
+template <class Real>
+void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
+    forComponents(to.length, [&]<int width>(Offset from) { evaluateRowsOf<width>(run, from, to); });
+}
+
+constexpr Kernels<float> kFloat = {evaluatePanels<float>, evaluateProducts<float>,
+                                   evaluateRows<float>};
+constexpr Kernels<double> kDouble = {evaluatePanels<double>, evaluateProducts<double>,
+                                     evaluateRows<double>};

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/parallel.h>
+#include <espalier/osd/row_sets.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <span>
+
+namespace espalier::osd {
+namespace {
+
+using far::Offset;
+
+std::size_t at(Offset index) {
+    return static_cast<std::size_t>(index);
+}
+
+std::uint64_t hashOf(std::span<const Index> columns) {
+    std::uint64_t hash = columns.size();
+    for (const Index column : columns) {
+        hash = (hash ^ static_cast<std::uint64_t>(column)) * 0x9E3779B97F4A7C15U;
+        hash ^= hash >> 29;
+    }
+    return hash;
+}
+
+/// The sets, each its own host.
+template <class Real>
+std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
+    constexpr Offset kGrain = 4096;
+    std::vector<std::uint64_t> hashes(at(table.rowCount()));
+    far::parallelFor(table.rowCount(), kGrain, [&](Offset first, Offset last) {
+        for (Offset row = first; row < last; ++row)
+            hashes[at(row)] = hashOf(table.columns(static_cast<Index>(row)));
+    });
+    std::vector<Index> order(hashes.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    const auto isSame = [&](Index a, Index b) {
+        return hashes[at(a)] == hashes[at(b)] &&
+               std::ranges::equal(table.columns(a), table.columns(b));
+    };
+    std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+        if (hashes[at(a)] != hashes[at(b)]) return hashes[at(a)] < hashes[at(b)];
+        if (isSame(a, b)) return a < b;
+        return std::ranges::lexicographical_compare(table.columns(a), table.columns(b));
+    });
+    std::vector<RowSet> sets;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        if (i == 0 || !isSame(order[i - 1], order[i])) sets.emplace_back();
+        sets.back().rows.push_back(order[i]);
+    }
+    std::sort(sets.begin(), sets.end(),
+              [](const RowSet& a, const RowSet& b) { return a.rows.front() < b.rows.front(); });
+    for (std::size_t set = 0; set < sets.size(); ++set) sets[set].host = set;
+    return sets;
+}
+
+}  // namespace
+
+template <class Real>
+std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
+    std::vector<RowSet> sets = groupRows(table);
+    const auto columnsOf = [&](std::size_t set) { return table.columns(sets[set].rows.front()); };
+    // From the largest on: what is found to hold a set is then in none itself.
+    std::vector<std::size_t> order(sets.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return columnsOf(a).size() > columnsOf(b).size();
+    });
+    std::vector<std::vector<std::size_t>> hostsWith(at(table.columnCount()));
+    for (const std::size_t set : order) {
+        const auto columns = columnsOf(set);
+        if (columns.empty()) continue;
+        // Of the hosts with the column that is in fewest. In a pole of many edges these are many
+        // too, and a guest more or less is not worth the search.
+        constexpr std::size_t kMostTried = 256;
+        const auto& hosts =
+            hostsWith[at(*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {
+                return hostsWith[at(a)].size() < hostsWith[at(b)].size();
+            }))];
+        const auto last =
+            hosts.begin() + static_cast<std::ptrdiff_t>(std::min(hosts.size(), kMostTried));
+        const auto host = std::find_if(hosts.begin(), last, [&](std::size_t candidate) {
+            return std::ranges::includes(columnsOf(candidate), columns);
+        });
+        if (host != last) {
+            sets[set].host = *host;
+            continue;
+        }
+        for (const Index column : columns) hostsWith[at(column)].push_back(set);
+    }
+    return sets;
+}
+
+template std::vector<RowSet> findRowSets(const stencils::StencilTable<float>&);
+template std::vector<RowSet> findRowSets(const stencils::StencilTable<double>&);
+
+}  // namespace espalier::osd

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/outer_product.h>
+#include <espalier/osd/row_sets.h>
+#include <espalier/osd/table_compiler.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+namespace espalier::osd {
+namespace {
+
+using kernels::kLanes;
+
+/// Rows of a run, which one thread evaluates.
+constexpr Index kMostRowsOfRun = 4096;
+
+std::size_t at(Offset index) {
+    return static_cast<std::size_t>(index);
+}
+
+template <class Real>
+class TableCompiler {
+public:
+    explicit TableCompiler(const stencils::StencilTable<Real>& table) : table_(table) {}
+
+    CompiledRows<Real> compile() {
+        const std::vector<RowSet> sets = findRowSets(table_);
+        std::vector<std::vector<std::size_t>> guests(sets.size());
+        for (std::size_t set = 0; set < sets.size(); ++set) guests[sets[set].host].push_back(set);
+        for (std::size_t host = 0; host < sets.size(); ++host)
+            if (!guests[host].empty()) addHost(sets, host, guests[host]);
+        addRuns();
+        return std::move(result_);
+    }
+
+private:
+    /// Adds the rows of a host and its guests, as far as they fill panels.
+    void addHost(const std::vector<RowSet>& sets, std::size_t host,
+                 const std::vector<std::size_t>& guests) {
+        const std::vector<Index>& own = sets[host].rows;
+        shared_ = table_.columns(own.front());
+        std::size_t rowCount = 0;
+        for (const std::size_t set : guests) rowCount += sets[set].rows.size();
+        std::vector<Index> left;
+        if (2 * rowCount < kLanes<Real>) {
+            for (const std::size_t set : guests) append(left, sets[set].rows);
+            return append(alone_, left);
+        }
+        std::vector<std::span<const Real>> weights;
+        for (const Index row : own) weights.push_back(table_.weights(row));
+        const auto product = findOuterProduct<Real>(weights);
+        std::vector<Index> products;
+        std::vector<Real> factors;
+        for (const std::size_t set : guests) {
+            std::vector<Index> others;
+            for (const Index row : sets[set].rows)
+                (product && addFactors(*product, row, factors) ? products : others).push_back(row);
+            // Panels of the guest's own columns as far as they are full.
+            const std::size_t full = others.size() / kLanes<Real> * kLanes<Real>;
+            addPanels(std::span(others).first(full), table_.columns(sets[set].rows.front()));
+            left.insert(left.end(), others.begin() + static_cast<std::ptrdiff_t>(full),
+                        others.end());
+        }
+        if (product) addProducts(*product, products, factors);
+        // What is left together, with the host's columns. A panel that is less than half full costs
+        // more than its rows alone.
+        const std::size_t rest = left.size() % kLanes<Real>;
+        const std::size_t paneled = 2 * rest >= kLanes<Real> ? left.size() : left.size() - rest;
+        addPanels(std::span(left).first(paneled), shared_);
+        append(alone_, std::span(left).subspan(paneled));
+    }
+
+    static void append(std::vector<Index>& rows, std::span<const Index> more) {
+        rows.insert(rows.end(), more.begin(), more.end());
+    }
+
+    /// The weights of a row over columns that hold its own, with zeros.
+    std::vector<Real> spread(Index row, std::span<const Index> columns) const {
+        std::vector<Real> weights(columns.size(), 0);
+        const auto own = table_.columns(row);
+        for (std::size_t k = 0, place = 0; k < own.size(); ++k) {
+            while (columns[place] != own[k]) ++place;
+            weights[place] = table_.weights(row)[k];
+        }
+        return weights;
+    }
+
+    /// Appends the factors of a row, if it is such a product.
+    bool addFactors(const OuterProduct& product, Index row, std::vector<Real>& factors) const {
+        std::array<Real, 256> found;
+        const std::size_t length = at(product.size[0] + product.size[1] + product.size[2]);
+        if (length > found.size()) return false;
+        const auto own = std::span(found).first(length);
+        if (!factorsOf<Real>(product, spread(row, shared_), own)) return false;
+        factors.insert(factors.end(), own.begin(), own.end());
+        return true;
+    }
+
+    void addPanels(std::span<const Index> rows, std::span<const Index> columns) {
+        if (rows.empty()) return;
+        Real* numbers = beginGroup(rows, columns.size(), columns.size(), {});
+        result_.groupColumns.insert(result_.groupColumns.end(), columns.begin(), columns.end());
+        for (std::size_t i = 0; i < rows.size(); ++i) setLane(spread(rows[i], columns), i, numbers);
+    }
+
+    void addProducts(const OuterProduct& product, std::span<const Index> rows,
+                     std::span<const Real> factors) {
+        if (rows.empty()) return;
+        const std::size_t length = at(product.size[0] + product.size[1] + product.size[2]);
+        Real* numbers = beginGroup(rows, length, product.order.size(), product.size);
+        for (const Index position : product.order)
+            result_.groupColumns.push_back(shared_[at(position)]);
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            setLane(factors.subspan(i * length, length), i, numbers);
+    }
+
+    /// Begins a group with `length` numbers a row, and returns the place of its panels.
+    Real* beginGroup(std::span<const Index> rows, std::size_t length, std::size_t columnCount,
+                     const std::array<Index, 3>& size) {
+        constexpr std::size_t lanes = kLanes<Real>;
+        result_.groups.push_back(
+            {static_cast<Offset>(result_.groupColumns.size()), static_cast<Index>(columnCount),
+             static_cast<Offset>(result_.groupNumbers.size()),
+             static_cast<Offset>(result_.groupRows.size()), static_cast<Index>(rows.size()), size});
+        append(result_.groupRows, rows);
+        const std::size_t start = result_.groupNumbers.size();
+        result_.groupNumbers.resize(start + (rows.size() + lanes - 1) / lanes * lanes * length);
+        return result_.groupNumbers.data() + start;
+    }
+
+    /// Writes the numbers of the i-th row of a group.
+    static void setLane(std::span<const Real> row, std::size_t i, Real* numbers) {
+        constexpr std::size_t lanes = kLanes<Real>;
+        Real* own = numbers + i / lanes * row.size() * lanes + i % lanes;
+        for (std::size_t k = 0; k < row.size(); ++k) own[k * lanes] = row[k];
+    }
+
+    /// The rows that are in no group, those of one length together.
+    void addRuns() {
+        std::sort(alone_.begin(), alone_.end(), [&](Index a, Index b) {
+            const auto left = table_.columns(a).size(), right = table_.columns(b).size();
+            return left != right ? left < right : a < b;
+        });
+        auto& runs = result_.runs;
+        for (const Index row : alone_) {
+            const auto columns = table_.columns(row);
+            const auto weights = table_.weights(row);
+            const auto length = static_cast<Index>(columns.size());
+            if (runs.empty() || runs.back().length != length ||
+                runs.back().rowCount == kMostRowsOfRun)
+                runs.push_back({length, static_cast<Offset>(result_.columns.size()),
+                                static_cast<Offset>(result_.rows.size()), 0});
+            ++runs.back().rowCount;
+            result_.rows.push_back(row);
+            result_.columns.insert(result_.columns.end(), columns.begin(), columns.end());
+            result_.weights.insert(result_.weights.end(), weights.begin(), weights.end());
+        }
+    }
+
+    const stencils::StencilTable<Real>& table_;
+    CompiledRows<Real> result_;
+    std::span<const Index> shared_;  ///< columns of the host at hand
+    std::vector<Index> alone_;
+};
+
+}  // namespace
+
+template <class Real>
+CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table) {
+    return TableCompiler<Real>(table).compile();
+}
+
+template CompiledRows<float> compileRows(const stencils::StencilTable<float>&);
+template CompiledRows<double> compileRows(const stencils::StencilTable<double>&);
+
+}  // namespace espalier::osd

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/complex_builder.h>
+#include <espalier/far/error.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/osd/outer_product.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/embedding.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "support/mesh_shapes.h"
+#include "support/zoo.h"
+
+namespace espalier::osd {
+namespace {
+
+using far::TopologyRefiner;
+using stencils::Rules;
+using stencils::StencilTable;
+
+/// D of random points in a lattice at level 3.
+template <class Real>
+StencilTable<Real> boundTable(const Lattice& lattice, std::size_t count, const Point3& low,
+                              const Point3& high) {
+    TopologyRefiner refiner(lattice.complex);
+    refiner.refineUniform(3);
+    const auto rest = stencils::refinePositions(refiner, 3, Rules::Siggraph96, lattice.positions);
+    const auto values = test::randomValues(3 * count, 5);
+    std::vector<Point3> points(count);
+    for (std::size_t i = 0; i < 3 * count; ++i)
+        points[i / 3][i % 3] =
+            (low[i % 3] + high[i % 3]) / 2 + (high[i % 3] - low[i % 3]) / 2 * values[i];
+    const auto embedding = stencils::embedPoints(refiner.level(3).complex, rest, points);
+    return stencils::buildDeformationTable<Real>(refiner, 3, Rules::Siggraph96, embedding);
+}
+
+template <class Real>
+double bytesOfCsr(const StencilTable<Real>& table) {
+    return static_cast<double>(table.entryCount()) * (sizeof(Real) + sizeof(Index));
+}
+
+/// The project's promise: within 4 ulp of the sum of |w · x|.
+template <class Real>
+void expectWithinFourUlp(const StencilTable<Real>& table) {
+    const CompiledTable<Real> compiled(table);
+    const auto random = test::randomValues(3 * static_cast<std::size_t>(table.columnCount()), 6);
+    const std::vector<Real> source(random.begin(), random.end());
+    std::vector<Real> result(3 * static_cast<std::size_t>(table.rowCount()));
+    const auto layout = BufferDescriptor::packed(3);
+    compiled.evaluate(source, layout, result, layout, {0, table.rowCount()});
+    for (Index row = 0; row < table.rowCount(); ++row)
+        for (std::size_t c = 0; c < 3; ++c) {
+            long double sum = 0, size = 0;
+            for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
+                const long double product =
+                    static_cast<long double>(table.weights(row)[k]) *
+                    source[3 * static_cast<std::size_t>(table.columns(row)[k]) + c];
+                sum += product;
+                size += std::abs(product);
+            }
+            ASSERT_LE(std::abs(result[3 * static_cast<std::size_t>(row) + c] - sum),
+                      4 * std::numeric_limits<Real>::epsilon() * size)
+                << row;
+        }
+}
+
+template <class Real>
+class CompiledTableTest : public ::testing::Test {};
+using Reals = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(CompiledTableTest, Reals);
+
+// Between the planes of the base vertices, points at level 3 depend on 4 × 4 × 4 of these.
+TYPED_TEST(CompiledTableTest, RegularCellsAreOuterProducts) {
+    const Lattice box = shapes::box({.cells = {3, 3, 3}});
+    const auto table = boundTable<TypeParam>(box, 4000, {0.38, 0.38, 0.38}, {0.62, 0.62, 0.62});
+    const CompiledTable<TypeParam> compiled(table);
+    EXPECT_EQ(table.entryCount(), 64 * Offset{table.rowCount()});
+    EXPECT_GE(compiled.panelRowCount(), table.rowCount() - 8);
+    // Weights in double are themselves off by more than three roundings now and then.
+    const bool isFloat = sizeof(TypeParam) == sizeof(float);
+    EXPECT_GT(compiled.productRowCount(), table.rowCount() * (isFloat ? 99 : 90) / 100);
+    // In float 12 numbers of 64 and a row number each, and the columns once a cell.
+    EXPECT_LT(static_cast<double>(compiled.byteCount()),
+              (isFloat ? 0.13 : 0.25) * bytesOfCsr(table));
+    expectWithinFourUlp(table);
+}
+
+TYPED_TEST(CompiledTableTest, IrregularCellsArePanels) {
+    const Lattice lattice = shapes::cylinder({.sectors = 5});
+    const auto table = boundTable<TypeParam>(lattice, 3000, {-0.4, -0.4, 0.1}, {0.4, 0.4, 0.9});
+    const CompiledTable<TypeParam> compiled(table);
+    EXPECT_GT(compiled.panelRowCount(), table.rowCount() * 9 / 10);
+    EXPECT_LT(compiled.productRowCount(), compiled.panelRowCount());
+    expectWithinFourUlp(table);
+}
+
+TYPED_TEST(CompiledTableTest, Surfaces) {
+    const Lattice torus = test::surfaceOf(shapes::torus());
+    TopologyRefiner refiner(torus.complex);
+    refiner.refineUniform(4);
+    const auto table = stencils::buildStencils<TypeParam>(refiner, 4);
+    const CompiledTable<TypeParam> compiled(table);
+    EXPECT_LT(static_cast<double>(compiled.byteCount()), 0.55 * bytesOfCsr(table));
+    expectWithinFourUlp(table);
+    for (const auto& [name, lattice] : test::zoo()) {
+        SCOPED_TRACE(name);
+        TopologyRefiner zoo(lattice.complex, {.marks = lattice.marks});
+        zoo.refineUniform(2);
+        expectWithinFourUlp(stencils::buildStencils<TypeParam>(zoo, 2));
+    }
+}
+
+TYPED_TEST(CompiledTableTest, EmptyTables) {
+    const CompiledTable<TypeParam> none{StencilTable<TypeParam>()};
+    EXPECT_EQ(none.rowCount(), 0);
+    const auto layout = BufferDescriptor::packed(3);
+    none.evaluate({}, layout, {}, layout, {0, 0});
+    // Rows without entries give 0, also so many that they are panels.
+    const CompiledTable<TypeParam> zeros{
+        StencilTable<TypeParam>(2, std::vector<Offset>(41), {}, {})};
+    std::vector<TypeParam> result(40, 9);
+    zeros.evaluate(std::vector<TypeParam>(2, 1), {0, 1, 1}, result, {0, 1, 1}, {0, 40});
+    EXPECT_EQ(result, std::vector<TypeParam>(40, 0));
+}
+
+/// Outer products with columns in a random order, rows × columns, and the places of the columns.
+struct Products {
+    std::vector<std::vector<double>> rows;
+    std::vector<std::size_t> places;
+};
+
+Products randomProducts(const std::array<std::size_t, 3>& sides, std::size_t rowCount) {
+    std::mt19937 random(8);
+    std::uniform_real_distribution<double> weight(0.05, 1);
+    Products products;
+    products.places.resize(sides[0] * sides[1] * sides[2]);
+    std::iota(products.places.begin(), products.places.end(), std::size_t{0});
+    std::shuffle(products.places.begin(), products.places.end(), random);
+    for (std::size_t row = 0; row < rowCount; ++row) {
+        std::array<std::vector<double>, 3> factors;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t k = 0; k < sides[axis]; ++k) factors[axis].push_back(weight(random));
+        products.rows.emplace_back();
+        for (const std::size_t p : products.places)
+            products.rows.back().push_back(factors[0][p % sides[0]] *
+                                           factors[1][p / sides[0] % sides[1]] *
+                                           factors[2][p / sides[0] / sides[1]]);
+    }
+    return products;
+}
+
+std::optional<OuterProduct> find(const std::vector<std::vector<double>>& rows) {
+    std::vector<std::span<const double>> spans(rows.begin(), rows.end());
+    return findOuterProduct<double>(spans);
+}
+
+TEST(OuterProduct, IsFoundInAnyOrderOfTheColumns) {
+    for (const auto& sides : std::vector<std::array<std::size_t, 3>>{
+             {4, 4, 4}, {4, 4, 3}, {3, 3, 3}, {2, 2, 2}, {5, 2, 1}, {4, 4, 1}}) {
+        const Products products = randomProducts(sides, 10);
+        const auto found = find(products.rows);
+        ASSERT_TRUE(found) << sides[0] << sides[1] << sides[2];
+        EXPECT_TRUE(std::equal(sides.begin(), sides.end(), found->size.begin()));
+        std::vector<double> factors(sides[0] + sides[1] + sides[2]);
+        for (const auto& row : products.rows) EXPECT_TRUE(factorsOf<double>(*found, row, factors));
+    }
+}
+
+TEST(OuterProduct, IsNotFoundWhereThereIsNone) {
+    Products products = randomProducts({4, 4, 4}, 10);
+    EXPECT_FALSE(find({}));
+    EXPECT_FALSE(find(randomProducts({7, 1, 1}, 10).rows));  // an axis alone
+    const auto found = find(products.rows);
+    ASSERT_TRUE(found);
+    // A row that is none, though the others are.
+    std::vector<double> factors(12);
+    auto wrong = products.rows[3];
+    wrong[17] *= 1 + 1e-14;
+    EXPECT_FALSE(factorsOf<double>(*found, wrong, factors));
+    for (auto& row : products.rows) row[17] *= 1.001;
+    EXPECT_FALSE(find(products.rows));
+    products = randomProducts({4, 4, 4}, 10);
+    // A row with a zero says nothing; the others do.
+    products.rows[0][5] = 0;
+    const auto others = find(products.rows);
+    ASSERT_TRUE(others);
+    EXPECT_FALSE(factorsOf<double>(*others, products.rows[0], factors));
+    for (auto& row : products.rows) row[5] = 0;
+    EXPECT_FALSE(find(products.rows));
+    for (auto& row : products.rows) row[5] = -1;
+    EXPECT_FALSE(find(products.rows));
+}
+
+TEST(Simd, TheBestIsThereAndTheBaselineAlways) {
+    EXPECT_TRUE(hasSimd(bestSimd()));
+    EXPECT_TRUE(hasSimd(Simd::Baseline));
+    for (const Simd simd : {Simd::Avx2, Simd::Avx512})
+        if (!hasSimd(simd)) {
+            EXPECT_THROW(CompiledTable<float>(StencilTable<float>(), simd), Error);
+        }
+}
+
+}  // namespace
+}  // namespace espalier::osd
