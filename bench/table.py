@@ -48,7 +48,7 @@ def rows(best):
             poses = int(components) // 3
             yield (f"{what}, {poses} poses, a pose", "one pose", milliseconds(one),
                    f"{ours['real_time'] / poses:.1f} ms",
-                   f"{ours['real_time'] / poses / one['real_time']:.2f}", f"{share:.2f}",
+                   f"{ours['real_time'] / poses / one['real_time']:.2f} of it", f"{share:.2f}",
                    f"{ours['bytes of CSR']:.2f}")
             continue
         for peer in PEERS:
@@ -63,7 +63,7 @@ PAGE = """# Performance
 
 Applying a table to values: what happens for every pose. `scripts/bench` measures it, each figure
 against a peer in the same run, on the same arrays, with the results compared; it prints this page.
-The quickest of five repetitions counts, one thread unless said.
+The quickest of five repetitions counts. One thread unless said; the peers always have one.
 
 - *surface*: S_3 of a torus of quadrilaterals, 13 entries a row.
 - *regular model*: a million points bound to a box by B-splines, 64 entries a row. A subdivided
