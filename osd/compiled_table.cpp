@@ -139,7 +139,8 @@ void CompiledTable<Real>::evaluate(Values<Real> source, const BufferDescriptor& 
                                            rows.last,
                                            rows.first == 0 && rows.last == rowCount()};
     const auto groupCount = static_cast<Offset>(data_->rows.groups.size());
-    constexpr Offset kGroups = 8;
+    // Of up to 1024 rows: as many for a thread as a run has.
+    constexpr Offset kGroups = 4;
     far::parallelFor(groupCount, kGroups, [&](Offset first, Offset last) {
         data_->evaluateGroups(first, last, points, stride, to);
     });

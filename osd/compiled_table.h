@@ -44,7 +44,8 @@ public:
 
     /// As checkEvaluation() says. Sums are made in another order than that of the columns, with
     /// fused products where the processor has them, and weights of outer products are up to 3 ulp
-    /// off. Results do not depend on the number of threads, nor on the range, bit for bit.
+    /// off. A source value that is not finite may reach rows beside its own, whose weight for it is
+    /// 0. Results do not depend on the number of threads, nor on the range, bit for bit.
     ///
     /// \cost O(entries × components), in parallel; a copy of the source
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,

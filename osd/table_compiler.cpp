@@ -12,8 +12,10 @@ namespace {
 
 using kernels::kLanes;
 
-/// Rows of a run, which one thread evaluates.
+/// Rows of a run, or of a group, which one thread evaluates: a lattice of few cells has few sets,
+/// of very many rows.
 constexpr Index kMostRowsOfRun = 4096;
+constexpr std::size_t kMostRowsOfGroup = 1024;
 
 std::size_t at(Offset index) {
     return static_cast<std::size_t>(index);
@@ -71,8 +73,8 @@ private:
         append(alone_, std::span(left).subspan(paneled));
     }
 
-    static void append(std::vector<Index>& rows, std::span<const Index> more) {
-        rows.insert(rows.end(), more.begin(), more.end());
+    static void append(std::vector<Index>& all, std::span<const Index> more) {
+        all.insert(all.end(), more.begin(), more.end());
     }
 
     /// The weights of a row over columns that hold its own, with zeros.
@@ -98,21 +100,26 @@ private:
     }
 
     void addPanels(std::span<const Index> rows, std::span<const Index> columns) {
-        if (rows.empty()) return;
-        Real* numbers = beginGroup(rows, columns.size(), columns.size(), {});
-        result_.groupColumns.insert(result_.groupColumns.end(), columns.begin(), columns.end());
-        for (std::size_t i = 0; i < rows.size(); ++i) setLane(spread(rows[i], columns), i, numbers);
+        for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMostRowsOfGroup))) {
+            const auto part = rows.first(std::min(rows.size(), kMostRowsOfGroup));
+            Real* numbers = beginGroup(part, columns.size(), columns.size(), {});
+            append(result_.groupColumns, columns);
+            for (std::size_t i = 0; i < part.size(); ++i)
+                setLane(spread(part[i], columns), i, numbers);
+        }
     }
 
     void addProducts(const OuterProduct& product, std::span<const Index> rows,
                      std::span<const Real> factors) {
-        if (rows.empty()) return;
         const std::size_t length = at(product.size[0] + product.size[1] + product.size[2]);
-        Real* numbers = beginGroup(rows, length, product.order.size(), product.size);
-        for (const Index position : product.order)
-            result_.groupColumns.push_back(shared_[at(position)]);
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            setLane(factors.subspan(i * length, length), i, numbers);
+        for (std::size_t first = 0; first < rows.size(); first += kMostRowsOfGroup) {
+            const auto part = rows.subspan(first, std::min(rows.size() - first, kMostRowsOfGroup));
+            Real* numbers = beginGroup(part, length, product.order.size(), product.size);
+            for (const Index position : product.order)
+                result_.groupColumns.push_back(shared_[at(position)]);
+            for (std::size_t i = 0; i < part.size(); ++i)
+                setLane(factors.subspan((first + i) * length, length), i, numbers);
+        }
     }
 
     /// Begins a group with `length` numbers a row, and returns the place of its panels.

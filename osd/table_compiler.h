@@ -56,7 +56,7 @@ struct CompiledRows {
         Index length;
         Offset firstEntry;  ///< in columns and weights
         Offset firstRow;    ///< in rows
-        Index rowCount;     ///< kMostRowsOfRun at most
+        Index rowCount;
     };
     std::vector<Run> runs;
     std::vector<Index> columns;

@@ -114,6 +114,15 @@ TYPED_TEST(CompiledTableTest, Surfaces) {
     }
 }
 
+// Many rows with the same columns, as a lattice of one cell has: more than one thread gets some.
+TYPED_TEST(CompiledTableTest, OneCell) {
+    const auto table =
+        boundTable<TypeParam>(shapes::box({}), 5000, {0.01, 0.01, 0.01}, {0.99, 0.99, 0.99});
+    const CompiledTable<TypeParam> compiled(table);
+    EXPECT_EQ(compiled.panelRowCount(), table.rowCount());
+    expectWithinFourUlp(table);
+}
+
 TYPED_TEST(CompiledTableTest, EmptyTables) {
     const CompiledTable<TypeParam> none{StencilTable<TypeParam>()};
     EXPECT_EQ(none.rowCount(), 0);
