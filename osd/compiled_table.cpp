@@ -46,6 +46,7 @@ struct CompiledTable<Real>::Data {
         AlignedVector<Real> own;
         for (Offset g = first; g < last; ++g) {
             const auto& group = rows.groups[at(g)];
+            if (group.highest < to.first || group.lowest >= to.last) continue;
             own.resize(at(group.columnCount * stride));
             for (Index k = 0; k < group.columnCount; ++k)
                 std::copy_n(points.data() + rows.groupColumns[at(group.firstColumn + k)] * stride,
@@ -119,9 +120,9 @@ template <class Real>
 std::size_t CompiledTable<Real>::byteCount() const {
     const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
     const CompiledRows<Real>& rows = data_->rows;
-    return bytes(rows.groups) + bytes(rows.groupColumns) + bytes(rows.groupNumbers) +
-           bytes(rows.groupRows) + bytes(rows.runs) + bytes(rows.columns) + bytes(rows.weights) +
-           bytes(rows.rows);
+    return bytes(rows.groups) + bytes(rows.taskStarts) + bytes(rows.groupColumns) +
+           bytes(rows.groupNumbers) + bytes(rows.groupRows) + bytes(rows.runs) +
+           bytes(rows.columns) + bytes(rows.weights) + bytes(rows.rows);
 }
 
 template <class Real>
@@ -138,11 +139,9 @@ void CompiledTable<Real>::evaluate(Values<Real> source, const BufferDescriptor& 
                                            rows.first,
                                            rows.last,
                                            rows.first == 0 && rows.last == rowCount()};
-    const auto groupCount = static_cast<Offset>(data_->rows.groups.size());
-    // Of up to 1024 rows: as many for a thread as a run has.
-    constexpr Offset kGroups = 4;
-    far::parallelFor(groupCount, kGroups, [&](Offset first, Offset last) {
-        data_->evaluateGroups(first, last, points, stride, to);
+    const auto& starts = data_->rows.taskStarts;
+    far::parallelFor(static_cast<Offset>(starts.size()) - 1, 1, [&](Offset first, Offset last) {
+        data_->evaluateGroups(starts[at(first)], starts[at(last)], points, stride, to);
     });
     far::parallelFor(
         static_cast<Offset>(data_->rows.runs.size()), 1,

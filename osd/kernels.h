@@ -2,27 +2,11 @@
 #pragma once
 
 #include <espalier/far/index.h>
+#include <espalier/osd/simd.h>
 
 // The inner loops of compiled tables, compiled once for each kind of processor and chosen when the
 // program runs. They see plain arrays only: nothing that is inline elsewhere may be compiled here
 // with instructions that other processors lack.
-namespace espalier::osd {
-
-/// Vector instructions that the kernels are made for.
-enum class Simd {
-    Baseline,  ///< those that every processor of the target has: SSE2 on x86-64
-    Avx2,      ///< AVX2 and FMA
-    Avx512     ///< AVX-512 F
-};
-
-/// The most that this processor has.
-Simd bestSimd();
-
-/// Whether this processor, and this build, has them.
-bool hasSimd(Simd simd);
-
-}  // namespace espalier::osd
-
 namespace espalier::osd::kernels {
 
 using far::Index;
@@ -90,5 +74,9 @@ struct Kernels {
 /// \param simd one that hasSimd()
 template <class Real>
 const Kernels<Real>& kernelsFor(Simd simd);
+template <>
+const Kernels<float>& kernelsFor<float>(Simd simd);
+template <>
+const Kernels<double>& kernelsFor<double>(Simd simd);
 
 }  // namespace espalier::osd::kernels

@@ -24,6 +24,20 @@ const V& at(const Real* address) {
 template <class Real>
 constexpr int kRegister = ESPALIER_REGISTER_BYTES / sizeof(Real);
 
+/// Whether a row is to be evaluated.
+template <class Real>
+bool isWanted(Index row, const Destination<Real>& to) {
+    return to.isWhole || (row >= to.first && row < to.last);
+}
+
+/// Whether any row of a panel is.
+template <class Real>
+bool isAnyWanted(const Index* rows, Index count, const Destination<Real>& to) {
+    for (Index lane = 0; lane < count; ++lane)
+        if (isWanted(rows[lane], to)) return true;
+    return false;
+}
+
 /// Writes components `from` to `from` + width − 1 of the rows of a panel.
 template <int width, class Real>
 void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, Index count,
@@ -41,8 +55,7 @@ void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, I
         for (Index lane = 0; lane < kLanes<Real>; ++lane) store(lane, 3);
     } else {
         for (Index lane = 0; lane < count; ++lane)
-            if (to.isWhole || (rows[lane] >= to.first && rows[lane] < to.last))
-                store(lane, to.stride);
+            if (isWanted(rows[lane], to)) store(lane, to.stride);
     }
 }
 
@@ -134,9 +147,10 @@ void evaluatePanels(const PanelRun<Real>& run, const Destination<Real>& to) {
     const Real* weights = run.weights;
     for (Index first = 0; first < run.rowCount; first += lanes) {
         const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
-        forComponents(to.length, [&]<int width>(Offset from) {
-            evaluatePanel<width>(run, weights, run.rows + first, count, from, to);
-        });
+        if (isAnyWanted(run.rows + first, count, to))
+            forComponents(to.length, [&]<int width>(Offset from) {
+                evaluatePanel<width>(run, weights, run.rows + first, count, from, to);
+            });
         weights += static_cast<Offset>(run.columnCount) * lanes;
     }
 }
@@ -147,12 +161,13 @@ void evaluateProducts(const ProductRun<Real>& run, const Destination<Real>& to) 
     const Real* factors = run.factors;
     for (Index first = 0; first < run.rowCount; first += lanes) {
         const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
-        forComponents(to.length, [&]<int width>(Offset from) {
-            if (run.size[0] == 4)
-                evaluateProduct<width, 4>(run, factors, run.rows + first, count, from, to);
-            else
-                evaluateProduct<width, 0>(run, factors, run.rows + first, count, from, to);
-        });
+        if (isAnyWanted(run.rows + first, count, to))
+            forComponents(to.length, [&]<int width>(Offset from) {
+                if (run.size[0] == 4)
+                    evaluateProduct<width, 4>(run, factors, run.rows + first, count, from, to);
+                else
+                    evaluateProduct<width, 0>(run, factors, run.rows + first, count, from, to);
+            });
         factors += (run.size[0] + run.size[1] + run.size[2]) * lanes;
     }
 }
@@ -162,9 +177,11 @@ template <int width, class Real>
 void evaluateRowsOf(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     using V = typename Vector<Real, kPadding>::Type;
     const Real* points = run.points + from;
-    const Real* weights = run.weights;
-    const Index* columns = run.columns;
     for (Index i = 0; i < run.rowCount; ++i) {
+        const Index row = run.rows[i];
+        if (!isWanted(row, to)) continue;
+        const Real* weights = run.weights + Offset{i} * run.length;
+        const Index* columns = run.columns + Offset{i} * run.length;
         V even = {}, odd = {};
         Index k = 0;
         for (; k + 1 < run.length; k += 2) {
@@ -172,10 +189,6 @@ void evaluateRowsOf(const RowRun<Real>& run, Offset from, const Destination<Real
             odd += weights[k + 1] * at<V>(points + columns[k + 1] * run.pointStride);
         }
         if (k < run.length) even += weights[k] * at<V>(points + columns[k] * run.pointStride);
-        weights += run.length;
-        columns += run.length;
-        const Index row = run.rows[i];
-        if (row < to.first || row >= to.last) continue;
         const V sum = even + odd;
         Real* result = to.values + row * to.stride + from;
         for (int c = 0; c < width; ++c) result[c] = sum[c];

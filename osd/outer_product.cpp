@@ -16,12 +16,15 @@ std::size_t at(Index index) {
     return static_cast<std::size_t>(index);
 }
 
-/// The logarithms of the weights of a column in several rows.
-using Logarithms = std::array<double, kSamples>;
+/// The logarithms of the weights of a column in several rows; before them a mean of these, by which
+/// columns are sorted. No two are alike in it by chance, as they may be in one row.
+constexpr std::size_t kCoordinates = kSamples + 1;
+using Logarithms = std::array<double, kCoordinates>;
+constexpr std::array<double, kSamples> kMean = {0.2371, 0.1193, 0.1689, 0.0971, 0.2137, 0.1639};
 
 Logarithms operator+(const Logarithms& a, const Logarithms& b) {
     Logarithms sum;
-    for (std::size_t s = 0; s < kSamples; ++s) sum[s] = a[s] + b[s];
+    for (std::size_t s = 0; s < kCoordinates; ++s) sum[s] = a[s] + b[s];
     return sum;
 }
 
@@ -38,7 +41,7 @@ public:
                   [&](Index a, Index b) { return points_[at(a)][0] < points_[at(b)][0]; });
         const Logarithms least = points_[at(order_[0])];
         for (Logarithms& point : points_)
-            for (std::size_t s = 0; s < kSamples; ++s) point[s] -= least[s];
+            for (std::size_t s = 0; s < kCoordinates; ++s) point[s] -= least[s];
     }
 
     std::size_t count() const { return points_.size(); }
@@ -57,7 +60,7 @@ public:
         for (const Index other : order_) {
             if (other == order_[0]) continue;
             if (points_[at(other)][0] > points_[at(column)][0]) break;
-            for (std::size_t s = 0; s < kSamples; ++s)
+            for (std::size_t s = 0; s < kCoordinates; ++s)
                 rest[s] = points_[at(column)][s] - points_[at(other)][s];
             const auto found = find(rest);
             if (found && *found != order_[0] && other != column) return true;
@@ -65,17 +68,26 @@ public:
         return false;
     }
 
+    /// Whether two columns are the same in all rows, so that nothing tells which is where.
+    bool hasTwins() const {
+        return std::adjacent_find(order_.begin(), order_.end(), [&](Index a, Index b) {
+                   return isNear(points_[at(a)], points_[at(b)]);
+               }) != order_.end();
+    }
+
 private:
+    bool isNear(const Logarithms& a, const Logarithms& b) const {
+        for (std::size_t s = 0; s < kCoordinates; ++s)
+            if (std::abs(a[s] - b[s]) > tolerance_) return false;
+        return true;
+    }
+
     std::optional<Index> find(const Logarithms& point) const {
         auto near = std::lower_bound(
             order_.begin(), order_.end(), point[0] - tolerance_,
             [&](Index column, double value) { return points_[at(column)][0] < value; });
         for (; near != order_.end() && points_[at(*near)][0] <= point[0] + tolerance_; ++near) {
-            const Logarithms& candidate = points_[at(*near)];
-            bool isSame = true;
-            for (std::size_t s = 1; s < kSamples; ++s)
-                isSame = isSame && std::abs(candidate[s] - point[s]) <= tolerance_;
-            if (isSame) return *near;
+            if (isNear(points_[at(*near)], point)) return *near;
         }
         return std::nullopt;
     }
@@ -117,13 +129,19 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
         if (std::all_of(weights.begin(), weights.end(),
                         [](Real weight) { return weight >= kLeast; }))
             samples.push_back(weights);
-    if (samples.empty() || samples[0].size() < 4) return std::nullopt;
-    std::vector<Logarithms> points(samples[0].size());
+    // More columns than splines have: the search would take long, and find nothing.
+    constexpr std::size_t kMostColumns = 512;
+    if (samples.empty() || samples[0].size() < 4 || samples[0].size() > kMostColumns)
+        return std::nullopt;
+    std::vector<Logarithms> points(samples[0].size(), Logarithms{});
     for (std::size_t s = 0; s < kSamples; ++s) {
         // Spread over the rows; where there are few, some come twice.
         const auto& weights = samples[s * (samples.size() - 1) / (kSamples - 1)];
-        for (std::size_t column = 0; column < weights.size(); ++column)
-            points[column][s] = std::log(static_cast<double>(weights[column]));
+        for (std::size_t column = 0; column < weights.size(); ++column) {
+            const double logarithm = std::log(static_cast<double>(weights[column]));
+            points[column][1 + s] = logarithm;
+            points[column][0] += kMean[s] * logarithm;
+        }
     }
     // Sums and differences of four logarithms, each off by the rounding of its weight and its own.
     double largest = 0;
@@ -132,6 +150,7 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
     const double tolerance = 4.0 * std::numeric_limits<Real>::epsilon() +
                              4 * largest * std::numeric_limits<double>::epsilon();
     const SumSet set(std::move(points), tolerance);
+    if (set.hasTwins()) return std::nullopt;
     auto axes = findAxes(set);
     if (!axes || axes->size() < 2) return std::nullopt;
     axes->resize(3);
@@ -164,7 +183,7 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
     // smaller part, if it is not rounded on the way.
     using Sums = std::vector<long double>;
     std::array<Sums, 3> sums = {Sums(at(n)), Sums(at(m)), Sums(at(l))};
-    long double total = 0;
+    long double total = 0, largest = 0;
     const Index* next = product.order.data();
     for (Index k = 0; k < l; ++k)
         for (Index j = 0; j < m; ++j)
@@ -174,13 +193,15 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
                 sums[1][at(j)] += weight;
                 sums[2][at(k)] += weight;
                 total += weight;
+                largest = std::max<long double>(largest, std::abs(weight));
             }
+    // Weights that are tiny beside others have fewer digits, or are rounded to 0.
+    constexpr long double kTiny = std::numeric_limits<Real>::min();
+    if (largest * std::numeric_limits<Real>::epsilon() < kTiny) return false;
     std::size_t place = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (const long double sum : sums[axis])
             factors[place++] = static_cast<Real>(axis == 0 ? sum : sum / total);
-    // Weights that are tiny have fewer digits, or are rounded to 0.
-    constexpr long double kTiny = std::numeric_limits<Real>::min();
     constexpr long double kBound = 3.0L * std::numeric_limits<Real>::epsilon();
     next = product.order.data();
     for (Index k = 0; k < l; ++k)

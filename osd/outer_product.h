@@ -27,16 +27,17 @@ struct OuterProduct {
 /// are sums α_i + β_j + γ_k.
 ///
 /// \param rows the weights of rows with the same columns
-/// \return nothing if no box is found, or one along a single axis, which saves nothing. The rows
-///         looked at are a few: whether one is an outer product, factorsOf() says.
+/// \return nothing if no box is found, or one along a single axis, which saves nothing, or if there
+///         are over 512 columns. The rows looked at are a few: whether one is an outer product,
+///         factorsOf() says.
 /// \cost O(columns² log columns)
 template <class Real>
 std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Real>> rows);
 
 /// The factors of a row: size[0] + size[1] + size[2] numbers, a then b then c.
 ///
-/// \return false if a weight is off its product by more than three roundings, and by more than the
-///         least normal number
+/// \return false if a weight is off its product by more than three times the precision of Real, and
+///         by more than the least normal number; or if that is not far below the largest weight
 template <class Real>
 bool factorsOf(const OuterProduct& product, std::span<const Real> weights, std::span<Real> factors);
 

@@ -25,6 +25,15 @@ std::uint64_t hashOf(std::span<const Index> columns) {
     return hash;
 }
 
+/// Bits of the columns: a set can only be in one that has all of its bits.
+std::uint64_t maskOf(std::span<const Index> columns) {
+    std::uint64_t mask = 0;
+    for (const Index column : columns)
+        mask |=
+            std::uint64_t{1} << ((static_cast<std::uint64_t>(column) * 0x9E3779B97F4A7C15U) >> 58);
+    return mask;
+}
+
 /// The sets, each its own host.
 template <class Real>
 std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
@@ -36,19 +45,22 @@ std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
     });
     std::vector<Index> order(hashes.size());
     std::iota(order.begin(), order.end(), Index{0});
-    const auto isSame = [&](Index a, Index b) {
-        return hashes[at(a)] == hashes[at(b)] &&
-               std::ranges::equal(table.columns(a), table.columns(b));
-    };
     std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-        if (hashes[at(a)] != hashes[at(b)]) return hashes[at(a)] < hashes[at(b)];
-        if (isSame(a, b)) return a < b;
-        return std::ranges::lexicographical_compare(table.columns(a), table.columns(b));
+        return hashes[at(a)] != hashes[at(b)] ? hashes[at(a)] < hashes[at(b)] : a < b;
     });
     std::vector<RowSet> sets;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        if (i == 0 || !isSame(order[i - 1], order[i])) sets.emplace_back();
-        sets.back().rows.push_back(order[i]);
+    for (auto first = order.begin(); first != order.end();) {
+        const auto last = std::find_if(
+            first, order.end(), [&](Index row) { return hashes[at(row)] != hashes[at(*first)]; });
+        // All of one hash; once in a long while, of two sets.
+        while (first != last) {
+            const auto columns = table.columns(*first);
+            const auto others = std::stable_partition(first, last, [&](Index row) {
+                return std::ranges::equal(table.columns(row), columns);
+            });
+            sets.push_back({{first, others}});
+            first = others;
+        }
     }
     std::sort(sets.begin(), sets.end(),
               [](const RowSet& a, const RowSet& b) { return a.rows.front() < b.rows.front(); });
@@ -68,13 +80,15 @@ std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         return columnsOf(a).size() > columnsOf(b).size();
     });
+    std::vector<std::uint64_t> masks;
+    for (std::size_t set = 0; set < sets.size(); ++set) masks.push_back(maskOf(columnsOf(set)));
     std::vector<std::vector<std::size_t>> hostsWith(at(table.columnCount()));
     for (const std::size_t set : order) {
         const auto columns = columnsOf(set);
         if (columns.empty()) continue;
         // Of the hosts with the column that is in fewest. In a pole of many edges these are many
         // too, and a guest more or less is not worth the search.
-        constexpr std::size_t kMostTried = 256;
+        constexpr std::size_t kMostTried = 256, kMostTimes = 3;
         const auto& hosts =
             hostsWith[at(*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {
                 return hostsWith[at(a)].size() < hostsWith[at(b)].size();
@@ -82,7 +96,9 @@ std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
         const auto last =
             hosts.begin() + static_cast<std::ptrdiff_t>(std::min(hosts.size(), kMostTried));
         const auto host = std::find_if(hosts.begin(), last, [&](std::size_t candidate) {
-            return std::ranges::includes(columnsOf(candidate), columns);
+            return (masks[set] & ~masks[candidate]) == 0 &&
+                   columnsOf(candidate).size() <= kMostTimes * columns.size() &&
+                   std::ranges::includes(columnsOf(candidate), columns);
         });
         if (host != last) {
             sets[set].host = *host;

@@ -16,12 +16,12 @@ struct RowSet {
 };
 
 /// The rows of a table by their columns. Sets come in the order of their first rows. No host has
-/// another host than itself.
+/// another host than itself, nor more than three times the columns of a guest.
 ///
 /// Near the planes between the cells of the base, rows have fewer columns than in the middle of a
 /// cell, and those of the middle among them: they are guests of these.
 ///
-/// \cost O(entries + rows log rows), in parallel as far as it is reading
+/// \cost O(entries + rows log rows + columns); at most 256 hosts are tried for a set
 template <class Real>
 std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table);
 

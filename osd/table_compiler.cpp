@@ -12,8 +12,8 @@ namespace {
 
 using kernels::kLanes;
 
-/// Rows of a run, or of a group, which one thread evaluates: a lattice of few cells has few sets,
-/// of very many rows.
+/// Rows of a run, and about those of a task, which one thread evaluates; and of a group, since a
+/// lattice of few cells has few sets, of very many rows.
 constexpr Index kMostRowsOfRun = 4096;
 constexpr std::size_t kMostRowsOfGroup = 1024;
 
@@ -33,6 +33,15 @@ public:
         for (std::size_t host = 0; host < sets.size(); ++host)
             if (!guests[host].empty()) addHost(sets, host, guests[host]);
         addRuns();
+        addTasks();
+        result_.groups.shrink_to_fit();
+        result_.groupColumns.shrink_to_fit();
+        result_.groupNumbers.shrink_to_fit();
+        result_.groupRows.shrink_to_fit();
+        result_.runs.shrink_to_fit();
+        result_.columns.shrink_to_fit();
+        result_.weights.shrink_to_fit();
+        result_.rows.shrink_to_fit();
         return std::move(result_);
     }
 
@@ -61,16 +70,31 @@ private:
             // Panels of the guest's own columns as far as they are full.
             const std::size_t full = others.size() / kLanes<Real> * kLanes<Real>;
             addPanels(std::span(others).first(full), table_.columns(sets[set].rows.front()));
-            left.insert(left.end(), others.begin() + static_cast<std::ptrdiff_t>(full),
-                        others.end());
+            // With zeros for the columns that a row lacks it may take more room than alone.
+            const std::size_t ownCount = table_.columns(sets[set].rows.front()).size();
+            const bool fits =
+                shared_.size() * sizeof(Real) <= ownCount * (sizeof(Real) + sizeof(Index));
+            append(fits ? left : alone_, std::span(others).subspan(full));
         }
         if (product) addProducts(*product, products, factors);
-        // What is left together, with the host's columns. A panel that is less than half full costs
-        // more than its rows alone.
-        const std::size_t rest = left.size() % kLanes<Real>;
-        const std::size_t paneled = 2 * rest >= kLanes<Real> ? left.size() : left.size() - rest;
+        // What is left together, with the host's columns: all of it, or full panels, or none.
+        const std::size_t full = left.size() / kLanes<Real> * kLanes<Real>;
+        const std::size_t paneled = isSmaller(left)                          ? left.size()
+                                    : isSmaller(std::span(left).first(full)) ? full
+                                                                             : 0;
         addPanels(std::span(left).first(paneled), shared_);
         append(alone_, std::span(left).subspan(paneled));
+    }
+
+    /// Whether rows take no more room in panels of the host's columns than alone.
+    bool isSmaller(std::span<const Index> rows) const {
+        constexpr std::size_t lanes = kLanes<Real>;
+        std::size_t entries = 0;
+        for (const Index row : rows) entries += table_.columns(row).size();
+        const std::size_t padded = (rows.size() + lanes - 1) / lanes * lanes * shared_.size();
+        return padded * sizeof(Real) + shared_.size() * sizeof(Index) +
+                   sizeof(typename CompiledRows<Real>::Group) <=
+               entries * (sizeof(Real) + sizeof(Index));
     }
 
     static void append(std::vector<Index>& all, std::span<const Index> more) {
@@ -129,7 +153,9 @@ private:
         result_.groups.push_back(
             {static_cast<Offset>(result_.groupColumns.size()), static_cast<Index>(columnCount),
              static_cast<Offset>(result_.groupNumbers.size()),
-             static_cast<Offset>(result_.groupRows.size()), static_cast<Index>(rows.size()), size});
+             static_cast<Offset>(result_.groupRows.size()), static_cast<Index>(rows.size()),
+             *std::min_element(rows.begin(), rows.end()),
+             *std::max_element(rows.begin(), rows.end()), size});
         append(result_.groupRows, rows);
         const std::size_t start = result_.groupNumbers.size();
         result_.groupNumbers.resize(start + (rows.size() + lanes - 1) / lanes * lanes * length);
@@ -141,6 +167,17 @@ private:
         constexpr std::size_t lanes = kLanes<Real>;
         Real* own = numbers + i / lanes * row.size() * lanes + i % lanes;
         for (std::size_t k = 0; k < row.size(); ++k) own[k * lanes] = row[k];
+    }
+
+    /// Shares out the groups.
+    void addTasks() {
+        Index rowCount = 0;
+        for (std::size_t group = 0; group < result_.groups.size(); ++group) {
+            rowCount += result_.groups[group].rowCount;
+            if (rowCount < kMostRowsOfRun && group + 1 < result_.groups.size()) continue;
+            result_.taskStarts.push_back(static_cast<Offset>(group) + 1);
+            rowCount = 0;
+        }
     }
 
     /// The rows that are in no group, those of one length together.

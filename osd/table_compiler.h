@@ -44,9 +44,12 @@ struct CompiledRows {
         Offset firstNumber;  ///< in numbers
         Offset firstRow;     ///< in rows
         Index rowCount;
+        Index lowest, highest;      ///< row
         std::array<Index, 3> size;  ///< of a product; zeros if these are panels of weights
     };
     std::vector<Group> groups;
+    /// For one thread after the other: task t is groups taskStarts[t] to taskStarts[t + 1] − 1.
+    std::vector<Offset> taskStarts = {0};
     std::vector<Index> groupColumns;
     AlignedVector<Real> groupNumbers;  ///< weights, or factors of products
     std::vector<Index> groupRows;

@@ -43,9 +43,9 @@ double bytesOfCsr(const StencilTable<Real>& table) {
     return static_cast<double>(table.entryCount()) * (sizeof(Real) + sizeof(Index));
 }
 
-/// The project's promise: within 4 ulp of the sum of |w · x|.
+/// Results are off the sums by no more than `ulp` of the sum of |w · x|.
 template <class Real>
-void expectWithinFourUlp(const StencilTable<Real>& table) {
+void expectWithinUlp(const StencilTable<Real>& table, Real ulp) {
     const CompiledTable<Real> compiled(table);
     const auto random = test::randomValues(3 * static_cast<std::size_t>(table.columnCount()), 6);
     const std::vector<Real> source(random.begin(), random.end());
@@ -63,9 +63,15 @@ void expectWithinFourUlp(const StencilTable<Real>& table) {
                 size += std::abs(product);
             }
             ASSERT_LE(std::abs(result[3 * static_cast<std::size_t>(row) + c] - sum),
-                      4 * std::numeric_limits<Real>::epsilon() * size)
+                      ulp * std::numeric_limits<Real>::epsilon() * size)
                 << row;
         }
+}
+
+/// The project's promise for rows of up to 64 entries.
+template <class Real>
+void expectWithinFourUlp(const StencilTable<Real>& table) {
+    expectWithinUlp(table, Real{4});
 }
 
 template <class Real>
@@ -121,6 +127,46 @@ TYPED_TEST(CompiledTableTest, OneCell) {
     const CompiledTable<TypeParam> compiled(table);
     EXPECT_EQ(compiled.panelRowCount(), table.rowCount());
     expectWithinFourUlp(table);
+}
+
+// Rows at a pole have columns for all of its edges, and rows beside it few of these: they are not
+// filled up with zeros.
+TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
+    const Lattice pole = test::pole(500, false);
+    TopologyRefiner refiner(pole.complex);
+    refiner.refineUniform(1);
+    const auto table = stencils::buildStencils<TypeParam>(refiner, 1);
+    EXPECT_LT(static_cast<double>(CompiledTable<TypeParam>(table).byteCount()),
+              1.2 * bytesOfCsr(table));
+
+    // One row of all columns, and many of two.
+    std::vector<Offset> offsets = {0, 1000};
+    std::vector<Index> columns(1000);
+    std::iota(columns.begin(), columns.end(), Index{0});
+    for (Index i = 0; i + 1 < 1000; ++i) {
+        columns.insert(columns.end(), {i, i + 1});
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    const StencilTable<TypeParam> arrow(1000, offsets, columns,
+                                        std::vector<TypeParam>(columns.size(), TypeParam(0.5)));
+    // Rows of two entries have a row number each, and runs of their own.
+    EXPECT_LT(static_cast<double>(CompiledTable<TypeParam>(arrow).byteCount()),
+              1.3 * bytesOfCsr(arrow));
+}
+
+// The bound of long rows: 4 ulp and one for each 32 entries.
+TYPED_TEST(CompiledTableTest, LongRows) {
+    constexpr Index kLength = 2000;
+    std::vector<Offset> offsets = {0};
+    std::vector<Index> columns;
+    for (Index row = 0; row < 40; ++row) {
+        for (Index k = 0; k < kLength; ++k) columns.push_back(k + (row < 20 ? 0 : row));
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    const auto weights = test::randomValues(columns.size(), 9);
+    const StencilTable<TypeParam> table(kLength + 40, offsets, columns,
+                                        {weights.begin(), weights.end()});
+    expectWithinUlp(table, TypeParam{4 + kLength / 32});
 }
 
 TYPED_TEST(CompiledTableTest, EmptyTables) {
@@ -202,6 +248,21 @@ TEST(OuterProduct, IsNotFoundWhereThereIsNone) {
     EXPECT_FALSE(find(products.rows));
     for (auto& row : products.rows) row[5] = -1;
     EXPECT_FALSE(find(products.rows));
+    // Columns that are the same in all rows may be in any order.
+    products = randomProducts({4, 4, 4}, 10);
+    for (auto& row : products.rows) row[7] = row[6];
+    EXPECT_FALSE(find(products.rows));
+    EXPECT_FALSE(find(std::vector<std::vector<double>>(3, std::vector<double>(400, 0.0025))));
+}
+
+// Of weights that are all but 0 the products have no digits: they are not taken for them.
+TEST(OuterProduct, TinyRowsAreNone) {
+    const OuterProduct product{{2, 2, 1}, {0, 1, 2, 3}};
+    std::vector<float> factors(5);
+    const std::vector<float> tiny = {1e-38F, 3e-39F, 2e-39F, 1.1e-38F};
+    EXPECT_FALSE(factorsOf<float>(product, tiny, factors));
+    const std::vector<float> one = {0.5F, 0.5F, 1e-39F, 1e-39F};
+    EXPECT_TRUE(factorsOf<float>(product, one, factors));
 }
 
 TEST(Simd, TheBestIsThereAndTheBaselineAlways) {
