@@ -105,7 +105,7 @@ private:
         paths.lineNumbers.push_back(line);
     }
 
-    /// Calls add(vertices) for each path. What it throws of a topology gets path and line.
+    /// Calls add(vertices, line) for each path. What it throws of a topology gets path and line.
     template <class Add>
     void forEachPath(const Paths& paths, Add add) const {
         std::vector<Index> vertices;
