@@ -11,8 +11,8 @@
 //     v x y z                        a vertex; w or a colour after it is not kept
 //     f v v v ...                    a face: v, v/vt, v//vn or v/vt/vn, from 1; −1 is the last
 //                                    vertex so far. vt and vn are not kept
-//     l v v ...                      a line of a curve: vertices as in f; closed if it ends where it
-//                                    begins. Passed over where there is a face
+//     l v v ...                      a line of a curve, vertices as in f; a closed one ends with
+//                                    its first. Passed over where there is a face
 //     t crease 2/1/0 a b s           edges (a, b) of sharpness s; also 2k/1/0 with one sharpness
 //                                    for k edges, and 2k/k/0 with one for each
 //     t corner 1/1/0 v s             vertices; also k/1/0 and k/k/0
@@ -41,10 +41,11 @@ namespace espalier::io {
 /// read. A curve may be in pieces and branch; each of its vertices is on an edge, and no two are
 /// joined twice. A backslash at the end of a line continues the statement on the next.
 ///
-/// \throws FileError with the line, if a `v`, an `f`, an `l` that counts or a known tag is malformed,
-///         or names what is not there, or if lines join two vertices twice; FileError naming a vertex
-///         that is on no line of a curve; TopologyError, with the path in its message, if there is
-///         neither face nor line, and with path and line if a face has fewer than three corners
+/// \throws FileError with the line, if a `v`, an `f`, an `l` that counts or a known tag is
+///         malformed, or names what is not there, or if lines join two vertices twice; FileError
+///         naming a vertex that is on no line of a curve; TopologyError, with the path in its
+///         message, if there is neither face nor line, and with path and line if a face has fewer
+///         than three corners
 Lattice readObjMesh(const std::filesystem::path& path);
 
 /// Writes a mesh so that it reads back the same: vertices and faces with their numbers, positions

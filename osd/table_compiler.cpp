@@ -53,15 +53,14 @@ private:
         shared_ = table_.columns(own.front());
         std::size_t rowCount = 0;
         for (const std::size_t set : guests) rowCount += sets[set].rows.size();
-        std::vector<Index> left;
         if (2 * rowCount < kLanes<Real>) {
-            for (const std::size_t set : guests) append(left, sets[set].rows);
-            return append(alone_, left);
+            for (const std::size_t set : guests) append(alone_, sets[set].rows);
+            return;
         }
         std::vector<std::span<const Real>> weights;
         for (const Index row : own) weights.push_back(table_.weights(row));
         const auto product = findOuterProduct<Real>(weights);
-        std::vector<Index> products;
+        std::vector<Index> products, left;
         std::vector<Real> factors;
         for (const std::size_t set : guests) {
             std::vector<Index> others;

@@ -39,10 +39,10 @@ template <class Real>
 struct CompiledRows {
     /// Rows that share their columns: PanelRun, or ProductRun.
     struct Group {
-        Offset firstColumn;  ///< in columns
+        Offset firstColumn;  ///< in groupColumns
         Index columnCount;
-        Offset firstNumber;  ///< in numbers
-        Offset firstRow;     ///< in rows
+        Offset firstNumber;  ///< in groupNumbers
+        Offset firstRow;     ///< in groupRows
         Index rowCount;
         Index lowest, highest;      ///< row
         std::array<Index, 3> size;  ///< of a product; zeros if these are panels of weights
