@@ -101,9 +101,9 @@ StencilTable<double> Comparison::openSubdivTable(int level) const {
     const std::vector<Index>& ours = vertices(level);
     const StencilTable<double> theirs = fromOpenSubdiv(*data_->table, data_->firstRow(level),
                                                        data_->theirLevel(level).GetNumVertices());
-    std::vector<Offset> offsets = {0};
-    std::vector<Index> columns;
-    std::vector<double> weights;
+    far::Array<Offset> offsets = {0};
+    far::Array<Index> columns;
+    far::Array<double> weights;
     for (const Index vertex : ours) {
         const Index row = data_->theirVertex(level, vertex);
         // Their base vertices are ours of the surface in order, so that columns still ascend.

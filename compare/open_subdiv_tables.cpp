@@ -62,9 +62,9 @@ stencils::StencilTable<Real> fromOpenSubdiv(const OpenSubdiv::Far::StencilTableR
                                             Index first, Index count) {
     const std::vector<int>& sizes = table.GetSizes();
     Offset at = firstEntry(table, first, count);
-    std::vector<Offset> offsets = {0};
-    std::vector<Index> columns;
-    std::vector<Real> weights;
+    far::Array<Offset> offsets = {0};
+    far::Array<Index> columns;
+    far::Array<Real> weights;
     std::vector<std::pair<Index, Real>> row;
     for (Index i = first; i < first + count; ++i) {
         row.clear();

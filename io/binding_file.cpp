@@ -67,8 +67,8 @@ public:
         return loadNumber<Number>(bytes(sizeof(Number)).data(), std::endian::little);
     }
     template <class Number>
-    std::vector<Number> numbers(std::int64_t count) {
-        std::vector<Number> result(static_cast<std::size_t>(count));
+    far::Array<Number> numbers(std::int64_t count) {
+        far::Array<Number> result(static_cast<std::size_t>(count));
         for (Number& value : result) value = number<Number>();
         return result;
     }
@@ -157,7 +157,8 @@ BoundModel readBoundModel(const std::filesystem::path& path) {
         for (double& coordinate : point) coordinate = in.number<double>();
     }
     auto columns = in.numbers<stencils::Index>(sizes.entries);
-    model.binding.kept = in.numbers<stencils::Index>(sizes.kept);
+    const auto keptPoints = in.numbers<stencils::Index>(sizes.kept);
+    model.binding.kept.assign(keptPoints.begin(), keptPoints.end());
     model.modelName = in.bytes(static_cast<std::size_t>(sizes.nameBytes));
     model.modelBytes = in.bytes(static_cast<std::size_t>(sizes.modelBytes));
     // What follows no file of ours gets wrong, but one that was made to.

@@ -187,9 +187,9 @@ private:
     }
 
     StencilTable<double> makeTable() const {
-        std::vector<Offset> offsets(static_cast<std::size_t>(rowCount_) + 1, 0);
-        std::vector<Index> columns;
-        std::vector<double> weights;
+        far::Array<Offset> offsets(static_cast<std::size_t>(rowCount_) + 1, 0);
+        far::Array<Index> columns;
+        far::Array<double> weights;
         columns.reserve(entries_.size());
         weights.reserve(entries_.size());
         for (const Entry& entry : entries_) {

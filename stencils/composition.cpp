@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/parallel.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -15,10 +14,10 @@ namespace {
 /// Rows of the identity.
 template <class Real>
 StencilTable<Real> selectionTable(Index columnCount, std::span<const Index> columns) {
-    std::vector<Offset> offsets(columns.size() + 1);
+    Array<Offset> offsets(columns.size() + 1);
     std::iota(offsets.begin(), offsets.end(), Offset{0});
     return StencilTable<Real>(columnCount, std::move(offsets), {columns.begin(), columns.end()},
-                              std::vector<Real>(columns.size(), Real{1}));
+                              Array<Real>(columns.size(), Real{1}));
 }
 
 /// A table times values of `components` a source entry, source by source.
@@ -41,33 +40,6 @@ std::vector<double> product(const StencilTable<double>& table, std::span<const d
 
 }  // namespace
 
-template <class Real>
-StencilTable<Real> multiply(const StencilTable<double>& left, const StencilTable<double>& right) {
-    if (left.columnCount() != right.rowCount())
-        throw Error("cannot multiply a table of " + std::to_string(left.columnCount()) +
-                    " columns by one of " + std::to_string(right.rowCount()) + " rows");
-    return buildTable<Real>(
-        left.rowCount(), right.columnCount(), [&](Index row, RowAccumulator& accumulator) {
-            const auto middles = left.columns(row);
-            const auto factors = left.weights(row);
-            const auto add = [&](std::size_t k) {
-                const auto columns = right.columns(middles[k]);
-                const auto weights = right.weights(middles[k]);
-                for (std::size_t i = 0; i < columns.size(); ++i)
-                    accumulator.add(columns[i], factors[k] * weights[i]);
-            };
-            // The largest factor last: near a vertex of many edges, very many small products add up
-            // best among themselves (with 360 edges, 1e-16 off after two levels instead of 2e-14).
-            const auto largest = static_cast<std::size_t>(
-                std::max_element(factors.begin(), factors.end(),
-                                 [](double a, double b) { return std::abs(a) < std::abs(b); }) -
-                factors.begin());
-            for (std::size_t k = 0; k < middles.size(); ++k)
-                if (k != largest) add(k);
-            if (!middles.empty()) add(largest);
-        });
-}
-
 CompactTable compactColumns(const StencilTable<double>& table) {
     std::vector<Index> place(static_cast<std::size_t>(table.columnCount()), 0);
     for (const Index column : table.columns()) place[static_cast<std::size_t>(column)] = 1;
@@ -78,7 +50,7 @@ CompactTable compactColumns(const StencilTable<double>& table) {
         at = static_cast<Index>(compact.columns.size());
         compact.columns.push_back(column);
     }
-    std::vector<Index> columns;
+    Array<Index> columns;
     columns.reserve(table.columns().size());
     for (const Index column : table.columns())
         columns.push_back(place[static_cast<std::size_t>(column)]);
@@ -96,17 +68,27 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
     checkRules(refiner, rules);
     if (level == 0) return selectionTable<Real>(refiner.level(0).complex.count(0), vertices);
     // Down the levels: what each row needs of the level before. Then up: their products.
-    std::vector<CompactTable> chain;
+    struct Link {
+        CompactTable table;
+        RowOrder order;
+    };
+    const std::vector<BaseEntities> origins = baseEntities(refiner, level);
+    std::vector<Link> chain;
     std::span<const Index> demanded = vertices;
     for (int k = level; k > 0; --k) {
-        chain.push_back(compactColumns(buildLevelTable(refiner, k, rules, demanded)));
-        demanded = chain.back().columns;
+        std::vector<Index> groups;
+        for (const Index vertex : demanded)
+            groups.push_back(
+                origins[static_cast<std::size_t>(k)].of(0)[static_cast<std::size_t>(vertex)]);
+        CompactTable table = compactColumns(buildLevelTable(refiner, k, rules, demanded));
+        chain.push_back({std::move(table), RowOrder(groups, origins.front().count())});
+        demanded = chain.back().table.columns;
     }
     StencilTable<double> product =
         selectionTable<double>(refiner.level(0).complex.count(0), demanded);
     for (; chain.size() > 1; chain.pop_back())
-        product = multiply<double>(chain.back().table, product);
-    return multiply<Real>(chain.front().table, product);
+        product = multiply<double>(chain.back().table.table, product, chain.back().order);
+    return multiply<Real>(chain.front().table.table, product, chain.front().order);
 }
 
 template <class Real>
@@ -145,8 +127,6 @@ std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int lev
     return refined;
 }
 
-template StencilTable<float> multiply(const StencilTable<double>&, const StencilTable<double>&);
-template StencilTable<double> multiply(const StencilTable<double>&, const StencilTable<double>&);
 template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rules,
                                            std::span<const Index>);
 template StencilTable<double> buildStencils(const far::TopologyRefiner&, int, Rules,

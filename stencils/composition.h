@@ -4,6 +4,7 @@
 #include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
+#include <espalier/stencils/row_order.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
@@ -54,9 +55,13 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
 
 /// The product of two tables: row i is Σ_k left(i, k) · right(k, ·). Sums are made in double.
 ///
+/// \param order which rows of `left` lead to the same columns. The result does not depend on it,
+///        only the time
 /// \throws Error if left.columnCount() is not right.rowCount()
+/// \cost O(products of entries), in parallel; twice the memory of the result
 template <class Real>
-StencilTable<Real> multiply(const StencilTable<double>& left, const StencilTable<double>& right);
+StencilTable<Real> multiply(const StencilTable<double>& left, const StencilTable<double>& right,
+                            const RowOrder& order = {});
 
 /// The columns that a table names, ascending, and the table over just those: column c of `table`
 /// stands for column `columns[c]` of the original.

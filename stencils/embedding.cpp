@@ -26,8 +26,15 @@ StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, in
                                          Rules rules, const Embedding& embedding) {
     const CompactTable weights =
         compactColumns(buildEmbeddingTable(refiner.level(level).complex, embedding));
-    return multiply<Real>(weights.table,
-                          buildStencils<double>(refiner, level, rules, weights.columns));
+    const auto stencils = buildStencils<double>(refiner, level, rules, weights.columns);
+    // The points in a base cell lead to the vertices around it.
+    const BaseEntities origins = baseEntities(refiner, level).back();
+    std::vector<Index> groups;
+    groups.reserve(embedding.points.size());
+    for (const LocatedPoint& point : embedding.points)
+        groups.push_back(
+            point.place ? origins.of(3)[static_cast<std::size_t>(point.place->cell.value)] : 0);
+    return multiply<Real>(weights.table, stencils, RowOrder(groups, origins.count()));
 }
 
 template StencilTable<float> buildDeformationTable(const far::TopologyRefiner&, int, Rules,

@@ -54,13 +54,13 @@ StencilTable<typename Derived::Scalar> fromEigen(const Eigen::SparseMatrixBase<D
     rows.makeCompressed();
     const auto entries = static_cast<std::size_t>(rows.nonZeros());
     const auto rowCount = static_cast<std::size_t>(rows.rows());
-    std::vector<Offset> offsets(rows.outerIndexPtr(), rows.outerIndexPtr() + rowCount + 1);
-    std::vector<Index> columns(entries);
+    Array<Offset> offsets(rows.outerIndexPtr(), rows.outerIndexPtr() + rowCount + 1);
+    Array<Index> columns(entries);
     for (std::size_t i = 0; i < entries; ++i)
         columns[i] = static_cast<Index>(rows.innerIndexPtr()[i]);
     return StencilTable<Real>(static_cast<Index>(rows.cols()), std::move(offsets),
                               std::move(columns),
-                              std::vector<Real>(rows.valuePtr(), rows.valuePtr() + entries));
+                              Array<Real>(rows.valuePtr(), rows.valuePtr() + entries));
 }
 
 }  // namespace espalier::stencils

@@ -2,18 +2,25 @@
 #include <espalier/far/error.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 namespace espalier::stencils {
 
 template <class Real>
-StencilTable<Real>::StencilTable(Index columnCount, std::vector<Offset> offsets,
-                                 std::vector<Index> columns, std::vector<Real> weights)
+StencilTable<Real>::StencilTable(Trusted, Index columnCount, Array<Offset> offsets,
+                                 Array<Index> columns, Array<Real> weights)
     : columnCount_(columnCount),
       offsets_(std::move(offsets)),
       columns_(std::move(columns)),
-      weights_(std::move(weights)) {
+      weights_(std::move(weights)) {}
+
+template <class Real>
+StencilTable<Real>::StencilTable(Index columnCount, Array<Offset> offsets, Array<Index> columns,
+                                 Array<Real> weights)
+    : StencilTable(Trusted{}, columnCount, std::move(offsets), std::move(columns),
+                   std::move(weights)) {
     const auto entries = static_cast<Offset>(columns_.size());
     if (columnCount_ < 0 || offsets_.empty() || offsets_.front() != 0 ||
         offsets_.back() != entries || weights_.size() != columns_.size() ||
@@ -38,10 +45,11 @@ StencilTable<Real>::StencilTable(Index columnCount, std::vector<Offset> offsets,
 
 template <class To, class From>
 StencilTable<To> convertTable(const StencilTable<From>& table) {
-    std::vector<To> weights;
-    weights.reserve(table.weights().size());
-    for (const From weight : table.weights()) weights.push_back(static_cast<To>(weight));
-    return StencilTable<To>(table.columnCount(), {table.offsets().begin(), table.offsets().end()},
+    Array<To> weights(table.weights().size());
+    std::transform(table.weights().begin(), table.weights().end(), weights.begin(),
+                   [](From weight) { return static_cast<To>(weight); });
+    return StencilTable<To>(Trusted{}, table.columnCount(),
+                            {table.offsets().begin(), table.offsets().end()},
                             {table.columns().begin(), table.columns().end()}, std::move(weights));
 }
 

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/array.h>
 #include <espalier/far/index.h>
 
 #include <span>
-#include <vector>
 
 namespace espalier::stencils {
 
+using far::Array;
 using far::Index;
 using far::Offset;
+
+/// Says that arrays are what they should be, and need no check.
+struct Trusted {};
 
 /// A sparse matrix of weights in compressed sparse rows, as OpenSubdiv's stencil tables: row i
 /// gives result i as Σ_k weights(i)[k] · source[columns(i)[k]].
@@ -26,8 +30,12 @@ public:
     /// \param offsets one more than rows; row i has entries offsets[i] to offsets[i + 1]
     /// \param columns, weights one an entry
     /// \throws Error if the arrays are not such a matrix, naming the first bad row
-    StencilTable(Index columnCount, std::vector<Offset> offsets, std::vector<Index> columns,
-                 std::vector<Real> weights);
+    StencilTable(Index columnCount, Array<Offset> offsets, Array<Index> columns,
+                 Array<Real> weights);
+
+    /// The same without the checks.
+    StencilTable(Trusted, Index columnCount, Array<Offset> offsets, Array<Index> columns,
+                 Array<Real> weights);
 
     Index rowCount() const { return static_cast<Index>(offsets_.size() - 1); }
     Index columnCount() const { return columnCount_; }
@@ -45,16 +53,16 @@ public:
 
 private:
     template <class T>
-    std::span<const T> slice(const std::vector<T>& values, Index row) const {
+    std::span<const T> slice(const Array<T>& values, Index row) const {
         const Offset first = offsets_[static_cast<std::size_t>(row)];
         const Offset last = offsets_[static_cast<std::size_t>(row) + 1];
         return {values.data() + first, static_cast<std::size_t>(last - first)};
     }
 
     Index columnCount_ = 0;
-    std::vector<Offset> offsets_ = {0};
-    std::vector<Index> columns_;
-    std::vector<Real> weights_;
+    Array<Offset> offsets_ = {0};
+    Array<Index> columns_;
+    Array<Real> weights_;
 };
 
 extern template class StencilTable<float>;

@@ -7,10 +7,71 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
 namespace espalier::stencils {
+
+/// Rows under construction, one after the other.
+template <class Real>
+struct RowList {
+    std::vector<Index> columns;
+    std::vector<Real> weights;
+    std::vector<Offset> ends;  ///< one a row
+
+    void endRow() { ends.push_back(static_cast<Offset>(columns.size())); }
+};
+
+/// Builds a table in parallel: fill(first, last, rows) appends the rows order[first] to
+/// order[last − 1], or first to last − 1 where `order` is empty.
+///
+/// The result does not depend on the number of threads. It takes twice its memory meanwhile.
+///
+/// \param order a permutation of the rows, or empty
+template <class Real, class Fill>
+StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
+                                      std::span<const Index> order, Fill fill) {
+    constexpr Offset kGrain = 4096;
+    const auto rowAt = [&](Offset position) {
+        return order.empty() ? static_cast<std::size_t>(position)
+                             : static_cast<std::size_t>(order[static_cast<std::size_t>(position)]);
+    };
+    std::vector<RowList<Real>> chunks(
+        static_cast<std::size_t>((Offset{rowCount} + kGrain - 1) / kGrain));
+    // First each row's length, then their running sum.
+    Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
+    offsets[0] = 0;
+    far::parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
+        RowList<Real>& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
+        fill(first, last, chunk);
+        Offset begin = 0;
+        for (Offset position = first; position < last; ++position) {
+            const Offset end = chunk.ends[static_cast<std::size_t>(position - first)];
+            offsets[rowAt(position) + 1] = end - std::exchange(begin, end);
+        }
+    });
+    for (std::size_t row = 1; row < offsets.size(); ++row) offsets[row] += offsets[row - 1];
+
+    Array<Index> columns(static_cast<std::size_t>(offsets.back()));
+    Array<Real> weights(columns.size());
+    far::parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
+        RowList<Real>& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
+        Offset begin = 0;
+        for (Offset position = first; position < last; ++position) {
+            const Offset end = chunk.ends[static_cast<std::size_t>(position - first)];
+            const Offset to = offsets[rowAt(position)];
+            std::copy(chunk.columns.begin() + begin, chunk.columns.begin() + end,
+                      columns.begin() + to);
+            std::copy(chunk.weights.begin() + begin, chunk.weights.begin() + end,
+                      weights.begin() + to);
+            begin = end;
+        }
+        chunk = {};
+    });
+    return StencilTable<Real>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
+                              std::move(weights));
+}
 
 /// A row under construction: weights are added to columns in any order, and come out ascending.
 /// Sums are made in double, in the order of the calls.
@@ -29,21 +90,21 @@ public:
         sums_[at] += weight;
     }
 
-    /// Appends the row to the two arrays and starts a new one. Sums that cancelled to exactly 0 are
-    /// left out.
+    /// Ends the row, and starts a new one. Sums that cancelled to exactly 0 are left out.
     template <class Real>
-    void flush(std::vector<Index>& columns, std::vector<Real>& weights) {
+    void flush(RowList<Real>& rows) {
         std::sort(touched_.begin(), touched_.end());
         for (const Index column : touched_) {
             const auto at = static_cast<std::size_t>(column);
             if (sums_[at] != 0) {
-                columns.push_back(column);
-                weights.push_back(static_cast<Real>(sums_[at]));
+                rows.columns.push_back(column);
+                rows.weights.push_back(static_cast<Real>(sums_[at]));
             }
             sums_[at] = 0;
             isTouched_[at] = 0;
         }
         touched_.clear();
+        rows.endRow();
     }
 
 private:
@@ -52,70 +113,44 @@ private:
     std::vector<Index> touched_;
 };
 
-/// Accumulators that have done their chunk, for the next one: as many as there are threads at work.
-class AccumulatorPool {
+/// What a thread works with, for the next chunk when it has done one: as many as there are threads
+/// at work.
+template <class T>
+class Pool {
 public:
-    explicit AccumulatorPool(Index columnCount) : columnCount_(columnCount) {}
-
-    std::unique_ptr<RowAccumulator> take() {
+    template <class Make>
+    std::unique_ptr<T> take(Make make) {
         const std::lock_guard lock(mutex_);
-        if (free_.empty()) return std::make_unique<RowAccumulator>(columnCount_);
-        auto accumulator = std::move(free_.back());
+        if (free_.empty()) return make();
+        auto item = std::move(free_.back());
         free_.pop_back();
-        return accumulator;
+        return item;
     }
 
-    void giveBack(std::unique_ptr<RowAccumulator> accumulator) {
+    void giveBack(std::unique_ptr<T> item) {
         const std::lock_guard lock(mutex_);
-        free_.push_back(std::move(accumulator));
+        free_.push_back(std::move(item));
     }
 
 private:
-    Index columnCount_;
     std::mutex mutex_;
-    std::vector<std::unique_ptr<RowAccumulator>> free_;
+    std::vector<std::unique_ptr<T>> free_;
 };
 
 /// Builds a table row by row, in parallel: fill(row, accumulator) adds the weights of `row`.
-/// The result does not depend on the number of threads.
 template <class Real, class Fill>
 StencilTable<Real> buildTable(Index rowCount, Index columnCount, Fill fill) {
-    constexpr Offset kGrain = 4096;
-    struct Chunk {
-        std::vector<Index> columns;
-        std::vector<Real> weights;
-    };
-    std::vector<Chunk> chunks(static_cast<std::size_t>((Offset{rowCount} + kGrain - 1) / kGrain));
-    std::vector<Offset> offsets(static_cast<std::size_t>(rowCount) + 1, 0);
-    AccumulatorPool pool(columnCount);
-    far::parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
-        Chunk& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
-        std::unique_ptr<RowAccumulator> accumulator = pool.take();
-        for (Offset row = first; row < last; ++row) {
-            fill(static_cast<Index>(row), *accumulator);
-            accumulator->flush(chunk.columns, chunk.weights);
-            offsets[static_cast<std::size_t>(row) + 1] = static_cast<Offset>(chunk.columns.size());
-        }
-        pool.giveBack(std::move(accumulator));
-    });
-
-    // Offsets count from the start of their chunk so far; shift each chunk behind the one before.
-    Offset shift = 0;
-    for (Offset row = 0; row < rowCount; ++row) {
-        if (row % kGrain == 0) shift = offsets[static_cast<std::size_t>(row)];
-        offsets[static_cast<std::size_t>(row) + 1] += shift;
-    }
-    std::vector<Index> columns(static_cast<std::size_t>(offsets.back()));
-    std::vector<Real> weights(columns.size());
-    far::parallelFor(rowCount, kGrain, [&](Offset first, Offset) {
-        Chunk& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
-        const Offset at = offsets[static_cast<std::size_t>(first)];
-        std::copy(chunk.columns.begin(), chunk.columns.end(), columns.begin() + at);
-        std::copy(chunk.weights.begin(), chunk.weights.end(), weights.begin() + at);
-        chunk = {};
-    });
-    return StencilTable<Real>(columnCount, std::move(offsets), std::move(columns),
-                              std::move(weights));
+    Pool<RowAccumulator> pool;
+    return buildTableByChunks<Real>(
+        rowCount, columnCount, {}, [&](Offset first, Offset last, RowList<Real>& rows) {
+            auto accumulator =
+                pool.take([&] { return std::make_unique<RowAccumulator>(columnCount); });
+            for (Offset row = first; row < last; ++row) {
+                fill(static_cast<Index>(row), *accumulator);
+                accumulator->flush(rows);
+            }
+            pool.giveBack(std::move(accumulator));
+        });
 }
 
 }  // namespace espalier::stencils

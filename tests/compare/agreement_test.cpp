@@ -96,7 +96,7 @@ using stencils::StencilTable;
 /// A table with one weight changed, or the entries of two rows exchanged.
 StencilTable<double> withWeight(const StencilTable<double>& table, std::size_t entry,
                                 double difference) {
-    std::vector<double> weights(table.weights().begin(), table.weights().end());
+    far::Array<double> weights(table.weights().begin(), table.weights().end());
     weights[entry] += difference;
     return StencilTable<double>(table.columnCount(),
                                 {table.offsets().begin(), table.offsets().end()},
@@ -104,9 +104,9 @@ StencilTable<double> withWeight(const StencilTable<double>& table, std::size_t e
 }
 
 StencilTable<double> withRowsSwapped(const StencilTable<double>& table, Index a, Index b) {
-    std::vector<far::Offset> offsets = {0};
-    std::vector<Index> columns;
-    std::vector<double> weights;
+    far::Array<far::Offset> offsets = {0};
+    far::Array<Index> columns;
+    far::Array<double> weights;
     for (Index i = 0; i < table.rowCount(); ++i) {
         const Index row = i == a ? b : i == b ? a : i;
         columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());

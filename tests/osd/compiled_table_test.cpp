@@ -140,15 +140,15 @@ TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
               1.2 * bytesOfCsr(table));
 
     // One row of all columns, and many of two.
-    std::vector<Offset> offsets = {0, 1000};
-    std::vector<Index> columns(1000);
+    far::Array<Offset> offsets = {0, 1000};
+    far::Array<Index> columns(1000);
     std::iota(columns.begin(), columns.end(), Index{0});
     for (Index i = 0; i + 1 < 1000; ++i) {
         columns.insert(columns.end(), {i, i + 1});
         offsets.push_back(static_cast<Offset>(columns.size()));
     }
     const StencilTable<TypeParam> arrow(1000, offsets, columns,
-                                        std::vector<TypeParam>(columns.size(), TypeParam(0.5)));
+                                        far::Array<TypeParam>(columns.size(), TypeParam(0.5)));
     // Rows of two entries have a row number each, and runs of their own.
     EXPECT_LT(static_cast<double>(CompiledTable<TypeParam>(arrow).byteCount()),
               1.3 * bytesOfCsr(arrow));
@@ -157,8 +157,8 @@ TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
 // The bound of long rows: 4 ulp and one for each 32 entries.
 TYPED_TEST(CompiledTableTest, LongRows) {
     constexpr Index kLength = 2000;
-    std::vector<Offset> offsets = {0};
-    std::vector<Index> columns;
+    far::Array<Offset> offsets = {0};
+    far::Array<Index> columns;
     for (Index row = 0; row < 40; ++row) {
         for (Index k = 0; k < kLength; ++k) columns.push_back(k + (row < 20 ? 0 : row));
         offsets.push_back(static_cast<Offset>(columns.size()));
@@ -176,7 +176,7 @@ TYPED_TEST(CompiledTableTest, EmptyTables) {
     none.evaluate({}, layout, {}, layout, {0, 0});
     // Rows without entries give 0, also so many that they are panels.
     const CompiledTable<TypeParam> zeros{
-        StencilTable<TypeParam>(2, std::vector<Offset>(41), {}, {})};
+        StencilTable<TypeParam>(2, far::Array<Offset>(41, 0), {}, {})};
     std::vector<TypeParam> result(40, 9);
     zeros.evaluate(std::vector<TypeParam>(2, 1), {0, 1, 1}, result, {0, 1, 1}, {0, 40});
     EXPECT_EQ(result, std::vector<TypeParam>(40, 0));

@@ -79,9 +79,9 @@ protected:
     static StencilTable<Real> randomTable(Index rowCount, Index columnCount, unsigned seed) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<Real> weight(-1, 1);
-        std::vector<Offset> offsets = {0};
-        std::vector<Index> columns;
-        std::vector<Real> weights;
+        far::Array<Offset> offsets = {0};
+        far::Array<Index> columns;
+        far::Array<Real> weights;
         for (Index row = 0; row < rowCount; ++row) {
             for (Index column = static_cast<Index>(random() % 5); column < columnCount;
                  column += 1 + static_cast<Index>(random() % 9)) {
@@ -126,9 +126,9 @@ protected:
             }
         }
         std::shuffle(rows.begin(), rows.end(), random);
-        std::vector<Offset> offsets = {0};
-        std::vector<Index> columns;
-        std::vector<Real> weights;
+        far::Array<Offset> offsets = {0};
+        far::Array<Index> columns;
+        far::Array<Real> weights;
         for (const auto& [own, ofRow] : rows) {
             columns.insert(columns.end(), own.begin(), own.end());
             weights.insert(weights.end(), ofRow.begin(), ofRow.end());

@@ -269,22 +269,6 @@ TEST(Stencils, VerticesAndLevelsThatAreNotThereAreRefused) {
     EXPECT_THROW(build(-1, 0), Error);
 }
 
-TEST(Multiply, IsTheProductOfMatrices) {
-    const StencilTable<double> left(3, {0, 2, 2, 3}, {0, 2, 1}, {2, 3, 5});
-    const StencilTable<double> right(2, {0, 1, 2, 4}, {1, 0, 0, 1}, {7, 11, 13, 17});
-    // Row 0: 2·(0, 7) + 3·(13, 17); row 1 empty; row 2: 5·(11, 0).
-    EXPECT_EQ(multiply<double>(left, right),
-              StencilTable<double>(2, {0, 2, 2, 3}, {0, 1, 0}, {39, 65, 55}));
-    EXPECT_THROW(multiply<double>(right, left), Error);
-}
-
-TEST(Multiply, CompactColumnsKeepTheProduct) {
-    const StencilTable<double> table(9, {0, 2, 3}, {3, 8, 3}, {.25, .75, 1});
-    const CompactTable compact = compactColumns(table);
-    EXPECT_THAT(compact.columns, ElementsAre(3, 8));
-    EXPECT_EQ(compact.table, StencilTable<double>(2, {0, 2, 3}, {0, 1, 0}, {.25, .75, 1}));
-}
-
 TEST(RefineValues, RefusesAWrongNumberOfValues) {
     const TopologyRefiner refiner(test::bipyramid(3));
     const std::vector<double> values(14);

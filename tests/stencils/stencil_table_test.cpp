@@ -30,11 +30,10 @@ TYPED_TEST(StencilTableTest, GivesItsRows) {
 }
 
 TYPED_TEST(StencilTableTest, RefusesWhatIsNoTable) {
-    const auto expectRefused = [](const char* why, Index columnCount, std::vector<Offset> offsets,
-                                  std::vector<Index> columns, std::size_t weights) {
+    const auto expectRefused = [](const char* why, Index columnCount, Array<Offset> offsets,
+                                  Array<Index> columns, std::size_t weights) {
         try {
-            StencilTable<TypeParam>(columnCount, offsets, columns,
-                                    std::vector<TypeParam>(weights, 1));
+            StencilTable<TypeParam>(columnCount, offsets, columns, Array<TypeParam>(weights, 1));
             FAIL() << "accepted; expected: " << why;
         } catch (const Error& error) {
             EXPECT_THAT(error.what(), HasSubstr(why));

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/stencils/row_order.h>
+
+#include <numeric>
+
+namespace espalier::stencils {
+
+RowOrder::RowOrder(std::span<const Index> groups, Index groupCount)
+    : rows_(groups.size()), groups_(groups.begin(), groups.end()) {
+    std::vector<Index> next(static_cast<std::size_t>(groupCount) + 1, 0);
+    for (const Index group : groups) ++next[static_cast<std::size_t>(group) + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    for (std::size_t row = 0; row < groups.size(); ++row)
+        rows_[static_cast<std::size_t>(next[static_cast<std::size_t>(groups[row])]++)] =
+            static_cast<Index>(row);
+}
+
+BaseEntities::BaseEntities(const far::CellComplex& base) {
+    for (int d = 0; d <= base.dimension(); ++d) {
+        auto& numbers = numbers_[static_cast<std::size_t>(d)];
+        numbers.resize(static_cast<std::size_t>(base.count(d)));
+        std::iota(numbers.begin(), numbers.end(), count_);
+        count_ += base.count(d);
+    }
+}
+
+void BaseEntities::refine(const far::Refinement& refinement) {
+    std::array<std::vector<Index>, far::kMaxDimension + 1> next;
+    for (int d = 0; d <= refinement.child().dimension(); ++d)
+        next[static_cast<std::size_t>(d)].reserve(
+            static_cast<std::size_t>(refinement.child().count(d)));
+    // In the order of the children.
+    refinement.forEachChild([&](const far::Entity& child, const far::Interval& interval) {
+        next[static_cast<std::size_t>(child.dimension)].push_back(
+            of(interval.upper.dimension)[static_cast<std::size_t>(interval.upper.index)]);
+    });
+    numbers_ = std::move(next);
+}
+
+std::vector<BaseEntities> baseEntities(const far::TopologyRefiner& refiner, int level) {
+    std::vector<BaseEntities> result = {BaseEntities(refiner.level(0).complex)};
+    for (int k = 1; k <= level; ++k) {
+        result.push_back(result.back());
+        result.back().refine(refiner.refinement(k));
+    }
+    return result;
+}
+
+}  // namespace espalier::stencils
