@@ -14,5 +14,6 @@ void addRefineCommand(CLI::App& program);
 void addStencilsCommand(CLI::App& program);
 void addCompareCommand(CLI::App& program);
 void addDeformCommands(CLI::App& program);  ///< deform, bind and apply
+void addBenchCommand(CLI::App& program);
 
 }  // namespace espalier::cli

@@ -26,6 +26,7 @@ int run(int argumentCount, char** arguments) {
     addRefineCommand(program);
     addStencilsCommand(program);
     addDeformCommands(program);
+    addBenchCommand(program);
     addCompareCommand(program);
     try {
         program.parse(argumentCount, arguments);

@@ -42,6 +42,20 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
         throw io::FileError(output, "has another extension than " + extension);
 }
 
+std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& stages) {
+    return stages.run("reading", [&] {
+        stages.addFile(path);
+        return io::readModel(path);
+    });
+}
+
+Lattice readLattice(const std::filesystem::path& path, Stages& stages) {
+    return stages.run("reading", [&] {
+        stages.addFile(path);
+        return io::readLattice(path);
+    });
+}
+
 Lattice readInput(const LatticeOptions& options, FileKind kind, Stages& stages) {
     return stages.run("reading", [&] {
         return kind == FileKind::Refinable ? io::readRefinable(options.lattice)

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
+#include <espalier/io/model.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,10 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
 /// \throws FileError
 void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,
                  const std::string& extension = {});
+
+/// Reads a model, or a lattice, in the stage "reading".
+std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& stages);
+Lattice readLattice(const std::filesystem::path& path, Stages& stages);
 
 /// A lattice and its refinement.
 struct RefinedFile {

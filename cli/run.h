@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,9 +20,13 @@ public:
     Stages(const Stages&) = delete;
     Stages& operator=(const Stages&) = delete;
 
+    /// A stage that came again, for the next file or pose, is here once, with the sums of all.
     struct Finished {
         std::string name;
         double seconds;
+
+        /// Read or made (run_report.h says of what); nothing if one of its runs did not say.
+        std::optional<std::size_t> bytes;
     };
 
     /// Runs one stage.
@@ -34,9 +40,16 @@ public:
         return work();
     }
 
+    /// Says, from within the work of a stage, that it has read or made so many bytes more.
+    void addBytes(std::size_t bytes);
+
+    /// The same of a file that it has read or written. The size of a device or a pipe is not known.
+    void addFile(const std::filesystem::path& path);
+
     /// Shows how much of the current stage is done; from any thread.
     void showProgress(std::size_t done, std::size_t total);
 
+    /// In the order in which they first ended.
     const std::vector<Finished>& finished() const { return finished_; }
 
 private:
@@ -47,11 +60,16 @@ private:
     bool isShown_;
     std::string name_;
     std::chrono::steady_clock::time_point start_;
+    std::optional<std::size_t> bytes_;  ///< of the current stage
     std::vector<Finished> finished_;
 };
 
 /// The most memory that this process has had, in bytes.
 std::size_t peakMemory();
+
+/// How many threads work under far::ThreadLimit(limit): never more than there are cores for this
+/// process, and one in a build without oneTBB.
+int threadCount(int limit);
 
 /// 1536 → "1.5 kB".
 std::string formatBytes(std::size_t bytes);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/shapes/lattice.h>
+#include <espalier/stencils/binding.h>
+
+#include <CLI/CLI.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "options.h"
+#include "run.h"
+
+namespace espalier::cli {
+
+/// What weighs the vertices of the lattice: subdivision, or what there was before it.
+enum class Basis { Subdivision, Bezier, BSpline };
+
+/// What the commands take that bind a model to a lattice.
+struct BindOptions {
+    CommonOptions common;
+    std::string model;
+    std::string rest;
+    Basis basis = Basis::Subdivision;
+    int level = 3;
+    std::vector<const CLI::Option*> ofSubdivision;  ///< those that no other basis has a use for
+};
+
+/// Adds MODEL and --rest to a command.
+void addModelAndRest(CLI::App& command, BindOptions& options);
+
+/// Adds --basis, the options of the only basis that has any, and those of the embedding.
+void addBindingOptions(CLI::App& command, BindOptions& options);
+
+/// Refuses options that the basis has no use for, rather than pass over them.
+/// \throws CLI::ValidationError
+void checkBasis(const BindOptions& options);
+
+/// What binding found.
+struct BindingReport {
+    far::Index inside, outside, notConverged;
+    double largestResidual;
+};
+
+/// A model frozen to a lattice.
+struct BoundPoints {
+    stencils::Binding<double> binding;
+    BindingReport report;
+};
+
+/// Freezes points to a lattice that was read from options.rest. Errors in the lattice name it.
+/// Stages: refining (subdivision only), embedding, building stencils.
+BoundPoints bindPoints(const BindOptions& options, std::span<const Point3> points,
+                       const Lattice& lattice, Stages& stages);
+
+}  // namespace espalier::cli

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run_report.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "byte_counts.h"
+#include "choice.h"
+
+namespace espalier::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Billions of bytes a second; nothing if the bytes are not known.
+std::optional<double> gigabytesPerSecond(const Stages::Finished& stage) {
+    if (!stage.bytes || !(stage.seconds > 0)) return std::nullopt;
+    return static_cast<double>(*stage.bytes) / stage.seconds / 1e9;
+}
+
+template <class Number>
+Json numberOrNull(const std::optional<Number>& number) {
+    return number ? Json(*number) : Json(nullptr);
+}
+
+Json toJson(const Stages& stages) {
+    Json array = Json::array();
+    for (const Stages::Finished& stage : stages.finished())
+        array.push_back({{"name", stage.name},
+                         {"seconds", stage.seconds},
+                         {"bytes", numberOrNull(stage.bytes)},
+                         {"gigabytes_per_second", numberOrNull(gigabytesPerSecond(stage))}});
+    return array;
+}
+
+void printStage(const Stages::Finished& stage) {
+    fmt::print("{:<17} {:>9.3f} s", stage.name, stage.seconds);
+    if (stage.bytes) fmt::print("  {:>9}", formatBytes(*stage.bytes));
+    if (const auto rate = gigabytesPerSecond(stage)) fmt::print("  {:>7.3f} GB/s", *rate);
+    fmt::print("\n");
+}
+
+}  // namespace
+
+void addReportOption(CLI::App& command, ReportFormat& format) {
+    addChoice<ReportFormat>(command, "--report", format,
+                            {{"text", ReportFormat::Text}, {"json", ReportFormat::Json}},
+                            "How to say what was done, on standard output");
+}
+
+Json toJson(const RunReport& report) {
+    const auto& table = report.binding.table;
+    Json json;
+    if (report.points) {
+        json["points"] = {{"inside", report.points->inside},
+                          {"outside", report.points->outside},
+                          {"not_converged", report.points->notConverged}};
+        json["largest_residual"] = report.points->largestResidual;
+    }
+    json["kept"] = report.binding.kept.size();
+    json["matrix"] = {{"rows", table.rowCount()},
+                      {"columns", table.columnCount()},
+                      {"entries", table.entryCount()},
+                      {"bytes", bytesOf(table)}};
+    json["stages"] = toJson(report.stages);
+    json["peak_memory"] = report.peakMemory;
+    return json;
+}
+
+void printText(const RunReport& report) {
+    const auto& table = report.binding.table;
+    const std::size_t kept = report.binding.kept.size();
+    const double bound = table.rowCount() - static_cast<double>(kept);
+    if (report.points)
+        fmt::print("points            {} inside, {} outside, {} not converged\n",
+                   report.points->inside, report.points->outside, report.points->notConverged);
+    if (kept > 0) fmt::print("kept in place     {}\n", kept);
+    if (report.points) fmt::print("largest residual  {:.2g}\n", report.points->largestResidual);
+    fmt::print("matrix            {} × {}, {:.1f} entries a bound row, {}\n", table.rowCount(),
+               table.columnCount(), bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
+               formatBytes(bytesOf(table)));
+    for (const Stages::Finished& stage : report.stages.finished()) printStage(stage);
+    fmt::print("peak memory       {}\n", formatBytes(report.peakMemory));
+}
+
+void print(const RunReport& report, ReportFormat format) {
+    if (format == ReportFormat::Json)
+        fmt::print("{}\n", toJson(report).dump(2));
+    else
+        printText(report);
+}
+
+}  // namespace espalier::cli

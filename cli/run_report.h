@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/binding.h>
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "bind_model.h"
+#include "run.h"
+
+namespace espalier::cli {
+
+/// How a command says what it did.
+enum class ReportFormat {
+    Text,
+    Json  ///< one object
+};
+
+/// Adds --report to a command.
+void addReportOption(CLI::App& command, ReportFormat& format);
+
+/// What the commands have to tell that bind a model or apply a binding. In JSON:
+///
+///     points            {inside, outside, not_converged}; of a run that bound
+///     largest_residual  the same
+///     kept              points with empty rows
+///     matrix            {rows, columns, entries, bytes}
+///     stages            [{name, seconds, bytes, gigabytes_per_second}], in order
+///     peak_memory       bytes that the process has had at most
+///
+/// What the bytes of a stage are; null, as bytes a second, where they are not known:
+///
+///     reading, writing   of the files; not known of devices and pipes
+///     refining           of the relations of the levels that are made (byte_counts.h)
+///     embedding          of the places of the points
+///     building stencils  of the matrix
+///     rounding to float, compiling float, compiling double
+///                        of the table that is made
+///     applying           that must move: the matrix, the vertices of the pose and the deformed
+///                        points, for each pose
+struct RunReport {
+    std::optional<BindingReport> points;  ///< nothing where the binding was read from a file
+    const stencils::Binding<double>& binding;
+    const Stages& stages;
+    std::size_t peakMemory;
+};
+
+nlohmann::ordered_json toJson(const RunReport& report);
+
+void printText(const RunReport& report);
+
+/// Prints it to standard output in the format that was asked for.
+void print(const RunReport& report, ReportFormat format);
+
+}  // namespace espalier::cli

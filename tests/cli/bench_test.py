@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What bench measures, and that its figures fit one another. Not how quick anything is.
+
+    bench_test.py PATH_OF_ESPALIER
+"""
+
+import json
+import os
+import sys
+import unittest
+
+import program
+from program import CliTest, icosphere_points
+
+BINDING = ["reading", "refining", "embedding", "building stencils"]
+COMPILING = ["rounding to float", "compiling float", "compiling double"]
+REAL = {"float": 4, "double": 8}
+
+
+class Bench(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.write_model(icosphere_points(500))
+        self.run_program("shape", "cylinder", "--from", 0.5, 0.5, -0.5, "--to", 0.5, 0.5, 1.5,
+                         "-o", "rest.ovm")
+        self.command = ["bench", "model.obj", "--rest", "rest.ovm", "--seconds", 0.001]
+
+    def report(self, *options):
+        before = self.files()
+        report = json.loads(self.run_program(*self.command, *options, "--report", "json").stdout)
+        self.assertEqual(self.files(), before, "no file is written")
+        return report
+
+    def files(self):
+        return {name: (self.path / name).read_bytes() for name in os.listdir(self.path)}
+
+    def assert_close_ratio(self, number, expected):
+        # Each is a few products and quotients: a rounding of 1.1e-16 each.
+        self.assertAlmostEqual(number / expected, 1, delta=1e-14)
+
+    def check(self, report):
+        """Every row is there, once, and each figure follows from the others."""
+        threads = [triad["threads"] for triad in report["triad"]]
+        rows = {(row["evaluator"], row["precision"], row["poses"], row["threads"]): row
+                for row in report["apply"]}
+        self.assertEqual(len(rows), len(report["apply"]))
+        self.assertEqual(set(rows), {(*case, count) for count in threads for case in [
+            ("csr", "float", 1), ("csr", "double", 1), ("compiled", "float", 1),
+            ("compiled", "double", 1), ("compiled", "float", 12)]})
+        points, entries = report["matrix"]["rows"], report["matrix"]["entries"]
+        stages = {stage["name"]: stage["bytes"] for stage in report["stages"]}
+        triads = {triad["threads"]: triad["gigabytes_per_second"] for triad in report["triad"]}
+        for (evaluator, precision, poses, count), row in rows.items():
+            real = REAL[precision]
+            table = stages["compiling " + precision] if evaluator == "compiled" else (
+                8 * (points + 1) + (4 + real) * entries)
+            self.assertGreater(row["milliseconds"], 0)
+            self.assert_close_ratio(row["million_points_per_second"],
+                                    points / row["milliseconds"] / 1e3)
+            self.assert_close_ratio(row["bytes"], table / poses + 3 * real * points)
+            self.assert_close_ratio(row["gigabytes_per_second"],
+                                    row["bytes"] / row["milliseconds"] / 1e6)
+            self.assert_close_ratio(row["speedup"], rows["csr", precision, 1, 1]["milliseconds"] /
+                                    row["milliseconds"])
+            self.assertGreater(triads[count], 0)
+            self.assert_close_ratio(row["share_of_triad"],
+                                    row["gigabytes_per_second"] / triads[count])
+        return threads
+
+    def test_every_row_is_there(self):
+        report = self.report("-n", 2)
+        self.assertEqual([stage["name"] for stage in report["stages"]], BINDING + COMPILING)
+        self.assertEqual(report["points"], {"inside": 500, "outside": 0, "not_converged": 0})
+        self.assertIn(report["kernels"], ["baseline", "avx2", "avx512"])
+        threads = self.check(report)
+        # One thread alone on one core, and in a build without oneTBB.
+        cores = len(os.sched_getaffinity(0))
+        self.assertIn(threads, [[1], *([1, most] for most in range(2, cores + 1))])
+        stages = {stage["name"]: stage for stage in report["stages"]}
+        # Offsets of 8 bytes; columns and weights of 4.
+        self.assertEqual(stages["rounding to float"]["bytes"],
+                         8 * 501 + 8 * report["matrix"]["entries"])
+        self.assertGreater(report["peak_memory"], report["matrix"]["bytes"])
+
+    def test_binding_is_that_of_bind(self):
+        self.write_model(icosphere_points(50) + [(9, 9, 9)])
+        options = ["-n", 1, "--rules", "cse96", "--boundary", "edge-only"]
+        report = self.report(*options, "--threads", 1)
+        self.assertEqual(self.check(report), [1])
+        bound = json.loads(self.run_program("bind", "model.obj", "--rest", "rest.ovm", *options,
+                                            "-o", "m.espb", "--report", "json").stdout)
+        for key in ["points", "kept", "largest_residual", "matrix"]:
+            self.assertEqual(report[key], bound[key])
+        self.assertEqual(report["kept"], 1)
+        self.assertEqual([stage["bytes"] for stage in report["stages"][:4]],
+                         [stage["bytes"] for stage in bound["stages"][:4]])
+
+    def test_other_bases(self):
+        self.run_program("shape", "box", "--cells", 3, 3, 3, "--min", -1, -1, -1, "--max", 2, 2, 2,
+                         "-o", "rest.ovm")
+        report = self.report("--basis", "bspline", "--threads", 1)
+        self.assertEqual([stage["name"] for stage in report["stages"]],
+                         ["reading", "embedding", "building stencils"] + COMPILING)
+        self.check(report)
+
+    def test_points_outside_alone(self):
+        self.write_model([(9, 9, 9), (8, 8, 8)])
+        report = self.report("--threads", 1)
+        self.assertEqual(report["matrix"]["entries"], 0)
+        self.check(report)
+        # Far along the tangent weights are large and of both signs: results are within the bound
+        # all the same, which goes by the sizes of products, not by their sum.
+        self.check(self.report("--outside", "nearest", "--threads", 1))
+
+    def test_lattices_of_all_sizes(self):
+        # Also where floats end: what is small is rounded to multiples of the least.
+        for scale in [1e-43, 1e-20, 1e20]:
+            self.write_model([(x * scale, y * scale, z * scale)
+                              for x, y, z in icosphere_points(20)])
+            self.run_program("shape", "box", "--max", scale, scale, scale, "-o", "rest.ovm")
+            self.check(self.report("-n", 1, "--threads", 1))
+        self.run_program("shape", "box", "--max", 1e100, 1, 1, "-o", "rest.ovm")
+        self.assertIn("rest.ovm: vertex 1 is at 1e+100", self.error_of(*self.command))
+
+    def test_text(self):
+        lines = self.run_program(*self.command, "-n", 1).stdout.splitlines()
+        stages = [line[:17].strip() for line in lines]
+        for stage in BINDING + COMPILING:
+            self.assertEqual(stages.count(stage), 1, stage)
+        head = next(i for i, line in enumerate(lines) if line.startswith("evaluator"))
+        for name in ["precision", "poses", "threads", "ms a pose", "Mpoints/s", "GB/s",
+                     "speed-up", "of triad"]:
+            self.assertIn(name, lines[head])
+        rows = [line.split() for line in lines[head + 1:]]
+        triads = [row for row in rows if row[0] == "triad"]
+        self.assertIn(len(triads), [1, 2])
+        for case in [["csr", "float", "1"], ["csr", "double", "1"], ["compiled", "float", "1"],
+                     ["compiled", "double", "1"], ["compiled", "float", "12"]]:
+            self.assertEqual(len([row for row in rows if row[:3] == case]), len(triads), case)
+        self.assertEqual(len({len(line) for line in lines[head:-1 - len(triads)]}), 1, "aligned")
+
+    def test_quiet_is_silent(self):
+        for options in [[], ["--report", "json"]]:
+            result = self.run_program(*self.command, "--threads", 1, *options, "--quiet")
+            self.assertEqual(result.stdout + result.stderr, "")
+
+    def test_refusals(self):
+        for seconds in [0, -1, "nan", "inf", "long"]:
+            self.assertIn("--seconds", self.error_of("bench", "model.obj", "--rest", "rest.ovm",
+                                                     "--seconds", seconds, code=2))
+        for options, text in [(["-o", "out.obj"], "-o"), (["--to", "rest.ovm"], "--to"),
+                              (["--report", "xml"], "xml"), (["-n", 0], "--level"),
+                              (["--basis", "bezier", "-n", 2], "--level"),
+                              (["--rules", "rats"], "rats")]:
+            self.assertIn(text, self.error_of(*self.command, *options, code=2))
+        self.assertIn("--rest", self.error_of("bench", "model.obj", code=2))
+        self.assertIn("none.obj: ", self.error_of("bench", "none.obj", "--rest", "rest.ovm"))
+        self.write_model([(0.5, 0.5, 0.5), (9, 9, 9)])
+        self.assertIn("point 1 at (9", self.error_of(*self.command, "--outside", "error"))
+        self.assertEqual(sorted(os.listdir(self.path)), ["model.obj", "rest.ovm"])
+
+
+if __name__ == "__main__":
+    program.ESPALIER = os.path.abspath(sys.argv.pop())
+    unittest.main()
