@@ -41,17 +41,22 @@ Workload workload(stencils::StencilTable<double> table) {
 
 }  // namespace
 
-Workload surface(int rowCount) {
-    constexpr int kLevel = 3;
-    const auto side = static_cast<Index>(std::lround(std::sqrt(rowCount / std::pow(4, kLevel))));
-    std::vector<std::vector<Index>> loops;
+Mesh torus(Index side) {
+    Mesh mesh{side * side, {}};
     for (Index j = 0; j < side; ++j)
         for (Index i = 0; i < side; ++i) {
             const Index right = (i + 1) % side, above = (j + 1) % side;
-            loops.push_back(
+            mesh.loops.push_back(
                 {j * side + i, j * side + right, above * side + right, above * side + i});
         }
-    far::TopologyRefiner refiner(far::buildMesh(side * side, loops));
+    return mesh;
+}
+
+Workload surface(int rowCount) {
+    constexpr int kLevel = 3;
+    const Mesh mesh =
+        torus(static_cast<Index>(std::lround(std::sqrt(rowCount / std::pow(4, kLevel)))));
+    far::TopologyRefiner refiner(far::buildMesh(mesh.vertexCount, mesh.loops));
     refiner.refineUniform(kLevel);
     return workload(stencils::buildStencils<double>(refiner, kLevel));
 }

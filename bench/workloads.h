@@ -13,6 +13,15 @@ struct Workload {
     stencils::StencilTable<double> inDouble;
 };
 
+/// A mesh as its faces' loops of vertices.
+struct Mesh {
+    far::Index vertexCount = 0;
+    std::vector<std::vector<far::Index>> loops;
+};
+
+/// A torus of side × side quadrilaterals.
+Mesh torus(far::Index side);
+
 /// S_3 of a torus of quadrilaterals, of about so many rows; 13 entries each.
 Workload surface(int rowCount);
 
