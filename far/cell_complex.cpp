@@ -3,6 +3,7 @@
 
 #include <cassert>
 #include <mutex>
+#include <numeric>
 
 namespace espalier::far {
 
@@ -75,8 +76,9 @@ Incidence cellClosure(const CellComplex& complex, int to) {
 }
 
 Incidence identity(Index count) {
-    return Incidence(buildRows<Index>(
-        count, [](Index index, std::vector<Index>& row) { row.push_back(index); }));
+    Array<Index> all(static_cast<std::size_t>(count));
+    std::iota(all.begin(), all.end(), Index{0});
+    return Incidence::uniform(1, std::move(all));
 }
 
 Incidence deriveRelation(const CellComplex& complex, int from, int to) {

@@ -162,20 +162,16 @@ Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule,
 Strata refineStrata(const CellComplex& parent, const Strata& strata, const Refinement& refinement,
                     Boundary boundary, Creasing creasing) {
     const CellComplex& child = refinement.child();
-    Strata::ByEntity smooth = filled(child, 0), isOpen;
+    Strata::ByEntity smooth = refinement.inherit(strata.smoothStrata()), isOpen;
     SharpnessValues sharpness{std::vector<float>(at(child.count(0)), kSmooth),
                               std::vector<float>(at(child.count(1)), kSmooth)};
-    refinement.forEachChild([&](Entity entity, const Interval& interval) {
-        smooth[at(entity.dimension)][at(entity.index)] =
-            static_cast<std::uint8_t>(strata.smoothStratum(interval.upper));
-        if (interval.upper.dimension == 0 && entity.dimension == 0) {
-            sharpness.vertices[at(entity.index)] =
-                subdivideSharpness(strata.sharpness(interval.upper));
-        } else if (interval.upper.dimension == 1 && entity.dimension == 1 &&
-                   strata.sharpness(interval.upper) > kSmooth) {
+    refinement.forEachChild(0, 0, [&](Entity entity, const Interval& interval) {
+        sharpness.vertices[at(entity.index)] = subdivideSharpness(strata.sharpness(interval.upper));
+    });
+    refinement.forEachChild(0, 1, [&](Entity entity, const Interval& interval) {
+        if (strata.sharpness(interval.upper) > kSmooth)
             sharpness.edges[at(entity.index)] =
                 childSharpness(parent, strata, creasing, interval.upper, interval.lower.index);
-        }
     });
     if (boundary == Boundary::Open) isOpen = classifyOpen(child, sharpness);
     return Strata(child, std::move(smooth), std::move(isOpen), std::move(sharpness));

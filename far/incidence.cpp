@@ -3,6 +3,20 @@
 
 namespace espalier::far {
 
+Incidence Incidence::uniform(Index length, Array<Index> values) {
+    Incidence result;
+    result.rowCount_ = static_cast<Index>(values.size() / static_cast<std::size_t>(length));
+    result.length_ = length;
+    result.rows_.values = std::move(values);
+    return result;
+}
+
+Index Incidence::rowOf(Offset position) const {
+    if (length_ > 0) return static_cast<Index>(position / length_);
+    const auto end = std::upper_bound(rows_.offsets.begin(), rows_.offsets.end(), position);
+    return static_cast<Index>(end - rows_.offsets.begin()) - 1;
+}
+
 Incidence Incidence::transposed(Index columnCount) const {
     Rows<Index> result;
     result.offsets.assign(static_cast<std::size_t>(columnCount) + 1, 0);

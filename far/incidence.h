@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/array.h>
 #include <espalier/far/index.h>
 #include <espalier/far/parallel.h>
 
@@ -14,8 +15,8 @@ namespace espalier::far {
 /// Rows of varying length: row r is values[offsets[r]] to values[offsets[r + 1]].
 template <class T>
 struct Rows {
-    std::vector<Offset> offsets = {0};
-    std::vector<T> values;
+    Array<Offset> offsets = {0};
+    Array<T> values;
 };
 
 /// Builds rows in parallel: fill(row, out) appends the values of `row` to `out`.
@@ -28,6 +29,7 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
     Rows<T> rows;
     rows.offsets.resize(static_cast<std::size_t>(rowCount) + 1);
     // First each row's length, then their running sum.
+    rows.offsets[0] = 0;
     parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
         std::vector<T>& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
         for (Offset row = first; row < last; ++row) {
@@ -56,9 +58,14 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
 class Incidence {
 public:
     Incidence() = default;
-    explicit Incidence(Rows<Index> rows) : rows_(std::move(rows)) {}
+    explicit Incidence(Rows<Index> rows)
+        : rowCount_(static_cast<Index>(rows.offsets.size() - 1)), rows_(std::move(rows)) {}
 
-    Index rowCount() const { return static_cast<Index>(rows_.offsets.size() - 1); }
+    /// Rows of the same length, one after the other: no offsets are stored.
+    /// \param length 1 or more; `values` are a multiple of it
+    static Incidence uniform(Index length, Array<Index> values);
+
+    Index rowCount() const { return rowCount_; }
 
     std::span<const Index> operator[](Index row) const {
         return {rows_.values.data() + offset(row),
@@ -66,7 +73,12 @@ public:
     }
 
     /// Position of the first entry of `row` in values(); offset(rowCount()) is their number.
-    Offset offset(Index row) const { return rows_.offsets[static_cast<std::size_t>(row)]; }
+    Offset offset(Index row) const {
+        return length_ > 0 ? Offset{length_} * row : rows_.offsets[static_cast<std::size_t>(row)];
+    }
+
+    /// The row that the value at a position of values() is in. \cost O(log rows)
+    Index rowOf(Offset position) const;
 
     std::span<const Index> values() const { return rows_.values; }
 
@@ -74,6 +86,8 @@ public:
     Incidence transposed(Index columnCount) const;
 
 private:
+    Index rowCount_ = 0;
+    Index length_ = 0;  ///< of every row; 0 where offsets say
     Rows<Index> rows_;
 };
 
@@ -89,6 +103,10 @@ public:
     SignedIncidence() = default;
     explicit SignedIncidence(const Rows<Signed>& rows);
 
+    /// \param signs one a value of `incidence`: +1 or −1
+    SignedIncidence(Incidence incidence, Array<std::int8_t> signs)
+        : incidence_(std::move(incidence)), signs_(std::move(signs)) {}
+
     const Incidence& unsignedRows() const { return incidence_; }
 
     std::span<const Index> operator[](Index row) const { return incidence_[row]; }
@@ -98,9 +116,12 @@ public:
         return {signs_.data() + incidence_.offset(row), incidence_[row].size()};
     }
 
+    /// Parallel to unsignedRows().values().
+    std::span<const std::int8_t> signs() const { return signs_; }
+
 private:
     Incidence incidence_;
-    std::vector<std::int8_t> signs_;
+    Array<std::int8_t> signs_;
 };
 
 /// Whether a row holds a value; rows are short, so a scan beats a search.

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <vector>
 
 namespace espalier::far {
 
@@ -27,6 +29,10 @@ struct Entity {
     Index index = 0;
     friend auto operator<=>(const Entity&, const Entity&) = default;
 };
+
+/// A value for every entity of a complex, by its dimension.
+template <class T>
+using ByEntity = std::array<std::vector<T>, kMaxDimension + 1>;
 
 /// Index of an entity of a dimension known at compile time; ids of different dimensions do not mix.
 template <int Dimension>

@@ -2,104 +2,12 @@
 #include <espalier/far/error.h>
 #include <espalier/far/refinement.h>
 
+#include "cell_corners.h"
+
 #include <numeric>
 #include <string>
 
 namespace espalier::far {
-
-Refinement::Refinement(const CellComplex& parent, const Strata* open)
-    : dimension_(parent.dimension()) {
-    numberChildren(parent, open);
-    if (childCounts_[static_cast<std::size_t>(dimension_)] == 0)
-        throw TopologyError(TopologyCause::EmptyComplex, {dimension_, 0},
-                            std::string("refined without boundary control, the complex has no ") +
-                                dimensionName(dimension_) + " left: it has no interior vertex");
-    CellComplex::Boundaries boundaries;
-    for (int d = 1; d <= dimension_; ++d)
-        boundaries[static_cast<std::size_t>(d) - 1] = childBoundary(parent, d);
-    child_ = CellComplex(dimension_, childCounts_[0], std::move(boundaries));
-}
-
-void Refinement::numberChildren(const CellComplex& parent, const Strata* open) {
-    for (int d = 0; d <= dimension_; ++d) {
-        Offset count = 0;
-        for (int lower = 0; lower + d <= dimension_; ++lower) {
-            const int upper = lower + d;
-            Family& family =
-                families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(upper)];
-            const auto isKept = [&](Index index) {
-                return open == nullptr || !open->isOpen({lower, index});
-            };
-            family.firstChild = static_cast<Index>(count);
-            // Counted before they are made.
-            const auto parts = parent.relation(upper, lower).values();
-            count += std::count_if(parts.begin(), parts.end(), isKept);
-            if (count > kMaxIndex)
-                throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
-                                    "the refined complex has more than " +
-                                        std::to_string(kMaxIndex) + " entities of one dimension");
-            family.lowerEnds = Incidence(
-                buildRows<Index>(parent.count(upper), [&](Index index, std::vector<Index>& row) {
-                    for (const Index part : parent.relation(upper, lower)[index])
-                        if (isKept(part)) row.push_back(part);
-                }));
-        }
-        childCounts_[static_cast<std::size_t>(d)] = static_cast<Index>(count);
-    }
-}
-
-Index Refinement::childIndex(Entity lower, Entity upper) const {
-    const Family& f = family(lower.dimension, upper.dimension);
-    const auto row = f.lowerEnds[upper.index];
-    const auto at = std::find(row.begin(), row.end(), lower.index) - row.begin();
-    return f.firstChild + static_cast<Index>(f.lowerEnds.offset(upper.index) + at);
-}
-
-/// The child whose lower end is at `position` in the parent's row of the upper end.
-Index Refinement::childAt(const CellComplex& parent, int lower, Entity upper,
-                          std::size_t position) const {
-    const Family& f = family(lower, upper.dimension);
-    const auto all = parent.relation(upper.dimension, lower)[upper.index];
-    const auto kept = f.lowerEnds[upper.index];
-    const auto dropped =
-        all.size() == kept.size()
-            ? 0
-            : std::count_if(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(position),
-                            [&](Index part) { return !contains(kept, part); });
-    return f.firstChild + static_cast<Index>(f.lowerEnds.offset(upper.index) +
-                                             static_cast<Offset>(position) - dropped);
-}
-
-SignedIncidence Refinement::childBoundary(const CellComplex& parent, int dimension) const {
-    // Rows for all families of this dimension, one after the other: as the children are numbered.
-    Rows<Signed> all;
-    for (int lower = 0; lower + dimension <= dimension_; ++lower) {
-        const Family& f = family(lower, lower + dimension);
-        const Incidence& parts = parent.relation(lower + dimension, lower);
-        // Of each child, the upper end and the position of the lower one in it.
-        std::vector<std::pair<Entity, std::size_t>> ends;
-        ends.reserve(f.lowerEnds.values().size());
-        for (Index upper = 0; upper < f.lowerEnds.rowCount(); ++upper) {
-            const bool isWhole = f.lowerEnds[upper].size() == parts[upper].size();
-            for (std::size_t position = 0; position < parts[upper].size(); ++position)
-                if (isWhole || contains(f.lowerEnds[upper], parts[upper][position]))
-                    ends.emplace_back(Entity{lower + dimension, upper}, position);
-        }
-        const Rows<Signed> rows = buildRows<Signed>(
-            static_cast<Index>(ends.size()), [&](Index child, std::vector<Signed>& out) {
-                const auto& [upper, position] = ends[static_cast<std::size_t>(child)];
-                if (upper.dimension < kMaxDimension)
-                    appendBoundaryInLoop(parent, lower, upper, position, out);
-                else
-                    appendBoundaryInCell(parent, {lower, parts[upper.index][position]}, upper, out);
-            });
-        const Offset shift = all.offsets.back();
-        for (std::size_t row = 1; row < rows.offsets.size(); ++row)
-            all.offsets.push_back(rows.offsets[row] + shift);
-        all.values.insert(all.values.end(), rows.values.begin(), rows.values.end());
-    }
-    return SignedIncidence(all);
-}
 
 // With σ(x, y) the incidence number of y in the boundary of x, and d = dim b − dim a,
 //
@@ -109,123 +17,251 @@ SignedIncidence Refinement::childBoundary(const CellComplex& parent, int dimensi
 // (−1)^d makes the mixed terms of ∂∂ cancel, so a coherently oriented parent has a coherently
 // oriented child, and [v,c] is oriented as c is.
 
-/// The boundary of [a, b] in an edge or a face b. By positions, not by names: a loop may pass a
-/// vertex more than once (degenerate faces of meshes).
-void Refinement::appendBoundaryInLoop(const CellComplex& parent, int lower, Entity upper,
-                                      std::size_t position, std::vector<Signed>& boundary) const {
-    const SignedIncidence& sides = parent.boundary(upper.dimension);
-    const auto vertexChild = [&](Entity entity) {
-        return childAt(parent, entity.dimension, entity, 0);
-    };
-    const auto negated = [](int sign) { return static_cast<std::int8_t>(-sign); };
-    if (lower + 1 == upper.dimension) {
-        // From [a,a] to [b,b], or the other way round; the tail comes first.
-        const std::int8_t sign = sides.signs(upper.index)[position];
-        const Signed first{vertexChild({lower, sides[upper.index][position]}), sign};
-        const Signed last{vertexChild(upper), negated(sign)};
-        boundary.insert(boundary.end(), {sign < 0 ? first : last, sign < 0 ? last : first});
-        return;
+/// The rows of the child's faces.
+struct Refinement::Quadrilaterals {
+    Array<Index> edges;
+    Array<std::int8_t> signs;
+
+    void set(Index face, const std::array<Signed, 4>& row) {
+        std::size_t at = 4 * static_cast<std::size_t>(face);
+        for (const Signed& edge : row) {
+            edges[at] = edge.index;
+            signs[at++] = edge.sign;
+        }
     }
-    // A corner of a face: the loop leaves the vertex along one edge, and has entered along another.
-    const auto edges = sides[upper.index];
-    const std::size_t before = (position + edges.size() - 1) % edges.size();
-    const Entity leaving{1, edges[position]}, entering{1, edges[before]};
-    const std::int8_t leavingSign = sides.signs(upper.index)[position];
-    const std::int8_t enteringSign = sides.signs(upper.index)[before];
-    const std::size_t tailOfLeaving = leavingSign > 0 ? 0 : 1;
-    const std::size_t headOfEntering = enteringSign > 0 ? 1 : 0;
-    boundary.insert(boundary.end(), {{childAt(parent, 0, leaving, tailOfLeaving), leavingSign},
-                                     {childAt(parent, 1, upper, position), negated(leavingSign)},
-                                     {childAt(parent, 1, upper, before), enteringSign},
-                                     {childAt(parent, 0, entering, headOfEntering), enteringSign}});
+};
+
+namespace {
+
+constexpr Offset kGrain = 4096;
+
+std::int8_t opposite(std::int8_t sign) {
+    return static_cast<std::int8_t>(-sign);
 }
 
-/// The boundary of [a, b] in a cell b.
-void Refinement::appendBoundaryInCell(const CellComplex& parent, Entity lower, Entity upper,
-                                      std::vector<Signed>& boundary) const {
-    const int d = upper.dimension - lower.dimension;
-    const auto begin = static_cast<std::ptrdiff_t>(boundary.size());
+/// Rows that a range of parents has made.
+struct SignedRows {
+    Array<Index> values, lengths;
+    Array<std::int8_t> signs;
+};
 
-    const auto isIn = [&](Entity part, Entity whole) {
-        return contains(family(part.dimension, whole.dimension).lowerEnds[whole.index], part.index);
+SignedIncidence join(const std::vector<SignedRows>& chunks) {
+    Rows<Index> rows;
+    Array<std::int8_t> signs;
+    std::size_t rowCount = 0, valueCount = 0;
+    for (const SignedRows& chunk : chunks) {
+        rowCount += chunk.lengths.size();
+        valueCount += chunk.values.size();
+    }
+    rows.values.reserve(valueCount);
+    signs.reserve(valueCount);
+    for (const SignedRows& chunk : chunks) {
+        rows.values.insert(rows.values.end(), chunk.values.begin(), chunk.values.end());
+        signs.insert(signs.end(), chunk.signs.begin(), chunk.signs.end());
+    }
+    const auto first = std::find_if(chunks.begin(), chunks.end(),
+                                    [](const SignedRows& chunk) { return !chunk.lengths.empty(); });
+    const Index length = first->lengths.front();  // There is one: the child is not empty.
+    const auto isUniform = [&](const SignedRows& chunk) {
+        return std::all_of(chunk.lengths.begin(), chunk.lengths.end(),
+                           [&](Index other) { return other == length; });
     };
-    const auto signOf = [&](Entity whole, Index part) {
-        const SignedIncidence& rows = parent.boundary(whole.dimension);
-        const auto row = rows[whole.index];
-        const auto at = std::find(row.begin(), row.end(), part) - row.begin();
-        return rows.signs(whole.index)[static_cast<std::size_t>(at)];
-    };
+    if (std::all_of(chunks.begin(), chunks.end(), isUniform))
+        return {Incidence::uniform(length, std::move(rows.values)), std::move(signs)};
+    rows.offsets.reserve(rowCount + 1);
+    for (const SignedRows& chunk : chunks)
+        for (const Index next : chunk.lengths) rows.offsets.push_back(rows.offsets.back() + next);
+    return {Incidence(std::move(rows)), std::move(signs)};
+}
 
-    // [a, b'] for the b' in the boundary of b that contain a.
-    const SignedIncidence& down = parent.boundary(upper.dimension);
-    for (std::size_t i = 0; i < down[upper.index].size(); ++i) {
-        const Entity middle{upper.dimension - 1, down[upper.index][i]};
-        if (isIn(lower, middle))
-            boundary.push_back({childIndex(lower, middle), down.signs(upper.index)[i]});
-    }
-    // [a', b] for the a' in b whose boundary contains a.
-    const int up = lower.dimension + 1;
-    for (const Index index : family(up, upper.dimension).lowerEnds[upper.index]) {
-        const Entity middle{up, index};
-        if (!isIn(lower, middle)) continue;
-        const int sign = (d % 2 == 0 ? 1 : -1) * signOf(middle, lower.index);
-        boundary.push_back({childIndex(middle, upper), static_cast<std::int8_t>(sign)});
-    }
+}  // namespace
 
-    const auto entries = std::span(boundary).subspan(static_cast<std::size_t>(begin));
-    if (d == 1) {
-        // Tail first.
-        if (entries[0].sign > 0) std::swap(entries[0], entries[1]);
-    } else if (d == 2) {
-        // Collected as [a,x] [a,y] [x,b] [y,b] up to the order of the last two. The loop leaves
-        // [a,a] along the edge whose sign is that of an edge with its tail in [a,a].
-        const auto leavesLower = [&](const Signed& edge) {
-            const Entity child{1, edge.index};
-            return edge.sign == -signOf(parentOf(child).upper, lower.index);
-        };
-        Signed first = entries[0], last = entries[1];
-        if (!leavesLower(first)) std::swap(first, last);
-        const Entity x = parentOf({1, first.index}).upper;
-        Signed second = entries[2], third = entries[3];
-        if (parentOf({1, second.index}).lower != x) std::swap(second, third);
-        entries[0] = first;
-        entries[1] = second;
-        entries[2] = third;
-        entries[3] = last;
+Refinement::Refinement(const CellComplex& parent, const ByEntity<std::uint8_t>* isKept)
+    : parent_(parent), dimension_(parent.dimension()) {
+    numberChildren(isKept);
+    if (childCounts_[static_cast<std::size_t>(dimension_)] == 0)
+        throw TopologyError(TopologyCause::EmptyComplex, {dimension_, 0},
+                            std::string("refined without boundary control, the complex has no ") +
+                                dimensionName(dimension_) + " left: it has no interior vertex");
+    CellComplex::Boundaries boundaries;
+    boundaries[0] = childEdges();
+    if (dimension_ > 1) {
+        Quadrilaterals faces;
+        faces.edges.resize(4 * static_cast<std::size_t>(childCounts_[2]));
+        faces.signs.resize(faces.edges.size());
+        addCorners(faces);
+        if (dimension_ > 2) boundaries[2] = addSides(faces);
+        boundaries[1] =
+            SignedIncidence(Incidence::uniform(4, std::move(faces.edges)), std::move(faces.signs));
     }
+    child_ = CellComplex(dimension_, childCounts_[0], std::move(boundaries));
+}
+
+void Refinement::numberChildren(const ByEntity<std::uint8_t>* isKept) {
+    for (int d = 0; d <= dimension_; ++d) {
+        Offset count = 0;
+        for (int lower = 0; lower + d <= dimension_; ++lower) {
+            Family& family =
+                families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(lower + d)];
+            family.parts = &parent_.relation(lower + d, lower);
+            const auto parts = family.parts->values();
+            const auto* kept =
+                isKept != nullptr ? &(*isKept)[static_cast<std::size_t>(lower)] : nullptr;
+            const auto isPartKept = [&](Index part) {
+                return (*kept)[static_cast<std::size_t>(part)] != 0;
+            };
+            const Offset familyCount = kept == nullptr
+                                           ? static_cast<Offset>(parts.size())
+                                           : std::count_if(parts.begin(), parts.end(), isPartKept);
+            // Counted before they are made.
+            if (count + familyCount > kMaxIndex)
+                throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
+                                    "the refined complex has more than " +
+                                        std::to_string(kMaxIndex) + " entities of one dimension");
+            family.firstChild = static_cast<Index>(count);
+            family.childCount = static_cast<Index>(familyCount);
+            count += familyCount;
+            family.isWhole = familyCount == static_cast<Offset>(parts.size());
+            if (family.isWhole) continue;
+            family.isEntryKept.resize(parts.size());
+            family.childOfEntry.resize(parts.size());
+            family.entryOfChild.reserve(static_cast<std::size_t>(familyCount));
+            for (std::size_t entry = 0; entry < parts.size(); ++entry) {
+                if (!isPartKept(parts[entry])) continue;
+                family.isEntryKept[entry] = 1;
+                family.childOfEntry[entry] =
+                    family.firstChild + static_cast<Index>(family.entryOfChild.size());
+                family.entryOfChild.push_back(static_cast<Offset>(entry));
+            }
+        }
+        childCounts_[static_cast<std::size_t>(d)] = static_cast<Index>(count);
+    }
+}
+
+/// [a,b] for the a in the boundary of b: it joins the points of the two, that of a being its tail
+/// where σ(b,a) is −1.
+SignedIncidence Refinement::childEdges() const {
+    Array<Index> ends(2 * static_cast<std::size_t>(childCounts_[1]));
+    Array<std::int8_t> signs(ends.size());
+    for (int upper = 1; upper <= dimension_; ++upper) {
+        const Family& f = family(upper - 1, upper);
+        const auto sides = parent_.boundary(upper).signs();
+        parallelFor(f.parts->rowCount(), kGrain, [&](Offset first, Offset last) {
+            for (Offset row = first; row < last; ++row) {
+                const auto whole = static_cast<Index>(row);
+                for (Offset entry = f.parts->offset(whole); entry < f.parts->offset(whole + 1);
+                     ++entry) {
+                    if (!f.isKept(entry)) continue;
+                    Index tail = pointOf({upper - 1, f.part(entry)});
+                    Index head = pointOf({upper, whole});
+                    if (sides[static_cast<std::size_t>(entry)] > 0) std::swap(tail, head);
+                    const std::size_t at = 2 * static_cast<std::size_t>(f.child(entry));
+                    ends[at] = tail;
+                    ends[at + 1] = head;
+                    signs[at] = -1;
+                    signs[at + 1] = 1;
+                }
+            }
+        });
+    }
+    return SignedIncidence(Incidence::uniform(2, std::move(ends)), std::move(signs));
+}
+
+/// [v,f]: the corner of a face, which the loop of f enters along one edge and leaves along the
+/// next. By positions, not by names: a loop may pass a vertex more than once (degenerate faces of
+/// meshes).
+void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
+    const Family& corners = family(0, 2);
+    const Family& ends = family(0, 1);
+    const Family& sides = family(1, 2);
+    const auto signs = parent_.boundary(2).signs();
+    parallelFor(corners.parts->rowCount(), kGrain, [&](Offset firstFace, Offset lastFace) {
+        for (Offset f = firstFace; f < lastFace; ++f) {
+            const auto face = static_cast<Index>(f);
+            const Offset begin = corners.parts->offset(face), end = corners.parts->offset(face + 1);
+            for (Offset at = begin; at < end; ++at) {
+                if (!corners.isKept(at)) continue;
+                const Offset before = at == begin ? end - 1 : at - 1;
+                const std::int8_t leaving = signs[static_cast<std::size_t>(at)];
+                const std::int8_t entering = signs[static_cast<std::size_t>(before)];
+                // The vertex is the tail of the edge that it leaves along, if that runs its way.
+                const Offset tail = ends.parts->offset(sides.part(at)) + (leaving > 0 ? 0 : 1);
+                const Offset head = ends.parts->offset(sides.part(before)) + (entering > 0 ? 1 : 0);
+                quadrilaterals.set(corners.child(at), {{{ends.child(tail), leaving},
+                                                        {sides.child(at), opposite(leaving)},
+                                                        {sides.child(before), entering},
+                                                        {ends.child(head), entering}}});
+            }
+        }
+    });
+}
+
+/// [e,c], with an edge of a cell and the two faces x and y at it, and [v,c] of the returned rows,
+/// the corner of a cell with its faces [v,f] and [e,c].
+SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
+    const Family& vertexFaces = family(0, 2);
+    const Family& edgeFaces = family(1, 2);
+    const Family& edgeCells = family(1, 3);
+    const Family& faceCells = family(2, 3);
+    const Family& corners = family(0, 3);
+
+    // [v,c] come cell by cell; each range of cells collects its own.
+    const Index cellCount = parent_.count(3);
+    std::vector<SignedRows> chunks(static_cast<std::size_t>((cellCount + kGrain - 1) / kGrain));
+    parallelFor(cellCount, kGrain, [&](Offset firstCell, Offset lastCell) {
+        SignedRows& chunk = chunks[static_cast<std::size_t>(firstCell / kGrain)];
+        CellCorners cell(parent_);
+        for (Offset index = firstCell; index < lastCell; ++index) {
+            cell.visit(static_cast<Index>(index));
+            for (const CellCorners::Edge& edge : cell.edges()) {
+                if (!edgeCells.isKept(edge.inCell)) continue;
+                // ∂∂ = 0: the signs of the two faces in c and of e in these multiply to 1 and −1.
+                // The loop leaves [e,e] for x, with which it is −1.
+                auto x = edge.faces[0], y = edge.faces[1];
+                if (x.inCellSign == x.edgeSign) std::swap(x, y);
+                quadrilaterals.set(edgeCells.child(edge.inCell),
+                                   {{{edgeFaces.child(x.edgeInFace), x.inCellSign},
+                                     {faceCells.child(x.inCell), x.edgeSign},
+                                     {faceCells.child(y.inCell), y.edgeSign},
+                                     {edgeFaces.child(y.edgeInFace), y.inCellSign}}});
+            }
+            for (std::size_t v = 0; v < cell.vertexCount(); ++v) {
+                if (!corners.isKept(cell.vertexInCell(v))) continue;
+                for (const CellCorners::VertexFace& face : cell.facesAt(v)) {
+                    chunk.values.push_back(vertexFaces.child(face.vertexInFace));
+                    chunk.signs.push_back(face.inCellSign);
+                }
+                for (const CellCorners::VertexEdge& edge : cell.edgesAt(v)) {
+                    chunk.values.push_back(edgeCells.child(edge.inCell));
+                    chunk.signs.push_back(opposite(edge.vertexSign));
+                }
+                chunk.lengths.push_back(
+                    static_cast<Index>(cell.facesAt(v).size() + cell.edgesAt(v).size()));
+            }
+        }
+    });
+    return join(chunks);
 }
 
 Interval Refinement::parentOf(Entity child) const {
-    // The last family of this dimension that starts at or before the child and is not empty.
     int lower = 0;
-    while (lower + 1 + child.dimension <= dimension_ &&
-           family(lower + 1, lower + 1 + child.dimension).firstChild <= child.index)
-        ++lower;
-    const int upper = lower + child.dimension;
-    const Family& f = family(lower, upper);
-    const Offset at = child.index - f.firstChild;
-    // The last row that starts at or before the position.
-    Index first = 0;
-    for (Index length = f.lowerEnds.rowCount(); length > 0;) {
-        const Index half = length / 2;
-        if (f.lowerEnds.offset(first + half + 1) <= at) {
-            first += half + 1;
-            length -= half + 1;
-        } else {
-            length = half;
-        }
-    }
-    return {{lower, f.lowerEnds.values()[static_cast<std::size_t>(at)]}, {upper, first}};
+    const auto isIn = [&](const Family& f) { return child.index - f.firstChild < f.childCount; };
+    while (!isIn(family(lower, lower + child.dimension))) ++lower;
+    const Family& f = family(lower, lower + child.dimension);
+    const auto at = child.index - f.firstChild;
+    const Offset entry = f.isWhole ? Offset{at} : f.entryOfChild[static_cast<std::size_t>(at)];
+    return {{lower, f.part(entry)}, {lower + child.dimension, f.parts->rowOf(entry)}};
 }
 
 std::optional<Entity> Refinement::childOf(const Interval& interval) const {
-    if (interval.lower.dimension > interval.upper.dimension ||
-        interval.upper.dimension > dimension_)
-        return std::nullopt;
-    const Family& f = family(interval.lower.dimension, interval.upper.dimension);
-    if (!contains(f.lowerEnds[interval.upper.index], interval.lower.index)) return std::nullopt;
-    return Entity{interval.upper.dimension - interval.lower.dimension,
-                  childIndex(interval.lower, interval.upper)};
+    const auto& [lower, upper] = interval;
+    if (lower.dimension > upper.dimension || upper.dimension > dimension_) return std::nullopt;
+    const Family& f = family(lower.dimension, upper.dimension);
+    const auto row = (*f.parts)[upper.index];
+    const auto at = std::find(row.begin(), row.end(), lower.index) - row.begin();
+    const Offset entry = f.parts->offset(upper.index) + at;
+    if (at == std::ssize(row) || !f.isKept(entry)) return std::nullopt;
+    return Entity{upper.dimension - lower.dimension, f.child(entry)};
 }
 
 }  // namespace espalier::far

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <espalier/far/cell_complex.h>
-#include <espalier/far/strata.h>
+#include <espalier/far/parallel.h>
 
 #include <array>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace espalier::far {
 
@@ -36,13 +38,15 @@ struct Interval {
 /// \cite MacCracken & Joy 1996, section 2.2; Joy & MacCracken CSE-96-1, section 6
 class Refinement {
 public:
-    /// Splits `parent`. With `open`, the strata of a complex without boundary control, just the
-    /// intervals whose lower end is not open are kept.
+    /// Splits `parent`. With `isKept`, just the intervals whose lower end is kept are; those that
+    /// stay are numbered in the same order.
     ///
+    /// \param isKept 0 for the entities that are not. What contains one that is kept must be kept
+    ///        too
     /// \throws TopologyError (TooManyEntities; EmptyComplex if no child of the parent's dimension
     ///         is left)
-    /// \cost O(entries of the child × entities of a parent cell), in parallel
-    explicit Refinement(const CellComplex& parent, const Strata* open = nullptr);
+    /// \cost O(entries of the child), in parallel; in cells of very many faces a little more
+    explicit Refinement(const CellComplex& parent, const ByEntity<std::uint8_t>* isKept = nullptr);
 
     const CellComplex& child() const { return child_; }
 
@@ -54,38 +58,92 @@ public:
     /// there is a child for each time, and this is the first. \cost O(entities in the upper end)
     std::optional<Entity> childOf(const Interval& interval) const;
 
-    /// Calls visit(child, interval) for every child, in the order of their dimensions and numbers.
-    /// \cost O(children)
+    /// Calls visit(child, interval) for every child with ends of these dimensions, in the order of
+    /// their numbers. \cost O(children)
+    template <class Visit>
+    void forEachChild(int lower, int upper, Visit visit) const {
+        const Family& f = family(lower, upper);
+        Index child = f.firstChild;
+        for (Index row = 0; row < f.parts->rowCount(); ++row)
+            for (Offset entry = f.parts->offset(row); entry < f.parts->offset(row + 1); ++entry)
+                if (f.isKept(entry))
+                    visit(Entity{upper - lower, child++},
+                          Interval{{lower, f.part(entry)}, {upper, row}});
+    }
+
+    /// The same for every child, in the order of their dimensions and numbers.
     template <class Visit>
     void forEachChild(Visit visit) const {
         for (int d = 0; d <= dimension_; ++d)
-            for (int lower = 0; lower + d <= dimension_; ++lower) {
-                const Family& f = family(lower, lower + d);
-                Index child = f.firstChild;
-                for (Index upper = 0; upper < f.lowerEnds.rowCount(); ++upper)
-                    for (const Index part : f.lowerEnds[upper])
-                        visit(Entity{d, child++}, Interval{{lower, part}, {lower + d, upper}});
-            }
+            for (int lower = 0; lower + d <= dimension_; ++lower)
+                forEachChild(lower, lower + d, visit);
+    }
+
+    /// Gives each child the value of its upper end, in whose interior it lies.
+    /// \param values one an entity of the parent
+    /// \cost O(children), in parallel
+    template <class T>
+    ByEntity<T> inherit(const ByEntity<T>& values) const {
+        ByEntity<T> result;
+        for (int d = 0; d <= dimension_; ++d) {
+            auto& ofChildren = result[static_cast<std::size_t>(d)];
+            ofChildren.resize(static_cast<std::size_t>(child_.count(d)));
+            for (int lower = 0; lower + d <= dimension_; ++lower)
+                family(lower, lower + d)
+                    .spread(values[static_cast<std::size_t>(lower + d)], ofChildren);
+        }
+        return result;
     }
 
 private:
-    /// The kept intervals with ends of dimensions `lower` ≤ `upper`: row b lists the a in it.
+    /// The intervals with ends of dimensions `lower` ≤ `upper`. Row b of `parts` lists the a in it;
+    /// an interval is known by the position of its a among all of these, its entry.
     struct Family {
-        Incidence lowerEnds;
+        const Incidence* parts = nullptr;  ///< of parent_
         Index firstChild = 0;
+        Index childCount = 0;
+        bool isWhole = true;  ///< every interval is kept; else:
+        std::vector<std::uint8_t> isEntryKept;
+        std::vector<Index> childOfEntry;   ///< of the entries that are kept
+        std::vector<Offset> entryOfChild;  ///< ascending
+
+        Index part(Offset entry) const { return parts->values()[static_cast<std::size_t>(entry)]; }
+        bool isKept(Offset entry) const {
+            return isWhole || isEntryKept[static_cast<std::size_t>(entry)] != 0;
+        }
+        Index child(Offset entry) const {
+            return isWhole ? firstChild + static_cast<Index>(entry)
+                           : childOfEntry[static_cast<std::size_t>(entry)];
+        }
+
+        template <class T>
+        void spread(const std::vector<T>& ofRows, std::vector<T>& ofChildren) const {
+            parallelFor(parts->rowCount(), 1 << 14, [&](Offset first, Offset last) {
+                for (Offset row = first; row < last; ++row) {
+                    const auto r = static_cast<Index>(row);
+                    for (Offset entry = parts->offset(r); entry < parts->offset(r + 1); ++entry)
+                        if (isKept(entry))
+                            ofChildren[static_cast<std::size_t>(child(entry))] =
+                                ofRows[static_cast<std::size_t>(row)];
+                }
+            });
+        }
     };
     const Family& family(int lower, int upper) const {
         return families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(upper)];
     }
-    void numberChildren(const CellComplex& parent, const Strata* open);
-    SignedIncidence childBoundary(const CellComplex& parent, int dimension) const;
-    void appendBoundaryInLoop(const CellComplex& parent, int lower, Entity upper,
-                              std::size_t position, std::vector<Signed>& boundary) const;
-    void appendBoundaryInCell(const CellComplex& parent, Entity lower, Entity cell,
-                              std::vector<Signed>& boundary) const;
-    Index childIndex(Entity lower, Entity upper) const;
-    Index childAt(const CellComplex& parent, int lower, Entity upper, std::size_t position) const;
+    /// The child vertex that stands for an entity.
+    Index pointOf(Entity entity) const {
+        return family(entity.dimension, entity.dimension).child(entity.index);
+    }
 
+    void numberChildren(const ByEntity<std::uint8_t>* isKept);
+    SignedIncidence childEdges() const;
+    struct Quadrilaterals;
+    void addCorners(Quadrilaterals& quadrilaterals) const;
+    SignedIncidence addSides(Quadrilaterals& quadrilaterals) const;
+
+    CellComplex parent_;
     int dimension_ = 0;
     std::array<std::array<Family, kMaxDimension + 1>, kMaxDimension + 1> families_;
     std::array<Index, kMaxDimension + 1> childCounts_ = {};

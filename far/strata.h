@@ -56,8 +56,8 @@ class Strata {
 public:
     Strata() = default;
 
-    /// One number for each entity, by its dimension.
-    using ByEntity = std::array<std::vector<std::uint8_t>, kMaxDimension + 1>;
+    /// One number for each entity.
+    using ByEntity = far::ByEntity<std::uint8_t>;
 
     /// The strata that follow from sharpness: an edge that is sharp has stratum 1; a vertex that is
     /// sharp, or in which three or more sharp edges of its surface meet, has 0, and with two 1.
@@ -72,6 +72,9 @@ public:
     /// The stratum without sharpness: 2 on the surface of a lattice and 3 inside it, 2 on a mesh,
     /// 1 on a curve.
     int smoothStratum(Entity entity) const { return valueAt(smoothStrata_, entity); }
+
+    /// Of every entity.
+    const ByEntity& smoothStrata() const { return smoothStrata_; }
 
     /// Whether `other`, which contains `entity` or is it, belongs to the sub-complex that the rule
     /// of `stratum` averages over: it lies on that stratum or a lower one, and on the surface if

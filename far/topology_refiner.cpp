@@ -3,6 +3,7 @@
 #include <espalier/far/topology_refiner.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,13 +18,23 @@ TopologyRefiner::TopologyRefiner(CellComplex base, const RefinerOptions& options
 
 namespace {
 
+/// The entities that are lower ends of children: those that are not on the open boundary. Nothing
+/// where all are.
+std::optional<ByEntity<std::uint8_t>> keptEntities(const Level& parent, Boundary boundary) {
+    if (boundary != Boundary::Open) return std::nullopt;
+    ByEntity<std::uint8_t> kept;
+    for (int d = 0; d <= parent.complex.dimension(); ++d)
+        for (Index index = 0; index < parent.complex.count(d); ++index)
+            kept[static_cast<std::size_t>(d)].push_back(!parent.strata.isOpen({d, index}));
+    return kept;
+}
+
 /// The children [v, f] of the holes.
 std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement) {
     std::vector<Index> holes;
     if (parent.holes.empty()) return holes;
-    refinement.forEachChild([&](const Entity& child, const Interval& interval) {
-        if (child.dimension == 2 &&
-            std::binary_search(parent.holes.begin(), parent.holes.end(), interval.upper.index))
+    refinement.forEachChild(0, 2, [&](const Entity& child, const Interval& interval) {
+        if (std::binary_search(parent.holes.begin(), parent.holes.end(), interval.upper.index))
             holes.push_back(child.index);
     });
     return holes;
@@ -34,8 +45,8 @@ std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement
 void TopologyRefiner::refineUniform(int level) {
     while (maxLevel() < level) {
         const Level& parent = levels_.back();
-        Refinement refinement(parent.complex,
-                              boundary() == Boundary::Open ? &parent.strata : nullptr);
+        const auto kept = keptEntities(parent, boundary());
+        Refinement refinement(parent.complex, kept ? &*kept : nullptr);
         Level next{
             refinement.child(),
             refineStrata(parent.complex, parent.strata, refinement, boundary(), options_.creasing),

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/refinement.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "support/complexes.h"
+
+// The boundaries of children against the definition, slowly:
+//
+//     ∂[a,b] = Σ σ(b,b') [a,b']  +  (−1)^d Σ σ(a',a) [a',b],   d = dim b − dim a
+namespace espalier::far {
+namespace {
+
+/// σ(whole, part), or 0 where the part does not bound it.
+int signOf(const CellComplex& complex, Entity whole, Index part) {
+    const auto row = complex.boundary(whole.dimension)[whole.index];
+    const auto at = std::find(row.begin(), row.end(), part) - row.begin();
+    return at == std::ssize(row)
+               ? 0
+               : complex.boundary(whole.dimension).signs(whole.index)[static_cast<std::size_t>(at)];
+}
+
+bool isIn(const CellComplex& complex, Entity part, Entity whole) {
+    return contains(complex.relation(whole.dimension, part.dimension)[whole.index], part.index);
+}
+
+std::map<Index, int> boundaryByDefinition(const CellComplex& parent, const Refinement& refinement,
+                                          const Interval& interval) {
+    const auto& [a, b] = interval;
+    std::map<Index, int> boundary;
+    for (const Index part : parent.relation(b.dimension, b.dimension - 1)[b.index]) {
+        const Entity below{b.dimension - 1, part};
+        if (below.dimension >= a.dimension && isIn(parent, a, below))
+            boundary[refinement.childOf({a, below}).value().index] = signOf(parent, b, part);
+    }
+    const int turn = (b.dimension - a.dimension) % 2 == 0 ? 1 : -1;
+    for (const Index whole : parent.relation(b.dimension, a.dimension + 1)[b.index]) {
+        const Entity above{a.dimension + 1, whole};
+        if (const int sign = signOf(parent, above, a.index); sign != 0)
+            boundary[refinement.childOf({above, b}).value().index] = turn * sign;
+    }
+    return boundary;
+}
+
+void expectDefinition(const CellComplex& parent, const Refinement& refinement) {
+    const CellComplex& child = refinement.child();
+    refinement.forEachChild([&](const Entity& entity, const Interval& interval) {
+        if (entity.dimension == 0) return;
+        const auto row = child.boundary(entity.dimension)[entity.index];
+        const auto signs = child.boundary(entity.dimension).signs(entity.index);
+        std::map<Index, int> got;
+        for (std::size_t i = 0; i < row.size(); ++i) got[row[i]] = signs[i];
+        EXPECT_EQ(got.size(), row.size());
+        EXPECT_EQ(got, boundaryByDefinition(parent, refinement, interval))
+            << entity.dimension << " " << entity.index;
+    });
+}
+
+std::vector<CellComplex> bases() {
+    return {test::singleCell(StandardCell::Tetrahedron),
+            test::singleCell(StandardCell::Pyramid),
+            test::bipyramid(5),
+            test::bipyramid(20),  // with more vertices than placeIn() counts through
+            test::grid({3, 2, 2}),
+            test::mixedCells(),
+            test::gridMesh(3, 2),
+            buildCurve(4, true)};
+}
+
+TEST(RefinementBoundary, IsThatOfTheDefinition) {
+    for (const CellComplex& base : bases()) {
+        const Refinement first(base);
+        expectDefinition(base, first);
+        expectDefinition(first.child(), Refinement(first.child()));
+    }
+}
+
+/// The entities that contain one of the chosen vertices.
+ByEntity<std::uint8_t> around(const CellComplex& complex, const std::vector<Index>& vertices) {
+    ByEntity<std::uint8_t> kept;
+    for (int d = 0; d <= complex.dimension(); ++d)
+        for (Index index = 0; index < complex.count(d); ++index)
+            kept[static_cast<std::size_t>(d)].push_back(
+                std::any_of(vertices.begin(), vertices.end(), [&](Index vertex) {
+                    return isIn(complex, {0, vertex}, {d, index});
+                }));
+    return kept;
+}
+
+TEST(RefinementBoundary, IsThatOfTheDefinitionWherePartIsKept) {
+    for (const CellComplex& base : bases())
+        for (const std::vector<Index>& vertices :
+             {std::vector<Index>{0}, std::vector<Index>{0, 1, 3}}) {
+            const auto kept = around(base, vertices);
+            expectDefinition(base, Refinement(base, &kept));
+        }
+}
+
+// What is kept has the numbers of the whole refinement, closed up.
+TEST(RefinementBoundary, KeptChildrenStayInOrder) {
+    for (const CellComplex& base : bases()) {
+        const auto kept = around(base, {1, 2});
+        const Refinement whole(base), part(base, &kept);
+        std::array<Index, 4> next = {};
+        whole.forEachChild([&](const Entity&, const Interval& interval) {
+            const auto child = part.childOf(interval);
+            const auto& [a, b] = interval;
+            ASSERT_EQ(
+                child.has_value(),
+                kept[static_cast<std::size_t>(a.dimension)][static_cast<std::size_t>(a.index)] !=
+                    0);
+            if (!child) return;
+            const int d = b.dimension - a.dimension;
+            EXPECT_EQ(*child, (Entity{d, next[static_cast<std::size_t>(d)]++}));
+            EXPECT_EQ(part.parentOf(*child), interval);
+        });
+        for (int d = 0; d <= base.dimension(); ++d)
+            EXPECT_EQ(part.child().count(d), next[static_cast<std::size_t>(d)]);
+    }
+}
+
+TEST(RefinementBoundary, ChildrenInheritFromTheirUpperEnds) {
+    for (const CellComplex& base : bases()) {
+        ByEntity<int> values;
+        int next = 0;
+        for (int d = 0; d <= base.dimension(); ++d)
+            for (Index i = 0; i < base.count(d); ++i)
+                values[static_cast<std::size_t>(d)].push_back(next++);
+        const auto kept = around(base, {2});
+        for (const Refinement& refinement : {Refinement(base), Refinement(base, &kept)}) {
+            const auto inherited = refinement.inherit(values);
+            refinement.forEachChild([&](const Entity& child, const Interval& interval) {
+                EXPECT_EQ(inherited[static_cast<std::size_t>(child.dimension)]
+                                   [static_cast<std::size_t>(child.index)],
+                          values[static_cast<std::size_t>(interval.upper.dimension)]
+                                [static_cast<std::size_t>(interval.upper.index)]);
+            });
+        }
+    }
+}
+
+TEST(Incidence, UniformRowsNeedNoOffsets) {
+    const Incidence uniform = Incidence::uniform(3, {4, 5, 6, 1, 2, 0});
+    Rows<Index> rows;
+    rows.offsets = {0, 3, 6};
+    rows.values = {4, 5, 6, 1, 2, 0};
+    const Incidence stored(rows);
+    for (const Incidence* each : {&uniform, &stored}) {
+        EXPECT_EQ(each->rowCount(), 2);
+        EXPECT_EQ((*each)[1][0], 1);
+        EXPECT_EQ(each->offset(2), 6);
+        EXPECT_EQ(each->rowOf(2), 0);
+        EXPECT_EQ(each->rowOf(3), 1);
+        EXPECT_EQ(each->transposed(7)[5].front(), 0);
+        EXPECT_EQ(each->transposed(7)[3].size(), 0u);
+    }
+    // Empty rows are skipped.
+    rows.offsets = {0, 0, 2, 2, 6};
+    EXPECT_EQ(Incidence(rows).rowOf(0), 1);
+    EXPECT_EQ(Incidence(rows).rowOf(1), 1);
+    EXPECT_EQ(Incidence(rows).rowOf(2), 3);
+}
+
+}  // namespace
+}  // namespace espalier::far
