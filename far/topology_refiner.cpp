@@ -3,7 +3,6 @@
 #include <espalier/far/topology_refiner.h>
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -18,10 +17,8 @@ TopologyRefiner::TopologyRefiner(CellComplex base, const RefinerOptions& options
 
 namespace {
 
-/// The entities that are lower ends of children: those that are not on the open boundary. Nothing
-/// where all are.
-std::optional<ByEntity<std::uint8_t>> keptEntities(const Level& parent, Boundary boundary) {
-    if (boundary != Boundary::Open) return std::nullopt;
+/// The entities that are lower ends of children: those that are not on the open boundary.
+ByEntity<std::uint8_t> closedEntities(const Level& parent) {
     ByEntity<std::uint8_t> kept;
     for (int d = 0; d <= parent.complex.dimension(); ++d)
         for (Index index = 0; index < parent.complex.count(d); ++index)
@@ -42,18 +39,93 @@ std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement
 
 }  // namespace
 
+void TopologyRefiner::addLevel(const ByEntity<std::uint8_t>* kept) {
+    const Level& parent = levels_.back();
+    Refinement refinement(parent.complex, kept);
+    Level next{
+        refinement.child(),
+        refineStrata(parent.complex, parent.strata, refinement, boundary(), options_.creasing),
+        refineHoles(parent, refinement)};
+    refinements_.push_back(std::move(refinement));
+    levels_.push_back(std::move(next));
+}
+
 void TopologyRefiner::refineUniform(int level) {
     while (maxLevel() < level) {
+        if (!isUniform())
+            throw Error("level " + std::to_string(maxLevel()) +
+                        " is refined around some cells only: there is no whole level " +
+                        std::to_string(level));
         const Level& parent = levels_.back();
-        const auto kept = keptEntities(parent, boundary());
-        Refinement refinement(parent.complex, kept ? &*kept : nullptr);
-        Level next{
-            refinement.child(),
-            refineStrata(parent.complex, parent.strata, refinement, boundary(), options_.creasing),
-            refineHoles(parent, refinement)};
-        refinements_.push_back(std::move(refinement));
-        levels_.push_back(std::move(next));
+        if (boundary() == Boundary::Open) {
+            const auto kept = closedEntities(parent);
+            addLevel(&kept);
+        } else {
+            addLevel(nullptr);
+        }
     }
+}
+
+namespace {
+
+/// The cells that share a vertex with one of `cells`, and these; ascending.
+std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cells) {
+    std::vector<std::uint8_t> isIn(static_cast<std::size_t>(complex.count(complex.dimension())));
+    for (const Index cell : cells)
+        for (const Index vertex : complex.relation(complex.dimension(), 0)[cell])
+            for (const Index other : complex.relation(0, complex.dimension())[vertex])
+                isIn[static_cast<std::size_t>(other)] = 1;
+    std::vector<Index> result;
+    for (std::size_t cell = 0; cell < isIn.size(); ++cell)
+        if (isIn[cell] != 0) result.push_back(static_cast<Index>(cell));
+    return result;
+}
+
+/// Leaves of `kept` the entities with a vertex of one of `cells`.
+void keepAround(const CellComplex& complex, std::span<const Index> cells,
+                ByEntity<std::uint8_t>& kept) {
+    std::vector<std::uint8_t> isCorner(static_cast<std::size_t>(complex.count(0)), 0);
+    for (const Index cell : cells)
+        for (const Index vertex : complex.relation(complex.dimension(), 0)[cell])
+            isCorner[static_cast<std::size_t>(vertex)] = 1;
+    for (int d = 0; d <= complex.dimension(); ++d) {
+        const Incidence& vertices = complex.relation(d, 0);
+        for (Index index = 0; index < complex.count(d); ++index) {
+            const auto row = vertices[index];
+            if (std::none_of(row.begin(), row.end(), [&](Index vertex) {
+                    return isCorner[static_cast<std::size_t>(vertex)] != 0;
+                }))
+                kept[static_cast<std::size_t>(d)][static_cast<std::size_t>(index)] = 0;
+        }
+    }
+}
+
+}  // namespace
+
+void TopologyRefiner::refineAround(std::span<const Index> cells) {
+    const Level& parent = levels_.back();
+    const Index count = parent.complex.count(dimension());
+    const auto refuse = [&](Index cell, const char* why) {
+        throw Error("cannot refine around cell " + std::to_string(cell) + " of level " +
+                    std::to_string(maxLevel()) + why);
+    };
+    if (cells.empty()) throw Error("there is no cell to refine around");
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (cells[i] < 0 || cells[i] >= count) refuse(cells[i], ": there is no such cell");
+        if (i > 0 && cells[i] <= cells[i - 1]) refuse(cells[i], ": cells must ascend");
+        if (!isUniform() &&
+            !std::binary_search(chosen_.begin(), chosen_.end(),
+                                refinements_.back().parentOf({dimension(), cells[i]}).upper.index))
+            refuse(cells[i], ": it is not a child of those that the level was refined around");
+    }
+    std::vector<Index> chosen(cells.begin(), cells.end());
+    // Chaikin's rule looks at the edges at both ends of an edge: one more ring must be whole.
+    if (options_.creasing == Creasing::Chaikin && parent.strata.hasSemiSharp())
+        chosen = grown(parent.complex, chosen);
+    ByEntity<std::uint8_t> kept = closedEntities(parent);
+    keepAround(parent.complex, chosen, kept);
+    addLevel(&kept);
+    chosen_ = std::move(chosen);
 }
 
 namespace {
