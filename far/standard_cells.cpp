@@ -96,6 +96,28 @@ private:
     std::vector<std::optional<Index>> vertexAt_;
 };
 
+using Quadrilateral = std::array<Index, 4>;
+
+/// A quadrilateral that stands on an edge of another one, its base.
+struct Side {
+    std::size_t edge = 0;   ///< from corner `edge` of the base to the next
+    Index aboveFirst = 0;   ///< what is above the one
+    Index aboveSecond = 0;  ///< and above the other
+};
+
+/// The first edge of the base that a face has, if any: in either direction.
+std::optional<Side> sideOn(const Quadrilateral& base, std::span<const Index> face) {
+    for (std::size_t edge = 0; edge < 4; ++edge)
+        for (std::size_t i = 0; i < 4; ++i) {
+            if (face[i] != base[edge]) continue;
+            const Index after = face[(i + 1) % 4], across = face[(i + 2) % 4],
+                        before = face[(i + 3) % 4];
+            if (after == base[(edge + 1) % 4]) return Side{edge, before, across};
+            if (before == base[(edge + 1) % 4]) return Side{edge, after, across};
+        }
+    return std::nullopt;
+}
+
 }  // namespace
 
 Index vertexCount(StandardCell cell) {
@@ -140,52 +162,35 @@ std::optional<StandardCellVertices> asStandardCell(const CellComplex& complex, C
     return std::nullopt;
 }
 
-// Written without a search or an allocation: 40 ns a cell.
 std::optional<std::array<Index, 8>> hexahedronVertices(const CellComplex& complex, CellId cell) {
     const auto faces = complex.relation(3, 2)[cell.value];
     const Incidence& loops = complex.relation(2, 0);
-    if (faces.size() != 6 || loops[faces[0]].size() != 4) return std::nullopt;
+    if (faces.size() != 6 || std::any_of(faces.begin(), faces.end(),
+                                         [&](Index face) { return loops[face].size() != 4; }))
+        return std::nullopt;
 
-    // The base, and what is above its corners.
-    std::array<Index, 4> base, top = {};
+    Quadrilateral base;
     std::copy_n(loops[faces[0]].begin(), 4, base.begin());
     // From inside, the loop must run anticlockwise.
     if (complex.boundary(3).signs(cell.value)[0] > 0) std::swap(base[1], base[3]);
-    std::array<bool, 4> hasTop = {}, hasSide = {};
-    const auto setTop = [&](std::size_t corner, Index vertex) {
-        if (hasTop[corner]) return top[corner] == vertex;
-        hasTop[corner] = true;
-        top[corner] = vertex;
-        return true;
-    };
+    // Of the five other faces one stands on each edge of the base, and one on none.
+    std::array<std::optional<Side>, 4> sides;
     std::optional<Index> opposite;
     for (const Index face : faces.subspan(1)) {
-        const auto loop = loops[face];
-        if (loop.size() != 4) return std::nullopt;
-        // Which corners of the base the face has; 4 for a vertex that is none.
-        std::array<std::size_t, 4> corners = {4, 4, 4, 4};
-        for (std::size_t i = 0; i < 4; ++i)
-            for (std::size_t corner = 0; corner < 4; ++corner)
-                if (loop[i] == base[corner]) corners[i] = corner;
-        const auto count = 4 - std::count(corners.begin(), corners.end(), 4u);
-        if (count == 0 && !opposite) {
+        const auto side = sideOn(base, loops[face]);
+        if (side ? sides[side->edge].has_value() : opposite.has_value()) return std::nullopt;
+        if (side)
+            sides[side->edge] = side;
+        else
             opposite = face;
-            continue;
-        }
-        if (count != 2) return std::nullopt;
-        // A side: an edge of the base, either way round, and the two vertices above.
-        std::size_t i = 0;
-        while (corners[i] == 4 || corners[(i + 1) % 4] == 4)
-            if (++i == 4) return std::nullopt;
-        const std::size_t from = corners[i], to = corners[(i + 1) % 4];
-        const bool isForward = to == (from + 1) % 4;
-        if (!isForward && from != (to + 1) % 4) return std::nullopt;
-        if (std::exchange(hasSide[isForward ? from : to], true)) return std::nullopt;
-        if (!setTop(from, loop[(i + 3) % 4]) || !setTop(to, loop[(i + 2) % 4])) return std::nullopt;
     }
-    // Of five faces at most one is opposite and at most four are sides: there is one of each.
-    for (const Index vertex : top)
-        if (!contains(loops[*opposite], vertex)) return std::nullopt;
+    Quadrilateral top;
+    for (std::size_t i = 0; i < 4; ++i) {
+        top[i] = sides[i]->aboveFirst;
+        if (sides[(i + 3) % 4]->aboveSecond != top[i] || contains(base, top[i]))
+            return std::nullopt;
+    }
+    if (!std::is_permutation(top.begin(), top.end(), loops[*opposite].begin())) return std::nullopt;
     return std::array{base[0], base[1], base[2], base[3], top[0], top[1], top[2], top[3]};
 }
 

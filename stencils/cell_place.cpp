@@ -20,17 +20,22 @@ Index tetrahedronCount(const far::CellComplex& complex, far::CellId cell) {
     return 2 * static_cast<Index>(complex.relation(3, 2)[cell.value].size());
 }
 
+std::array<double, 8> hexahedronWeights(const CellPlace& place) {
+    const Eigen::Vector3d uvw(place.uvw.data());
+    Trilinear::Weights weights = Trilinear::weights(uvw);
+    if (place.offset != std::array<double, 3>{}) {
+        const auto derivatives = Trilinear::weightDerivatives(uvw);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t i = 0; i < 8; ++i)
+                weights[i] += place.offset[axis] * derivatives[axis][i];
+    }
+    return weights;
+}
+
 std::vector<VertexWeight> placeWeights(const far::CellComplex& complex, const CellPlace& place) {
     std::vector<VertexWeight> result;
     if (const auto corners = far::hexahedronVertices(complex, place.cell)) {
-        const Eigen::Vector3d uvw(place.uvw.data());
-        Trilinear::Weights weights = Trilinear::weights(uvw);
-        if (place.offset != std::array<double, 3>{}) {
-            const auto derivatives = Trilinear::weightDerivatives(uvw);
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                for (std::size_t i = 0; i < 8; ++i)
-                    weights[i] += place.offset[axis] * derivatives[axis][i];
-        }
+        const auto weights = hexahedronWeights(place);
         for (std::size_t i = 0; i < 8; ++i)
             if (weights[i] != 0) result.push_back({(*corners)[i], weights[i]});
         return result;

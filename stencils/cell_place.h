@@ -41,6 +41,9 @@ struct VertexWeight {
 /// \param complex a refined lattice: level 1 or above
 std::vector<VertexWeight> placeWeights(const far::CellComplex& complex, const CellPlace& place);
 
+/// The weights of a place in a hexahedron, one a corner in the order of far::hexahedronVertices().
+std::array<double, 8> hexahedronWeights(const CellPlace& place);
+
 /// The vertices P₁P₂P₃ of a tetrahedron of a type-n cell.
 std::array<far::Index, 3> tetrahedronBase(const far::CellComplex& complex, far::CellId cell,
                                           far::Index tetrahedron);

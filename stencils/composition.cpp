@@ -2,10 +2,13 @@
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/repeated_rows.h>
+#include <espalier/stencils/vertex_parents.h>
 
 #include <algorithm>
 #include <numeric>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 namespace espalier::stencils {
@@ -18,6 +21,15 @@ StencilTable<Real> selectionTable(Index columnCount, std::span<const Index> colu
     std::iota(offsets.begin(), offsets.end(), Offset{0});
     return StencilTable<Real>(columnCount, std::move(offsets), {columns.begin(), columns.end()},
                               Array<Real>(columns.size(), Real{1}));
+}
+
+/// A table in another precision, or itself.
+template <class Real>
+StencilTable<Real> converted(StencilTable<double> table) {
+    if constexpr (std::is_same_v<Real, double>)
+        return table;
+    else
+        return convertTable<Real>(table);
 }
 
 /// A table times values of `components` a source entry, source by source.
@@ -40,7 +52,16 @@ std::vector<double> product(const StencilTable<double>& table, std::span<const d
 
 }  // namespace
 
-CompactTable compactColumns(const StencilTable<double>& table) {
+void checkVertices(const far::TopologyRefiner& refiner, int level,
+                   std::span<const Index> vertices) {
+    const Index count = refiner.level(level).complex.count(0);
+    for (const Index vertex : vertices)
+        if (vertex < 0 || vertex >= count)
+            throw Error("there is no vertex " + std::to_string(vertex) + " on level " +
+                        std::to_string(level) + ", which has " + std::to_string(count));
+}
+
+CompactTable compactColumns(StencilTable<double> table) {
     std::vector<Index> place(static_cast<std::size_t>(table.columnCount()), 0);
     for (const Index column : table.columns()) place[static_cast<std::size_t>(column)] = 1;
     CompactTable compact;
@@ -50,45 +71,67 @@ CompactTable compactColumns(const StencilTable<double>& table) {
         at = static_cast<Index>(compact.columns.size());
         compact.columns.push_back(column);
     }
-    Array<Index> columns;
-    columns.reserve(table.columns().size());
-    for (const Index column : table.columns())
-        columns.push_back(place[static_cast<std::size_t>(column)]);
+    const auto count = static_cast<Index>(compact.columns.size());
+    if (count == table.columnCount()) {
+        compact.table = std::move(table);
+        return compact;
+    }
+    Array<Index> columns(table.columns().size());
+    std::transform(table.columns().begin(), table.columns().end(), columns.begin(),
+                   [&](Index column) { return place[static_cast<std::size_t>(column)]; });
     compact.table =
-        StencilTable<double>(static_cast<Index>(compact.columns.size()),
-                             {table.offsets().begin(), table.offsets().end()}, std::move(columns),
-                             {table.weights().begin(), table.weights().end()});
+        StencilTable<double>(Trusted{}, count, {table.offsets().begin(), table.offsets().end()},
+                             std::move(columns), {table.weights().begin(), table.weights().end()});
     return compact;
 }
+
+namespace {
+
+/// The rows of S_level for the given vertices, by multiplication.
+/// \param origins of the levels 0 to `level` − 1
+template <class Real>
+StencilTable<Real> compose(const far::TopologyRefiner& refiner, int level, Rules rules,
+                           std::span<const BaseEntities> origins, std::span<const Index> vertices) {
+    // Down the levels: what each row needs of the level before. Then up: their products.
+    struct Link {
+        StencilTable<double> table;
+        RowOrder order;
+    };
+    std::vector<Link> chain;
+    std::vector<Index> demanded(vertices.begin(), vertices.end());
+    for (int k = level; k > 1; --k) {
+        const VertexParents parents(refiner, k);
+        const BaseEntities& origin = origins[static_cast<std::size_t>(k) - 1];
+        std::vector<Index> groups;
+        groups.reserve(demanded.size());
+        for (const Index vertex : demanded) groups.push_back(origin.of(parents(vertex)));
+        CompactTable compact = compactColumns(buildLevelTable(refiner, k, rules, demanded));
+        chain.push_back({std::move(compact.table), RowOrder(groups, origin.count())});
+        demanded = std::move(compact.columns);
+    }
+    StencilTable<double> product = buildLevelTable(refiner, 1, rules, demanded);
+    if (chain.empty()) return converted<Real>(std::move(product));
+    for (; chain.size() > 1; chain.pop_back())
+        product = multiply<double>(chain.back().table, product, chain.back().order);
+    return multiply<Real>(chain.front().table, product, chain.front().order);
+}
+
+}  // namespace
 
 template <class Real>
 StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const Index> vertices) {
-    refiner.level(level);  // Throws if it is not there.
+    checkVertices(refiner, level, vertices);
     checkRules(refiner, rules);
     if (level == 0) return selectionTable<Real>(refiner.level(0).complex.count(0), vertices);
-    // Down the levels: what each row needs of the level before. Then up: their products.
-    struct Link {
-        CompactTable table;
-        RowOrder order;
-    };
-    const std::vector<BaseEntities> origins = baseEntities(refiner, level);
-    std::vector<Link> chain;
-    std::span<const Index> demanded = vertices;
-    for (int k = level; k > 0; --k) {
-        std::vector<Index> groups;
-        for (const Index vertex : demanded)
-            groups.push_back(
-                origins[static_cast<std::size_t>(k)].of(0)[static_cast<std::size_t>(vertex)]);
-        CompactTable table = compactColumns(buildLevelTable(refiner, k, rules, demanded));
-        chain.push_back({std::move(table), RowOrder(groups, origins.front().count())});
-        demanded = chain.back().table.columns;
+    const std::vector<BaseEntities> origins = baseEntities(refiner, level - 1);
+    if (RepeatedRows::areIn(refiner, level, rules)) {
+        const RepeatedRows rows(refiner, level, origins, vertices);
+        const bool isAll = rows.firsts().size() == vertices.size();
+        auto firstRows = compose<Real>(refiner, level, rules, origins, rows.firsts());
+        return isAll ? firstRows : rows.expand(firstRows);
     }
-    StencilTable<double> product =
-        selectionTable<double>(refiner.level(0).complex.count(0), demanded);
-    for (; chain.size() > 1; chain.pop_back())
-        product = multiply<double>(chain.back().table.table, product, chain.back().order);
-    return multiply<Real>(chain.front().table.table, product, chain.front().order);
+    return compose<Real>(refiner, level, rules, origins, vertices);
 }
 
 template <class Real>
@@ -96,6 +139,17 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
     std::vector<Index> all(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
     std::iota(all.begin(), all.end(), Index{0});
     return buildStencils<Real>(refiner, level, rules, all);
+}
+
+template <class Real>
+std::vector<StencilTable<Real>> buildLevelTables(const far::TopologyRefiner& refiner, int level,
+                                                 Rules rules) {
+    refiner.level(level);  // Throws if it is not there.
+    checkRules(refiner, rules);
+    std::vector<StencilTable<Real>> tables;
+    for (int k = 1; k <= level; ++k)
+        tables.push_back(converted<Real>(buildLevelTable(refiner, k, rules)));
+    return tables;
 }
 
 std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
@@ -133,5 +187,8 @@ template StencilTable<double> buildStencils(const far::TopologyRefiner&, int, Ru
                                             std::span<const Index>);
 template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rules);
 template StencilTable<double> buildStencils(const far::TopologyRefiner&, int, Rules);
+template std::vector<StencilTable<float>> buildLevelTables(const far::TopologyRefiner&, int, Rules);
+template std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner&, int,
+                                                            Rules);
 
 }  // namespace espalier::stencils

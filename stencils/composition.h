@@ -19,6 +19,11 @@ namespace espalier::stencils {
 ///         is semi-sharp
 void checkRules(const far::TopologyRefiner& refiner, Rules rules);
 
+/// Checks that a level has the given vertices.
+///
+/// \throws Error for a vertex that the level does not have, and for a level that is not there
+void checkVertices(const far::TopologyRefiner& refiner, int level, std::span<const Index> vertices);
+
 /// Builds R_level: row i holds the weights of level-`level` vertex i over the vertices of the level
 /// before. 8 to 27 entries a row in regular lattices. Rows sum to 1.
 ///
@@ -34,10 +39,26 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
 StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules,
                                      std::span<const Index> vertices);
 
+/// R_1 to R_level, in this order, for values that are carried level by level, pose after pose:
+/// apply the first to values on the base, and each to what the one before gave.
+///
+/// That gives the values of every level, and takes fewer products than S_level: on a surface 8 a
+/// vertex of the last level instead of 14, in a lattice 15 instead of 64. But each level must be
+/// done before the next, rows of a level share few columns, for which osd::CompiledTable has its
+/// best forms, and only S_level gives some rows without the others.
+///
+/// \cost O(entries), in parallel: as much as refineValues() for one pose
+template <class Real = double>
+std::vector<StencilTable<Real>> buildLevelTables(const far::TopologyRefiner& refiner, int level,
+                                                 Rules rules = Rules::Siggraph96);
+
 /// Composes the level tables into S_level = R_level … R_1: row i holds the weights of level-`level`
 /// vertex i over the base vertices. At most 64 entries a row in regular lattices. Rows sum to 1.
 ///
 /// \param level 0 (the identity) to refiner.maxLevel()
+/// Many rows are the same weights over other columns, where a base is regular: just one of them
+/// is composed, and copied.
+///
 /// \cost O(products of entries), in parallel; memory for S_level and S_(level−1) at once
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3
 template <class Real = double>
@@ -69,14 +90,15 @@ struct CompactTable {
     StencilTable<double> table;
     std::vector<Index> columns;
 };
-CompactTable compactColumns(const StencilTable<double>& table);
+CompactTable compactColumns(StencilTable<double> table);
 
 /// Values on the base vertices carried to the vertices of a level: R_level … R_1 applied in turn.
 ///
 /// \param values `components` a base vertex, vertex by vertex; positions are values of 3 components
 /// \return `components` a level vertex, vertex by vertex
 /// \throws Error if values.size() is not components × base vertices
-/// \cost O(entries of the level tables); holds one of them at a time
+/// \cost O(entries of the level tables), most of it to make them: see buildLevelTables() for many
+///       poses. Holds one of them at a time
 std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const double> values, int components);
 

@@ -4,9 +4,9 @@
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/rats.h>
 #include <espalier/stencils/table_builder.h>
+#include <espalier/stencils/vertex_parents.h>
 
 #include <numeric>
-#include <string>
 
 namespace espalier::stencils {
 namespace {
@@ -66,8 +66,9 @@ void addMask(const Neighbourhood& around, const Mask& mask, double scale, RowAcc
         const double weight = scale * mask[static_cast<std::size_t>(dimension)];
         if (weight == 0) continue;
         const Index count = around.count(dimension);
+        const far::Incidence& verticesOf = around.level.complex.relation(dimension, 0);
         around.forEach(dimension, [&](const Entity& other) {
-            const auto vertices = around.level.complex.relation(dimension, 0)[other.index];
+            const auto vertices = verticesOf[other.index];
             const double share = weight / (count * static_cast<double>(vertices.size()));
             for (const Index vertex : vertices) row.add(vertex, share);
         });
@@ -104,18 +105,14 @@ void checkRules(const far::TopologyRefiner& refiner, Rules rules) {
 
 StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules,
                                      std::span<const Index> vertices) {
+    const VertexParents parents(refiner, level);
+    checkVertices(refiner, level, vertices);
     checkRules(refiner, rules);
     const far::Level& parent = refiner.level(level - 1);
-    const far::Refinement& refinement = refiner.refinement(level);
-    const Index count = refinement.child().count(0);
-    for (const Index vertex : vertices)
-        if (vertex < 0 || vertex >= count)
-            throw Error("there is no vertex " + std::to_string(vertex) + " on level " +
-                        std::to_string(level) + ", which has " + std::to_string(count));
     return buildTable<double>(static_cast<Index>(vertices.size()), parent.complex.count(0),
                               [&](Index row, RowAccumulator& accumulator) {
                                   const Index vertex = vertices[static_cast<std::size_t>(row)];
-                                  const Entity entity = refinement.parentOf({0, vertex}).upper;
+                                  const Entity entity = parents(vertex);
                                   if (rules == Rules::Rats)
                                       addRatsRow(parent, entity, accumulator);
                                   else

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/place_map.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
@@ -13,39 +14,6 @@
 // and the block is a small product of dense rows: no search, no merge, and full vectors.
 namespace espalier::stencils {
 namespace {
-
-/// Rows and columns that a block has seen so far, with their places in it.
-class PlaceMap {
-public:
-    explicit PlaceMap(Index count) : places_(static_cast<std::size_t>(count), kNone) {}
-
-    bool has(Index item) const { return places_[static_cast<std::size_t>(item)] != kNone; }
-    Index placeOf(Index item) const { return places_[static_cast<std::size_t>(item)]; }
-    const std::vector<Index>& items() const { return items_; }
-
-    void add(Index item) {
-        places_[static_cast<std::size_t>(item)] = static_cast<Index>(items_.size());
-        items_.push_back(item);
-    }
-
-    /// Puts the items in ascending order.
-    void sort() {
-        std::sort(items_.begin(), items_.end());
-        for (std::size_t place = 0; place < items_.size(); ++place)
-            places_[static_cast<std::size_t>(items_[place])] = static_cast<Index>(place);
-    }
-
-    /// Forgets all but the first `count`.
-    void shrink(std::size_t count) {
-        for (; items_.size() > count; items_.pop_back())
-            places_[static_cast<std::size_t>(items_.back())] = kNone;
-    }
-
-private:
-    static constexpr Index kNone = far::kMaxIndex;
-    std::vector<Index> places_;
-    std::vector<Index> items_;
-};
 
 /// Multiplies one block after the other; each thread has its own.
 class BlockProduct {
@@ -144,7 +112,7 @@ private:
 
     const StencilTable<double>& left_;
     const StencilTable<double>& right_;
-    PlaceMap middles_, columns_;
+    PlaceMap middles_, columns_;  ///< what the block has so far
     std::size_t width_ = 0;
     std::vector<double> dense_;  ///< a row of `width_` for each of middles_
     std::vector<double> sums_;

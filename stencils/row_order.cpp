@@ -16,23 +16,28 @@ RowOrder::RowOrder(std::span<const Index> groups, Index groupCount)
 }
 
 BaseEntities::BaseEntities(const far::CellComplex& base) {
-    for (int d = 0; d <= base.dimension(); ++d) {
-        auto& numbers = numbers_[static_cast<std::size_t>(d)];
-        numbers.resize(static_cast<std::size_t>(base.count(d)));
-        std::iota(numbers.begin(), numbers.end(), count_);
-        count_ += base.count(d);
+    for (int d = 0; d <= far::kMaxDimension; ++d) {
+        const auto at = static_cast<std::size_t>(d);
+        begins_[at + 1] = begins_[at] + base.count(d);
+        numbers_[at].resize(static_cast<std::size_t>(base.count(d)));
+        std::iota(numbers_[at].begin(), numbers_[at].end(), begins_[at]);
     }
 }
 
+far::Entity BaseEntities::entity(Index number) const {
+    int dimension = 0;
+    while (number >= begins_[static_cast<std::size_t>(dimension) + 1]) ++dimension;
+    return {dimension, number - begins_[static_cast<std::size_t>(dimension)]};
+}
+
 void BaseEntities::refine(const far::Refinement& refinement) {
-    std::array<std::vector<Index>, far::kMaxDimension + 1> next;
+    std::array<far::Array<Index>, far::kMaxDimension + 1> next;
     for (int d = 0; d <= refinement.child().dimension(); ++d)
-        next[static_cast<std::size_t>(d)].reserve(
+        next[static_cast<std::size_t>(d)].resize(
             static_cast<std::size_t>(refinement.child().count(d)));
-    // In the order of the children.
     refinement.forEachChild([&](const far::Entity& child, const far::Interval& interval) {
-        next[static_cast<std::size_t>(child.dimension)].push_back(
-            of(interval.upper.dimension)[static_cast<std::size_t>(interval.upper.index)]);
+        next[static_cast<std::size_t>(child.dimension)][static_cast<std::size_t>(child.index)] =
+            of(interval.upper);
     });
     numbers_ = std::move(next);
 }

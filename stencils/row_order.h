@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/array.h>
 #include <espalier/far/topology_refiner.h>
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -50,15 +52,22 @@ public:
     void refine(const far::Refinement& refinement);
 
     /// Number of entities of the base, of all dimensions.
-    Index count() const { return count_; }
+    Index count() const { return begins_.back(); }
+
+    /// The entity of the base that a number stands for.
+    far::Entity entity(Index number) const;
 
     std::span<const Index> of(int dimension) const {
         return numbers_[static_cast<std::size_t>(dimension)];
     }
+    Index of(const far::Entity& entity) const {
+        return of(entity.dimension)[static_cast<std::size_t>(entity.index)];
+    }
 
 private:
-    Index count_ = 0;
-    std::array<std::vector<Index>, far::kMaxDimension + 1> numbers_;
+    /// The numbers of the dimensions, one after the other.
+    std::array<Index, far::kMaxDimension + 2> begins_ = {};
+    std::array<far::Array<Index>, far::kMaxDimension + 1> numbers_;
 };
 
 /// Those of levels 0 to `level`.

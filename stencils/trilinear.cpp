@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/stencils/box_least_squares.h>
+#include <espalier/stencils/solve3.h>
 #include <espalier/stencils/trilinear.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <cmath>
 
 namespace espalier::stencils {
@@ -16,6 +16,11 @@ namespace {
 /// Where corner i lies in the parameter cube.
 constexpr std::array<std::array<int, 3>, 8> kCorner = {
     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
+
+/// a at t = 0, b at t = 1; exactly.
+Vector3d between(const Vector3d& a, const Vector3d& b, double t) {
+    return (1 - t) * a + t * b;
+}
 
 /// The factor of corner i's weight along one axis.
 double factor(std::size_t corner, std::size_t axis, double t) {
@@ -43,19 +48,20 @@ std::array<Trilinear::Weights, 3> Trilinear::weightDerivatives(const Vector3d& u
     return result;
 }
 
-Vector3d Trilinear::position(const Vector3d& uvw) const {
-    const Weights w = weights(uvw);
-    Vector3d sum = Vector3d::Zero();
-    for (std::size_t i = 0; i < 8; ++i) sum += w[i] * corners_[i];
-    return sum;
-}
-
-Matrix3d Trilinear::jacobian(const Vector3d& uvw) const {
-    const auto d = weightDerivatives(uvw);
-    Matrix3d result = Matrix3d::Zero();
-    for (std::size_t i = 0; i < 8; ++i)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            result.col(static_cast<Eigen::Index>(axis)) += d[axis][i] * corners_[i];
+Trilinear::Tangent Trilinear::tangent(const Vector3d& uvw) const {
+    const auto& c = corners_;
+    const double u = uvw[0], v = uvw[1], w = uvw[2];
+    // Along the four edges in direction u, between those in direction v, and then in direction w.
+    const Vector3d bottomFront = between(c[0], c[1], u), bottomBack = between(c[3], c[2], u);
+    const Vector3d topFront = between(c[4], c[5], u), topBack = between(c[7], c[6], u);
+    const Vector3d bottom = between(bottomFront, bottomBack, v);
+    const Vector3d top = between(topFront, topBack, v);
+    Tangent result;
+    result.position = between(bottom, top, w);
+    result.jacobian.col(0) =
+        between(between(c[1] - c[0], c[2] - c[3], v), between(c[5] - c[4], c[6] - c[7], v), w);
+    result.jacobian.col(1) = between(bottomBack - bottomFront, topBack - topFront, w);
+    result.jacobian.col(2) = top - bottom;
     return result;
 }
 
@@ -68,7 +74,8 @@ std::optional<Vector3d> Trilinear::findOrigin(const Vector3d& start) const {
     constexpr double kWanderedOff = 100;
     Vector3d uvw = start;
     for (int step = 0; step < kMostSteps; ++step) {
-        const Vector3d move = jacobian(uvw).partialPivLu().solve(position(uvw));
+        const auto [value, slopes] = tangent(uvw);
+        const Vector3d move = solve3(slopes, value);
         if (!move.allFinite()) return std::nullopt;
         uvw -= move;
         if (uvw.lpNorm<Eigen::Infinity>() > kWanderedOff) return std::nullopt;
@@ -112,8 +119,8 @@ Vector3d Trilinear::nearestToOrigin() const {
     double distance = position(uvw).stableNorm();
     for (int step = 0; step < kMostSteps; ++step) {
         // The nearest place of the linear map that touches this one here.
-        const Matrix3d j = jacobian(uvw);
-        const Vector3d target = j * uvw - position(uvw);
+        const auto [value, j] = tangent(uvw);
+        const Vector3d target = j * uvw - value;
         Vector3d move = nearestInBox(j, target, Vector3d::Zero(), Vector3d::Ones()) - uvw;
         // Shorten the step until it helps.
         double length = 0;

@@ -24,11 +24,18 @@ public:
     /// Derivatives of the weights by u, v and w.
     static std::array<Weights, 3> weightDerivatives(const Eigen::Vector3d& uvw);
 
-    Eigen::Vector3d position(const Eigen::Vector3d& uvw) const;
+    Eigen::Vector3d position(const Eigen::Vector3d& uvw) const { return tangent(uvw).position; }
 
     /// Columns are the derivatives by u, v and w. (The paper interpolates the Jacobians of the
     /// corners; for a trilinear map that is this, exactly.)
-    Eigen::Matrix3d jacobian(const Eigen::Vector3d& uvw) const;
+    Eigen::Matrix3d jacobian(const Eigen::Vector3d& uvw) const { return tangent(uvw).jacobian; }
+
+    /// The position and the Jacobian at a place: in one go, they take half the time.
+    struct Tangent {
+        Eigen::Vector3d position;
+        Eigen::Matrix3d jacobian;
+    };
+    Tangent tangent(const Eigen::Vector3d& uvw) const;
 
     /// Where the map takes the value 0, by Newton's method from `start`. Put the point that is
     /// sought at the origin: rounding is then relative to the cell, not to where it lies.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "support/complexes.h"
 
@@ -112,6 +113,61 @@ TEST(HexahedronVertices, SixQuadrilateralsNeedNotBeAHexahedron) {
     EXPECT_EQ(solid.count(2), 6);
     EXPECT_EQ(solid.count(0), 8);
     EXPECT_EQ(hexahedronVertices(solid, CellId(0)), std::nullopt);
+}
+
+/// The loops in another order, and each from another vertex on.
+Loops permuted(const Loops& loops, const std::array<std::size_t, 6>& order) {
+    Loops result;
+    for (std::size_t i = 0; i < 6; ++i) {
+        result.push_back(loops[order[i]]);
+        std::rotate(result[i].begin(), result[i].begin() + static_cast<int>((i + order[0]) % 4),
+                    result[i].end());
+    }
+    return result;
+}
+
+// The middle one of three cells: a face that it shares with the cell before runs the other way.
+TEST(HexahedronVertices, WhateverTheOrderOfTheFaces) {
+    const CellComplex row = test::grid({3, 1, 1});
+    for (const bool insideOut : {false, true}) {
+        std::vector<Loops> cells;
+        for (Index cell = 0; cell < 3; ++cell) {
+            cells.push_back(outwardLoops(row, CellId(cell)));
+            for (auto& loop : cells.back())
+                if (insideOut) std::reverse(loop.begin(), loop.end());
+        }
+        std::array<std::size_t, 6> order = {0, 1, 2, 3, 4, 5};
+        std::array<int, 2> signCount = {};
+        do {
+            const CellComplex complex =
+                test::lattice(row.count(0), {cells[0], permuted(cells[1], order), cells[2]});
+            const auto vertices = hexahedronVertices(complex, CellId(1));
+            ASSERT_TRUE(vertices);
+            const Index base = complex.relation(3, 2)[1][0];
+            EXPECT_TRUE(std::is_permutation(vertices->begin(), vertices->begin() + 4,
+                                            complex.relation(2, 0)[base].begin()));
+            EXPECT_EQ(vertices->front(), complex.relation(2, 0)[base].front());
+            EXPECT_EQ(facesOf({StandardCell::Hexahedron, {vertices->begin(), vertices->end()}}),
+                      facesOf(complex, 1));
+            ++signCount[complex.boundary(3).signs(1)[0] > 0];
+        } while (std::next_permutation(order.begin(), order.end()));
+        EXPECT_GT(signCount[0], 0);
+        EXPECT_GT(signCount[1], 0);
+    }
+}
+
+// Six quadrilaterals and eight vertices, of valence 2, 3 and 4.
+TEST(HexahedronVertices, RefuseOtherSolidsWhateverTheOrderOfTheFaces) {
+    const Loops solids[] = {
+        {{0, 2, 1, 3}, {0, 3, 6, 4}, {6, 3, 1, 4}, {0, 4, 1, 5}, {0, 5, 7, 2}, {7, 5, 1, 2}},
+        {{0, 5, 1, 3}, {1, 6, 2, 3}, {2, 7, 0, 3}, {1, 5, 0, 4}, {2, 6, 1, 4}, {0, 7, 2, 4}}};
+    for (const Loops& solid : solids) {
+        std::array<std::size_t, 6> order = {0, 1, 2, 3, 4, 5};
+        do {
+            const CellComplex complex = test::lattice(8, {permuted(solid, order)});
+            ASSERT_EQ(hexahedronVertices(complex, CellId(0)), std::nullopt);
+        } while (std::next_permutation(order.begin(), order.end()));
+    }
 }
 
 // The quick way and the general one find the same cells, though not the same first corner.

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/sparse_matrix.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "support/meshes.h"
+#include "support/random_lattices.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -96,6 +103,49 @@ TEST(Stencils, ComposedEqualsAppliedLevelByLevel) {
     });
 }
 
+/// A lattice or a mesh with a seventh of its edges and a thirteenth of its vertices sharp, at
+/// random.
+Lattice sharpened(Lattice lattice) {
+    std::mt19937 random(1);
+    const far::CellComplex& complex = lattice.complex;
+    for (Index edge = 0; edge < complex.count(1); ++edge) {
+        const auto ends = complex.relation(1, 0)[edge];
+        if (random() % 7 == 0)
+            lattice.marks.edges.push_back({{ends[0], ends[1]}, far::kInfinitelySharp});
+    }
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex)
+        if (random() % 13 == 0) lattice.marks.vertices.push_back({vertex, far::kInfinitelySharp});
+    return lattice;
+}
+
+// Rows that are copies of others too: in regular bases nearly all are, and every feature must be
+// where they end.
+TEST(Stencils, AreTheProductsOfTheLevelTablesToTheLastBit) {
+    std::vector<NamedLattice> shapes = test::zoo();
+    for (auto& shape : test::featureLattices()) shapes.push_back(std::move(shape));
+    for (auto& shape : test::meshZoo()) shapes.push_back(std::move(shape));
+    for (unsigned seed = 0; seed < 20; ++seed)
+        shapes.push_back({"seed " + std::to_string(seed), test::randomLattice(seed)});
+    const Lattice box = shapes::box({.cells = {5, 4, 4}}), patch = test::patch(12);
+    Lattice shuffled = box;
+    shuffled.complex =
+        test::relabelled(box.complex, test::shuffledIndices(box.complex.count(0), 7), 8);
+    shapes.push_back({"regular box", box});
+    shapes.push_back({"shuffled box", shuffled});
+    shapes.push_back({"sharpened box", sharpened(box)});
+    shapes.push_back({"regular patch", patch});
+    shapes.push_back({"sharpened patch", sharpened(patch)});
+    for (const auto& [name, lattice] : shapes) {
+        TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+        refiner.refineUniform(3);
+        StencilTable<double> product = buildStencils(refiner, 0);
+        for (int level = 1; level <= 3; ++level) {
+            product = multiply<double>(buildLevelTable(refiner, level), product);
+            ASSERT_EQ(buildStencils(refiner, level), product) << name << " level " << level;
+        }
+    }
+}
+
 // The same sums in the same order: equal to the last bit.
 TEST(Stencils, DemandedRowsAreTheRowsOfTheWholeTable) {
     forEachRefined(3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
@@ -154,6 +204,17 @@ TEST(Stencils, DoNotDependOnTheNumberOfThreads) {
     };
     EXPECT_EQ(build(1), build(2));
     EXPECT_EQ(build(1), build(8));
+}
+
+TEST(LevelTables, AreThoseOfTheLevelsInOrder) {
+    TopologyRefiner refiner(test::bipyramid(5));
+    refiner.refineUniform(2);
+    EXPECT_EQ(buildLevelTables(refiner, 2),
+              (std::vector{buildLevelTable(refiner, 1), buildLevelTable(refiner, 2)}));
+    EXPECT_EQ(buildLevelTables<float>(refiner, 2).back(),
+              convertTable<float>(buildLevelTable(refiner, 2)));
+    EXPECT_TRUE(buildLevelTables(refiner, 0).empty());
+    EXPECT_THROW(buildLevelTables(refiner, 3), Error);
 }
 
 TEST(Stencils, FloatTableIsTheDoubleTableRounded) {

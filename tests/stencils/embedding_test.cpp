@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "support/threads.h"
 #include "support/zoo.h"
@@ -432,6 +434,105 @@ TEST(Embedding, DoesNotDependOnTheNumberOfThreads) {
     const auto one = bind(1);
     EXPECT_EQ(one, bind(2));
     EXPECT_EQ(one, bind(8));
+}
+
+// Points are found in an order of their own; what is found, and which one is refused, does not
+// depend on it.
+TEST(Embedding, DoesNotDependOnTheOrderOfThePoints) {
+    const Refined refined(shapes::torus(), 2);
+    auto points = pointsIn(refined, 5000, 8);
+    const Embedding embedding = refined.embed(points);
+    const auto forwards = buildEmbeddingTable(refined.complex(), embedding);
+    std::reverse(points.begin(), points.end());
+    const auto backwards = buildEmbeddingTable(refined.complex(), refined.embed(points));
+    const Index last = forwards.rowCount() - 1;
+    for (Index row = 0; row <= last; ++row) {
+        ASSERT_TRUE(std::ranges::equal(forwards.columns(row), backwards.columns(last - row)));
+        ASSERT_TRUE(std::ranges::equal(forwards.weights(row), backwards.weights(last - row)));
+    }
+    points[3000] = {9, 9, 9};
+    points[4000] = {-9, -9, -9};
+    try {
+        refined.embed(points, {.outside = OutsidePolicy::Error});
+        FAIL() << "accepted";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("point 3000 at (9, 9, 9) "));
+    }
+}
+
+// Few points in many cells are a way of their own: row by row the same.
+TEST(Embedding, RowsDoNotDependOnTheNumberOfPoints) {
+    const Refined refined(test::mixedLattice(), 2);
+    const auto points = pointsIn(refined, 2000, 9);
+    const auto all = buildEmbeddingTable(refined.complex(), refined.embed(points));
+    for (std::size_t i = 0; i < points.size(); i += 50) {
+        const auto one = buildEmbeddingTable(refined.complex(), refined.embed({points[i]}));
+        ASSERT_TRUE(std::ranges::equal(all.columns(static_cast<Index>(i)), one.columns(0)));
+        ASSERT_TRUE(std::ranges::equal(all.weights(static_cast<Index>(i)), one.weights(0)));
+    }
+}
+
+// W against its definition: the weights of a place, added up.
+TEST(Embedding, RowsAreTheWeightsOfThePlaces) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const Refined refined(lattice, 1);
+        auto points = pointsIn(refined, 100, 10);
+        points.push_back({3.5, 0.3, 0.2});
+        const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
+        const auto table = buildEmbeddingTable(refined.complex(), embedding);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            std::map<Index, double> expected;
+            for (const auto& [vertex, weight] :
+                 placeWeights(refined.complex(), *embedding.points[i].place))
+                expected[vertex] += weight;
+            std::erase_if(expected, [](const auto& entry) { return entry.second == 0; });
+            std::map<Index, double> row;
+            const auto columns = table.columns(static_cast<Index>(i));
+            for (std::size_t k = 0; k < columns.size(); ++k)
+                row[columns[k]] = table.weights(static_cast<Index>(i))[k];
+            ASSERT_EQ(row, expected) << name << " " << i;
+        }
+    }
+}
+
+// Given the cells whose boxes hold a point, the solver alone finds what the locator does.
+TEST(CellSolver, FindsWhatTheLocatorDoes) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const Refined refined(lattice, 1);
+        Eigen::AlignedBox3d box;
+        for (const Point3& position : refined.positions) box.extend(vec(position));
+        const double size = box.diagonal().norm();
+        const PointLocator locator(refined.complex(), refined.positions, 1e-6);
+        const CellSolver solver(refined.complex(), refined.positions,
+                                {.size = size, .tolerance = 1e-6 * size});
+        auto points = pointsIn(refined, 200, 13);
+        points.insert(points.end(), refined.positions.begin(), refined.positions.end());
+        int inCells = 0;
+        for (const Point3& point : points) {
+            std::vector<Index> cells;
+            Index nearest = 0;
+            for (Index cell = 0; cell < refined.complex().count(3); ++cell) {
+                if (solver.boxOf(CellId(cell)).contains(vec(point))) cells.push_back(cell);
+                if (solver.distance(vec(point), CellId(cell)) <
+                    solver.distance(vec(point), CellId(nearest)))
+                    nearest = cell;
+            }
+            const auto inside = solver.locateIn(vec(point), cells);
+            inCells += inside.has_value();
+            const LocatedPoint expected = locator.locate(point, true);
+            const LocatedPoint found =
+                inside ? *inside : solver.locateBeside(vec(point), CellId(nearest), true);
+            ASSERT_EQ(found.status, expected.status) << name;
+            ASSERT_EQ(found.distance, expected.distance) << name;
+            ASSERT_EQ(found.residual, expected.residual) << name;
+            ASSERT_TRUE(found.place && expected.place) << name;
+            ASSERT_EQ(found.place->cell, expected.place->cell) << name;
+            ASSERT_EQ(found.place->tetrahedron, expected.place->tetrahedron) << name;
+            ASSERT_EQ(found.place->uvw, expected.place->uvw) << name;
+            ASSERT_EQ(found.place->offset, expected.place->offset) << name;
+        }
+        EXPECT_GT(inCells, 150) << name;
+    }
 }
 
 TEST(Embedding, PointsThatAreNotFiniteDoNotConverge) {

@@ -2,6 +2,8 @@
 #include <espalier/stencils/box_least_squares.h>
 #include <espalier/stencils/box_tree.h>
 #include <espalier/stencils/simplex.h>
+#include <espalier/stencils/solve3.h>
+#include <espalier/stencils/space_curve.h>
 #include <espalier/stencils/trilinear.h>
 #include <gtest/gtest.h>
 
@@ -185,6 +187,65 @@ TEST(TrilinearMap, NearestPlaceDoesNotDependOnTheSizeOfTheCell) {
     }
 }
 
+TEST(Solve3, AgreesWithAFactorisation) {
+    std::mt19937 random(10);
+    std::normal_distribution<double> normal;
+    for (const double size : {1e-150, 1e-100, 1e-9, 1.0, 1e100, 1e150})
+        for (const double height : {1.0, 0.1, 1e-3, 1e-6}) {
+            for (int i = 0; i < 100; ++i) {
+                Matrix3d map = Matrix3d::NullaryExpr([&] { return normal(random); });
+                map.col(2) = map.col(0) - map.col(1) + height * map.col(2);
+                const Vector3d x(normal(random), normal(random), normal(random));
+                const Vector3d found = solve3(size * map, size * (map * x));
+                // Rounding times the condition of the map.
+                const double condition = map.norm() * map.inverse().norm();
+                ASSERT_LT((found - x).norm(), 1e-15 * condition * (1 + x.norm())) << size;
+            }
+        }
+}
+
+TEST(Solve3, SingularMapsGiveNoNumbers) {
+    Matrix3d flat = Matrix3d::Identity();
+    flat(2, 2) = 0;
+    EXPECT_FALSE(solve3(flat, {1, 2, 3}).allFinite());
+    EXPECT_FALSE(solve3(Matrix3d::Zero(), {1, 2, 3}).allFinite());
+}
+
+TEST(MortonCurve, ByHand) {
+    const MortonCurve curve({Vector3d(0, 0, 0), Vector3d(8, 8, 8)});
+    // The highest three bits: which half along each axis; then which quarter.
+    const auto eighth = [&](double x, double y, double z) {
+        return curve.key({x, y, z}) >> (MortonCurve::kBits - 6);
+    };
+    EXPECT_EQ(eighth(1, 1, 1), 0b000'000u);
+    EXPECT_EQ(eighth(5, 1, 1), 0b001'000u);
+    EXPECT_EQ(eighth(1, 5, 1), 0b010'000u);
+    EXPECT_EQ(eighth(1, 1, 5), 0b100'000u);
+    EXPECT_EQ(eighth(7, 3, 5), 0b101'011u);
+    // Outside, and no number.
+    EXPECT_EQ(eighth(9, -1, 1e300), 0b101'101u);
+    EXPECT_EQ(eighth(std::nan(""), 1, 1), 0u);
+    EXPECT_EQ(curve.key({8, 8, 8}), (std::uint64_t{1} << MortonCurve::kBits) - 1);
+    // A box without a length along an axis.
+    const MortonCurve flat({Vector3d(0, 0, 1), Vector3d(8, 8, 1)});
+    EXPECT_EQ(flat.key({7, 7, 1}) >> (MortonCurve::kBits - 6), 0b011'011u);
+}
+
+TEST(MortonCurve, SortIsStable) {
+    std::mt19937_64 random(11);
+    for (const int bits : {11, 32, MortonCurve::kBits}) {
+        far::Array<CurvePlace> places;
+        for (Index i = 0; i < 5000; ++i) places.push_back({random() >> (i % 2 == 0 ? 1 : 40), i});
+        auto expected = places;
+        const int low = MortonCurve::kBits - bits;
+        std::stable_sort(
+            expected.begin(), expected.end(),
+            [&](const CurvePlace& a, const CurvePlace& b) { return a.key >> low < b.key >> low; });
+        sortAlongCurve(places, bits);
+        for (std::size_t i = 0; i < places.size(); ++i) ASSERT_EQ(places[i].item, expected[i].item);
+    }
+}
+
 TEST(NearestOnTriangle, ByHand) {
     // In the plane z = 1, the foot of the origin inside, beyond an edge, and beyond a corner.
     const auto nearest = [](Vector3d a, Vector3d b, Vector3d c) {
@@ -198,36 +259,55 @@ TEST(NearestOnTriangle, ByHand) {
     EXPECT_EQ(nearest({1, 0, 1}, {1, 0, 1}, {1, 0, 1}).sum(), 1);
 }
 
+void expectTreeMatchesBruteForce(const std::vector<BoxTree::Box>& boxes, std::mt19937& random) {
+    const std::size_t count = boxes.size();
+    std::uniform_real_distribution<double> at(0, 10);
+    const BoxTree tree(boxes);
+    for (int query = 0; query < 50; ++query) {
+        const Vector3d point(at(random), at(random), at(random));
+        std::vector<Index> found, expected;
+        tree.findContaining(point, found);
+        std::sort(found.begin(), found.end());
+        for (std::size_t i = 0; i < count; ++i)
+            if (boxes[i].contains(point)) expected.push_back(static_cast<Index>(i));
+        ASSERT_EQ(found, expected);
+        if (count == 0) continue;
+        const auto distance = [&](Index i) {
+            return boxes[static_cast<std::size_t>(i)].exteriorDistance(point);
+        };
+        Index best = 0;
+        for (Index i = 1; i < static_cast<Index>(count); ++i)
+            if (distance(i) < distance(best)) best = i;
+        const auto nearest = tree.findNearest(point, distance);
+        ASSERT_EQ(nearest.index, best);  // of several, the lowest
+        ASSERT_EQ(nearest.distance, distance(best));
+    }
+}
+
 TEST(Boxes, TreeMatchesBruteForce) {
     std::mt19937 random(8);
     std::uniform_real_distribution<double> at(0, 10), size(0, 1);
-    for (const std::size_t count : {0u, 1u, 4u, 5u, 1000u, 30000u}) {
+    for (const std::size_t count : {0u, 1u, 8u, 9u, 1000u, 30000u}) {
         std::vector<BoxTree::Box> boxes;
         for (std::size_t i = 0; i < count; ++i) {
             const Vector3d low(at(random), at(random), at(random));
             boxes.emplace_back(low, low + Vector3d(size(random), size(random), size(random)));
         }
-        const BoxTree tree(boxes);
-        for (int query = 0; query < 50; ++query) {
-            const Vector3d point(at(random), at(random), at(random));
-            std::vector<Index> found, expected;
-            tree.findContaining(point, found);
-            std::sort(found.begin(), found.end());
-            for (std::size_t i = 0; i < count; ++i)
-                if (boxes[i].contains(point)) expected.push_back(static_cast<Index>(i));
-            ASSERT_EQ(found, expected);
-            if (count == 0) continue;
-            const auto distance = [&](Index i) {
-                return boxes[static_cast<std::size_t>(i)].exteriorDistance(point);
-            };
-            Index best = 0;
-            for (Index i = 1; i < static_cast<Index>(count); ++i)
-                if (distance(i) < distance(best)) best = i;
-            const auto nearest = tree.findNearest(point, distance);
-            ASSERT_EQ(nearest.index, best);  // of several, the lowest
-            ASSERT_EQ(nearest.distance, distance(best));
-        }
+        expectTreeMatchesBruteForce(boxes, random);
     }
+}
+
+// Boxes that the curve does not tell apart: in the same place, and beside one that is far away.
+TEST(Boxes, TreeOfBoxesInOnePlace) {
+    std::mt19937 random(12);
+    std::vector<BoxTree::Box> boxes(100, {Vector3d(1, 1, 1), Vector3d(9, 9, 9)});
+    expectTreeMatchesBruteForce(boxes, random);
+    for (int i = 0; i < 100; ++i) {
+        const Vector3d low = Vector3d::Constant(i / 10.);
+        boxes.emplace_back(low, low + Vector3d::Ones());
+    }
+    boxes.emplace_back(Vector3d::Constant(1e9), Vector3d::Constant(2e9));
+    expectTreeMatchesBruteForce(boxes, random);
 }
 
 }  // namespace

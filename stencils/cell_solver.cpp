@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/parallel.h>
+#include <espalier/far/standard_cells.h>
+#include <espalier/stencils/cell_solver.h>
+#include <espalier/stencils/place_points.h>
+#include <espalier/stencils/simplex.h>
+#include <espalier/stencils/solve3.h>
+#include <espalier/stencils/trilinear.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+namespace espalier::stencils {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using far::CellId;
+using far::Index;
+
+namespace {
+
+/// How far beyond 0 and 1 a coordinate of a point on a face may come out: Newton's result is off by
+/// the rounding of the point (1e-16 of its size) over the size and thinness of the cell, for which
+/// this allows six orders of magnitude.
+constexpr double kOnFace = 1e-10;
+
+/// Boxes are widened by this part of the bounding box, so that a point on a face lies in the boxes
+/// of both cells whatever way its coordinates were rounded.
+constexpr double kBoxSlack = 1e-12;
+
+/// A place must give its point back within this part of the lattice's size, or of how far off the
+/// point lies: what the project promises of the rest pose.
+constexpr double kResidual = 1e-12;
+
+const far::CellComplex& checked(const far::CellComplex& complex,
+                                std::span<const Point3> positions) {
+    checkPositions(complex, positions);
+    if (complex.dimension() != 3)
+        throw Error("points can be embedded in a lattice only, not in a complex of dimension " +
+                    std::to_string(complex.dimension()));
+    for (Index face = 0; face < complex.count(2); ++face)
+        if (complex.relation(2, 0)[face].size() != 4)
+            throw Error("face " + std::to_string(face) +
+                        " is not a quadrilateral: embedding needs a lattice refined at least once");
+    return complex;
+}
+
+std::vector<std::optional<std::array<Index, 8>>> hexahedra(const far::CellComplex& complex) {
+    std::vector<std::optional<std::array<Index, 8>>> corners(
+        static_cast<std::size_t>(complex.count(3)));
+    far::parallelFor(complex.count(3), 4096, [&](far::Offset first, far::Offset last) {
+        for (far::Offset cell = first; cell < last; ++cell)
+            corners[static_cast<std::size_t>(cell)] =
+                far::hexahedronVertices(complex, CellId(static_cast<Index>(cell)));
+    });
+    return corners;
+}
+
+/// The corners of a hexahedron, seen from a point.
+Trilinear mapAround(const std::array<Index, 8>& corners, std::span<const Point3> positions,
+                    const Vector3d& point) {
+    Trilinear::Corners offsets;
+    for (std::size_t i = 0; i < 8; ++i)
+        offsets[i] = Vector3d(positions[static_cast<std::size_t>(corners[i])].data()) - point;
+    return Trilinear(offsets);
+}
+
+}  // namespace
+
+CellSolver::CellSolver(const far::CellComplex& complex, std::span<const Point3> positions,
+                       Scale scale)
+    : complex_(checked(complex, positions)),
+      positions_(positions.begin(), positions.end()),
+      corners_(hexahedra(complex)),
+      scale_(scale) {}
+
+Eigen::AlignedBox3d CellSolver::boxOf(CellId cell) const {
+    Eigen::AlignedBox3d box;
+    if (const auto& corners = cornersOf(cell))
+        for (const Index corner : *corners) box.extend(positionOf(corner));
+    else
+        for (const Index vertex : complex_.relation(3, 0)[cell.value])
+            box.extend(positionOf(vertex));
+    const double margin = scale_.tolerance + kBoxSlack * scale_.size;
+    box.min().array() -= margin;
+    box.max().array() += margin;
+    return box;
+}
+
+Vector3d CellSolver::positionOf(const CellPlace& place) const {
+    Vector3d sum = Vector3d::Zero();
+    for (const auto& [vertex, weight] : placeWeights(complex_, place))
+        sum += weight * positionOf(vertex);
+    return sum;
+}
+
+Vector3d CellSolver::centreOf(CellId cell) const {
+    const auto vertices = complex_.relation(3, 0)[cell.value];
+    Vector3d sum = Vector3d::Zero();
+    for (const Index vertex : vertices) sum += positionOf(vertex);
+    return sum / static_cast<double>(vertices.size());
+}
+
+CellSolver::Tetrahedron CellSolver::tetrahedron(CellId cell, Index number,
+                                                const Vector3d& centre) const {
+    Tetrahedron result{centre, {}};
+    const auto base = tetrahedronBase(complex_, cell, number);
+    for (Eigen::Index i = 0; i < 3; ++i)
+        result.edges.col(i) = positionOf(base[static_cast<std::size_t>(i)]) - centre;
+    return result;
+}
+
+std::optional<LocatedPoint> CellSolver::locateIn(const Vector3d& point,
+                                                 std::span<const Index> cells) const {
+    for (const bool thoroughly : {false, true})
+        for (const Index cell : cells)
+            if (auto found = findIn(CellId(cell), point, thoroughly)) return found;
+    return std::nullopt;
+}
+
+std::optional<LocatedPoint> CellSolver::findIn(CellId cell, const Vector3d& point,
+                                               bool thoroughly) const {
+    const auto found = [&](const CellPlace& place, double residual) {
+        return isSettled(point, residual)
+                   ? std::optional(LocatedPoint{PointStatus::Inside, place, 0, residual})
+                   : std::nullopt;
+    };
+    if (const auto& corners = cornersOf(cell)) {
+        const Trilinear map = mapAround(*corners, positions_, point);
+        const auto uvw = thoroughly ? map.findOriginInside(kOnFace) : map.findOrigin();
+        if (!uvw || !isInUnitCube(*uvw, kOnFace)) return std::nullopt;
+        return found({cell, 0, toArray(*uvw), {}}, map.position(*uvw).norm());
+    }
+    if (thoroughly) return std::nullopt;  // The tetrahedra were solved exactly the first time.
+    const Vector3d centre = centreOf(cell);
+    for (Index t = 0; t < tetrahedronCount(complex_, cell); ++t) {
+        const Matrix3d edges = tetrahedron(cell, t, centre).edges;
+        const Vector3d uvw = solve3(edges, point - centre);
+        if (uvw.allFinite() && uvw.minCoeff() >= -kOnFace && uvw.sum() <= 1 + kOnFace)
+            return found({cell, t, toArray(uvw), {}}, (edges * uvw - (point - centre)).norm());
+    }
+    return std::nullopt;
+}
+
+CellPlace CellSolver::nearestPlace(CellId cell, const Vector3d& point) const {
+    if (const auto& corners = cornersOf(cell)) {
+        const Trilinear map = mapAround(*corners, positions_, point);
+        return {cell, 0, toArray(map.nearestToOrigin()), {}};
+    }
+    CellPlace best{cell, 0, {}, {}};
+    double bestSquared = std::numeric_limits<double>::infinity();
+    for (Index t = 0; t < tetrahedronCount(complex_, cell); ++t) {
+        Triangle triangle;
+        const auto base = tetrahedronBase(complex_, cell, t);
+        for (std::size_t i = 0; i < 3; ++i) triangle[i] = positionOf(base[i]) - point;
+        const Vector3d uvw = nearestToOrigin(triangle);
+        const double squared =
+            (uvw[0] * triangle[0] + uvw[1] * triangle[1] + uvw[2] * triangle[2]).squaredNorm();
+        if (squared >= bestSquared) continue;
+        bestSquared = squared;
+        best.tetrahedron = t;
+        best.uvw = toArray(uvw);
+    }
+    return best;
+}
+
+/// Sets the offset that leads from a place to a point along the tangent of the cell's map.
+/// \return false if the map is singular there
+bool CellSolver::continueTo(const Vector3d& point, CellPlace& place) const {
+    const Vector3d uvw(place.uvw.data());
+    Trilinear::Tangent tangent;
+    if (const auto& corners = cornersOf(place.cell)) {
+        tangent = mapAround(*corners, positions_, point).tangent(uvw);
+    } else {
+        const auto [apex, edges] = tetrahedron(place.cell, place.tetrahedron, centreOf(place.cell));
+        tangent = {apex - point + edges * uvw, edges};
+    }
+    const Vector3d offset = tangent.jacobian.fullPivLu().solve(-tangent.position);
+    if (!offset.allFinite()) return false;
+    place.offset = toArray(offset);
+    return true;
+}
+
+/// Whether a place gives a point back.
+bool CellSolver::isSettled(const Vector3d& point, double residual) const {
+    return residual <= kResidual * std::max(scale_.size, point.norm());
+}
+
+/// The vertices of the face, edge or vertex of its cell that a place on the cell's surface lies on.
+std::vector<Index> CellSolver::supportOf(const CellPlace& place) const {
+    std::vector<Index> support;
+    if (const auto& corners = cornersOf(place.cell)) {
+        const auto weights = Trilinear::weights(Vector3d(place.uvw.data()));
+        for (std::size_t i = 0; i < 8; ++i)
+            if (weights[i] > 0) support.push_back((*corners)[i]);
+        return support;
+    }
+    // On the base of its tetrahedron: the weight of the apex is 0, but for rounding.
+    const auto base = tetrahedronBase(complex_, place.cell, place.tetrahedron);
+    for (std::size_t i = 0; i < 3; ++i)
+        if (place.uvw[i] > 0) support.push_back(base[i]);
+    return support;
+}
+
+/// Whether a place on the surface of its cell lies on the boundary of the lattice.
+bool CellSolver::isOnBoundary(const CellPlace& place) const {
+    const std::vector<Index> support = supportOf(place);
+    const auto faces = complex_.relation(0, 2)[support.front()];
+    return std::any_of(faces.begin(), faces.end(), [&](Index face) {
+        if (complex_.relation(2, 3)[face].size() == 2) return false;
+        const auto loop = complex_.relation(2, 0)[face];
+        return std::all_of(support.begin(), support.end(),
+                           [&](Index vertex) { return far::contains(loop, vertex); });
+    });
+}
+
+LocatedPoint CellSolver::locateBeside(const Vector3d& point, CellId nearest,
+                                      bool seekNearest) const {
+    CellPlace place = nearestPlace(nearest, point);
+    const double distance = (positionOf(place) - point).norm();
+    LocatedPoint result;
+    result.distance = distance;
+    const bool isInside = distance <= scale_.tolerance || !isOnBoundary(place);
+    const PointStatus status = isInside ? PointStatus::Inside : PointStatus::Outside;
+    if (!isInside && !seekNearest) {
+        result.status = status;
+        return result;
+    }
+    if (continueTo(point, place)) {
+        // By the weights, as the deformation has it: they grow with the offset, and so does the
+        // rounding of their sum.
+        const double residual = (positionOf(place) - point).norm();
+        if (isSettled(point, residual)) return {status, place, distance, residual};
+    }
+    // A point within the tolerance may be taken for its nearest place, if nothing better can be
+    // had.
+    if (distance <= scale_.tolerance) {
+        place.offset = {};
+        return {PointStatus::Inside, place, distance, distance};
+    }
+    return result;
+}
+
+}  // namespace espalier::stencils

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/parallel.h>
+#include <espalier/stencils/repeated_rows.h>
+#include <espalier/stencils/surroundings.h>
+#include <espalier/stencils/vertex_parents.h>
+
+#include <algorithm>
+
+namespace espalier::stencils {
+namespace {
+
+std::size_t at(Index index) {
+    return static_cast<std::size_t>(index);
+}
+
+}  // namespace
+
+bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level, Rules rules) {
+    // RATS looks one vertex further. On level 1 nothing is inside an entity but its own point. Rows
+    // are matched by their place among those of an entity: none may be missing.
+    return level >= 2 && refiner.isUniform() && rules != Rules::Rats &&
+           refiner.boundary() != far::Boundary::Open && !refiner.level(0).strata.hasSemiSharp();
+}
+
+RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
+                           std::span<const BaseEntities> origins, std::span<const Index> vertices)
+    : copies_(vertices.size()) {
+    const VertexParents parents(refiner, level);
+    const BaseEntities& origin = origins[static_cast<std::size_t>(level) - 1];
+    insides_.resize(at(origin.count()));
+
+    // Refinement keeps the order of the shapes, and so rows correspond that come at the same place
+    // among the rows of their base entities.
+    far::Array<Index> places(at(parents.count()));
+    std::vector<Index> sizes(insides_.size(), 0);
+    for (Index vertex = 0; vertex < parents.count(); ++vertex)
+        places[at(vertex)] = sizes[at(origin.of(parents(vertex)))]++;
+
+    std::vector<Index> firstSets;            // of each shape
+    std::vector<std::optional<Index>> sets;  // of each set of rows, its number among firsts_
+    Surroundings surroundings(refiner.level(0));
+    for (std::size_t row = 0; row < vertices.size(); ++row) {
+        const Index vertex = vertices[row];
+        const Index base = origin.of(parents(vertex));
+        std::optional<Inside>& inside = insides_[at(base)];
+        if (!inside) {
+            const Index shape = surroundings.shapeOf(origins.front().entity(base));
+            if (at(shape) == firstSets.size()) {
+                firstSets.push_back(static_cast<Index>(sets.size()));
+                sets.resize(sets.size() + at(sizes[at(base)]));
+            }
+            inside = {firstSets[at(shape)], static_cast<Offset>(around_.size())};
+            around_.insert(around_.end(), surroundings.vertices().begin(),
+                           surroundings.vertices().end());
+        }
+        std::optional<Index>& first = sets[at(inside->firstSet + places[at(vertex)])];
+        if (!first) {
+            first = static_cast<Index>(firsts_.size());
+            firsts_.push_back(vertex);
+            firstBases_.push_back(base);
+        }
+        copies_[row] = {*first, base};
+    }
+}
+
+/// The places of the columns of a table among the vertices around their base entities.
+template <class Real>
+far::Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& firstRows) const {
+    far::Array<Index> places(firstRows.columns().size());
+    for (Index row = 0; row < firstRows.rowCount(); ++row) {
+        const Index* const around = verticesAround(firstBases_[at(row)]);
+        Offset entry = firstRows.offsets()[at(row)];
+        Index place = 0;
+        for (const Index column : firstRows.columns(row)) {  // Both ascend.
+            while (around[place] != column) ++place;
+            places[static_cast<std::size_t>(entry++)] = place;
+        }
+    }
+    return places;
+}
+
+template <class Real>
+StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& firstRows) const {
+    const far::Array<Index> places = placesOf(firstRows);
+    const Index columnCount = firstRows.columnCount();
+    far::Array<Offset> offsets(copies_.size() + 1);
+    offsets[0] = 0;
+    for (std::size_t row = 0; row < copies_.size(); ++row)
+        offsets[row + 1] = offsets[row] + firstRows.offsets()[at(copies_[row].first) + 1] -
+                           firstRows.offsets()[at(copies_[row].first)];
+    far::Array<Index> columns(static_cast<std::size_t>(offsets.back()));
+    far::Array<Real> weights(columns.size());
+    far::parallelFor(static_cast<Offset>(copies_.size()), 4096, [&](Offset begin, Offset end) {
+        for (auto row = static_cast<std::size_t>(begin); row < static_cast<std::size_t>(end);
+             ++row) {
+            const Copy& copy = copies_[row];
+            const auto from = firstRows.weights(copy.first);
+            const Index* const place = places.data() + firstRows.offsets()[at(copy.first)];
+            const Index* const around = verticesAround(copy.base);
+            Index* const to = columns.data() + offsets[row];
+            for (std::size_t k = 0; k < from.size(); ++k) to[k] = around[place[k]];
+            std::copy(from.begin(), from.end(), weights.begin() + offsets[row]);
+        }
+    });
+    return StencilTable<Real>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
+                              std::move(weights));
+}
+
+template StencilTable<float> RepeatedRows::expand(const StencilTable<float>&) const;
+template StencilTable<double> RepeatedRows::expand(const StencilTable<double>&) const;
+
+}  // namespace espalier::stencils

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/stencils/surroundings.h>
+
+#include <cstdint>
+
+namespace espalier::stencils {
+
+using far::Entity;
+
+std::size_t Surroundings::Hash::operator()(const std::vector<Index>& numbers) const {
+    std::uint64_t hash = numbers.size();
+    for (const Index number : numbers)
+        hash = (hash ^ static_cast<std::uint32_t>(number)) * 0x9E3779B97F4A7C15U;
+    return static_cast<std::size_t>(hash ^ (hash >> 32));
+}
+
+Surroundings::Surroundings(const far::Level& level)
+    : level_(level),
+      around_{PlaceMap(level.complex.count(0)), PlaceMap(level.complex.count(1)),
+              PlaceMap(level.complex.count(2)), PlaceMap(level.complex.count(3))},
+      vertices_(level.complex.count(0)) {
+    const far::CellComplex& complex = level.complex;
+    for (int d = 0; d <= complex.dimension(); ++d)
+        relations_.push_back({&complex.relation(0, d), &complex.relation(d, 0),
+                              d >= 2 ? &complex.boundary(d) : nullptr});
+}
+
+Index Surroundings::shapeOf(const Entity& entity) {
+    collect(entity);
+    describe(entity);
+    return shapes_.try_emplace(description_, static_cast<Index>(shapes_.size())).first->second;
+}
+
+void Surroundings::collect(const Entity& entity) {
+    const auto addNew = [](PlaceMap& items, std::span<const Index> more) {
+        for (const Index item : more)
+            if (!items.has(item)) items.add(item);
+    };
+    vertices_.shrink(0);
+    for (PlaceMap& items : around_) items.shrink(0);
+    addNew(around_[0],
+           (*relations_[static_cast<std::size_t>(entity.dimension)].toVertices)[entity.index]);
+    addNew(vertices_, around_[0].items());
+    around_[0].sort();
+    for (std::size_t d = 1; d < relations_.size(); ++d) {
+        PlaceMap& items = around_[d];
+        for (const Index vertex : around_[0].items())
+            addNew(items, (*relations_[d].ofVertex)[vertex]);
+        items.sort();
+        for (const Index item : items.items()) addNew(vertices_, (*relations_[d].toVertices)[item]);
+    }
+    vertices_.sort();
+}
+
+void Surroundings::describe(const Entity& entity) {
+    description_ = {entity.dimension,
+                    around_[static_cast<std::size_t>(entity.dimension)].placeOf(entity.index)};
+    for (int d = 0; d <= level_.complex.dimension(); ++d) {
+        const auto& items = around_[static_cast<std::size_t>(d)].items();
+        description_.push_back(static_cast<Index>(items.size()));
+        for (const Index item : items) describe(d, item);
+    }
+}
+
+/// Its strata; its vertices; and what bounds it, with directions.
+void Surroundings::describe(int dimension, Index index) {
+    const Entity entity{dimension, index};
+    const far::Strata& strata = level_.strata;
+    const Relations& relations = relations_[static_cast<std::size_t>(dimension)];
+    const auto vertices = (*relations.toVertices)[index];
+    const bool isSharp = dimension <= 1 && strata.sharpness(entity) > far::kSmooth;
+    description_.push_back(strata.of(entity) + 4 * strata.smoothStratum(entity) + 16 * isSharp);
+    description_.push_back(static_cast<Index>(vertices.size()));
+    for (const Index vertex : vertices) description_.push_back(vertices_.placeOf(vertex));
+    if (dimension <= 1) return;  // An edge's vertices are in the order of its direction.
+    const auto parts = (*relations.boundary)[index];
+    const auto signs = relations.boundary->signs(index);
+    description_.push_back(static_cast<Index>(parts.size()));
+    const PlaceMap& near = around_[static_cast<std::size_t>(dimension) - 1];
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        // Parts that do not touch the entity bear no name here.
+        description_.push_back(near.has(parts[i]) ? signs[i] * (near.placeOf(parts[i]) + 1) : 0);
+}
+
+}  // namespace espalier::stencils

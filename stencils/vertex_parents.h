@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/topology_refiner.h>
+
+#include <array>
+
+namespace espalier::stencils {
+
+using far::Index;
+using far::Offset;
+
+/// Which entity of the level before each vertex of a level is the new point of.
+class VertexParents {
+public:
+    /// \param level 1 to refiner.maxLevel()
+    VertexParents(const far::TopologyRefiner& refiner, int level)
+        : refinement_(refiner.refinement(level)), count_(refinement_.child().count(0)) {
+        const far::CellComplex& parent = refiner.level(level - 1).complex;
+        for (int d = 0; d <= far::kMaxDimension; ++d)
+            begins_[static_cast<std::size_t>(d) + 1] =
+                begins_[static_cast<std::size_t>(d)] + parent.count(d);
+        isWhole_ = begins_.back() == count_;
+    }
+
+    /// Number of vertices.
+    Index count() const { return count_; }
+
+    far::Entity operator()(Index vertex) const {
+        // Vertices count through the dimensions of their parents. Without boundary control, and on
+        // a level that is not uniform, some entities have none.
+        if (!isWhole_) return refinement_.parentOf({0, vertex}).upper;
+        int dimension = 0;
+        while (vertex >= begins_[static_cast<std::size_t>(dimension) + 1]) ++dimension;
+        return {dimension,
+                static_cast<Index>(vertex - begins_[static_cast<std::size_t>(dimension)])};
+    }
+
+private:
+    const far::Refinement& refinement_;
+    Index count_;
+    std::array<Offset, far::kMaxDimension + 2> begins_ = {};
+    bool isWhole_;
+};
+
+}  // namespace espalier::stencils
