@@ -3,11 +3,11 @@
 
 #include <espalier/far/error.h>
 #include <espalier/io/file.h>
-#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
 
 #include <functional>
 #include <map>
-#include <optional>
+#include <utility>
 
 #include "byte_counts.h"
 #include "choice.h"
@@ -22,10 +22,11 @@ using stencils::PointStatus;
 const std::map<std::string, Basis> kBasisWords = {
     {"subdivision", Basis::Subdivision}, {"bezier", Basis::Bezier}, {"bspline", Basis::BSpline}};
 
-template <class Place>
-BindingReport reportOf(const stencils::PlacedPoints<Place>& embedding) {
-    return {embedding.count(PointStatus::Inside), embedding.count(PointStatus::Outside),
-            embedding.count(PointStatus::NotConverged), embedding.largestResidual()};
+/// Of an embedding or of a bound model.
+template <class Found>
+BindingReport reportOf(const Found& found, double largestResidual) {
+    return {found.count(PointStatus::Inside), found.count(PointStatus::Outside),
+            found.count(PointStatus::NotConverged), largestResidual};
 }
 
 /// Shows how far the stage is that embeds so many points.
@@ -38,27 +39,12 @@ std::function<void(far::Offset)> progressOf(Stages& stages, std::size_t pointCou
 /// MacCracken & Joy 1996, section 5.
 BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3> points,
                               const Lattice& lattice, Stages& stages) {
-    const auto refiner = stages.run("refining", [&] {
-        auto refined = refineLattice(options.rest, lattice, options.common, options.level);
-        stages.addBytes(bytesOf(refined));
-        return refined;
-    });
-    const auto embedding = stages.run("embedding", [&] {
-        const auto positions = stencils::refinePositions(refiner, options.level,
-                                                         options.common.rules, lattice.positions);
-        auto placed =
-            stencils::embedPoints(refiner.level(options.level).complex, positions, points,
-                                  options.common.embedding, progressOf(stages, points.size()));
-        stages.addBytes(bytesOf(placed));
-        return placed;
-    });
-    Binding binding = stages.run("building stencils", [&] {
-        auto made = stencils::makeBinding<double>(refiner, options.level, options.common.rules,
-                                                  embedding, points);
-        stages.addBytes(bytesOf(made.table));
-        return made;
-    });
-    return {std::move(binding), reportOf(embedding)};
+    const auto base = refineLattice(options.rest, lattice, options.common, 0);
+    auto bound = stencils::bindPoints<double>(
+        base, lattice.positions, options.level, options.common.rules, points,
+        options.common.embedding, progressOf(stages, points.size()));
+    const BindingReport report = reportOf(bound, bound.largestResidual);
+    return {std::move(bound.binding), report};
 }
 
 stencils::TensorLattice tensorLattice(const BindOptions& options, const Lattice& lattice) {
@@ -77,20 +63,11 @@ BoundPoints bindToTensorProduct(const BindOptions& options, std::span<const Poin
     // To go on without them would be another deformation than the file asks for.
     if (!lattice.marks.empty())
         throw io::FileError(options.rest, "has marks, which only --basis subdivision heeds");
-    std::optional<stencils::TensorLattice> tensor;
-    const auto embedding = stages.run("embedding", [&] {
-        tensor = tensorLattice(options, lattice);
-        auto placed = stencils::embedPoints(*tensor, points, options.common.embedding,
-                                            progressOf(stages, points.size()));
-        stages.addBytes(bytesOf(placed));
-        return placed;
-    });
-    Binding binding = stages.run("building stencils", [&] {
-        auto made = stencils::makeBinding<double>(*tensor, embedding, points);
-        stages.addBytes(bytesOf(made.table));
-        return made;
-    });
-    return {std::move(binding), reportOf(embedding)};
+    const stencils::TensorLattice tensor = tensorLattice(options, lattice);
+    const auto embedding = stencils::embedPoints(tensor, points, options.common.embedding,
+                                                 progressOf(stages, points.size()));
+    return {stencils::makeBinding<double>(tensor, embedding, points),
+            reportOf(embedding, embedding.largestResidual())};
 }
 
 }  // namespace
@@ -129,7 +106,11 @@ void checkBasis(const BindOptions& options) {
 BoundPoints bindPoints(const BindOptions& options, std::span<const Point3> points,
                        const Lattice& lattice, Stages& stages) {
     const auto bind = options.basis == Basis::Subdivision ? bindToSubdivision : bindToTensorProduct;
-    return bind(options, points, lattice, stages);
+    return stages.run("binding", [&] {
+        BoundPoints bound = bind(options, points, lattice, stages);
+        stages.addBytes(bytesOf(bound.binding.table));
+        return bound;
+    });
 }
 
 }  // namespace espalier::cli

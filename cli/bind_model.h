@@ -50,7 +50,7 @@ struct BoundPoints {
 };
 
 /// Freezes points to a lattice that was read from options.rest. Errors in the lattice name it.
-/// Stages: refining (subdivision only), embedding, building stencils.
+/// Stage: binding.
 BoundPoints bindPoints(const BindOptions& options, std::span<const Point3> points,
                        const Lattice& lattice, Stages& stages);
 

@@ -34,9 +34,7 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 /// What the bytes of a stage are; null, as bytes a second, where they are not known:
 ///
 ///     reading, writing   of the files; not known of devices and pipes
-///     refining           of the relations of the levels that are made (byte_counts.h)
-///     embedding          of the places of the points
-///     building stencils  of the matrix
+///     binding            of the matrix
 ///     rounding to float, compiling float, compiling double
 ///                        of the table that is made
 ///     applying           that must move: the matrix, the vertices of the pose and the deformed

@@ -5,8 +5,7 @@
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/osd/binding_evaluator.h>
-#include <espalier/stencils/binding.h>
-#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
 
 using namespace espalier;
 
@@ -14,16 +13,12 @@ int main(int, char** arguments) {
     const auto model = io::readModel(arguments[1]);
     const Lattice rest = io::readLattice(arguments[2]), pose = io::readLattice(arguments[3]);
 
-    // Once: refine the lattice, find each point of the model in it, compose the matrix.
-    const int level = 3;
-    const auto rules = stencils::Rules::Siggraph96;
-    far::TopologyRefiner refiner(rest.complex, {.marks = rest.marks});
-    refiner.refineUniform(level);
-    const auto positions = stencils::refinePositions(refiner, level, rules, rest.positions);
-    const auto embedding =
-        stencils::embedPoints(refiner.level(level).complex, positions, model->positions());
+    // Once: find each point of the model in level 3 of the lattice, and compose the matrix.
+    const far::TopologyRefiner base(rest.complex, {.marks = rest.marks});
     const auto binding =
-        stencils::makeBinding<double>(refiner, level, rules, embedding, model->positions());
+        stencils::bindPoints<double>(base, rest.positions, 3, stencils::Rules::Siggraph96,
+                                     model->positions())
+            .binding;
 
     // For every pose: one sparse product.
     model->write(arguments[4], osd::evaluateBinding(binding, pose.positions));

@@ -297,7 +297,7 @@ class Deform(CliTest):
                                "-n", 2, "-o", "out.obj").stdout
         self.assert_close(self.read_points("out.obj"), self.expected, 1e-13)
         self.assertIn("500 inside, 0 outside, 0 not converged", out)
-        for word in ["largest residual", "entries a bound row", "peak memory", "embedding"]:
+        for word in ["largest residual", "entries a bound row", "peak memory", "binding"]:
             self.assertIn(word, out)
         text = (self.path / "out.obj").read_text()
         self.assertTrue(text.startswith("# a comment\nv "))
@@ -324,8 +324,8 @@ class Deform(CliTest):
         os.close(other_end)
         shown = os.read(terminal, 100000).decode()
         os.close(terminal)
-        self.assertIn("embedding ...", shown)
-        self.assertIn("embedding ... 100 %", shown)
+        self.assertIn("binding ...", shown)
+        self.assertIn("binding ... 100 %", shown)
         self.assertTrue(shown.endswith("\r\x1b[K"), "the line is cleared at the end")
 
     def test_quiet_is_silent(self):

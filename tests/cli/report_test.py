@@ -17,7 +17,7 @@ import program
 from program import CliTest, icosphere_points
 
 POINT = 24  # bytes of three coordinates in double precision
-BINDING = ["reading", "refining", "embedding", "building stencils"]
+BINDING = ["reading", "binding"]
 
 
 class Report(CliTest):
@@ -64,26 +64,9 @@ class Report(CliTest):
         self.assertEqual(matrix["bytes"], 8 * (rows + 1) + 12 * entries)
         self.assertEqual(names, [*BINDING, "writing"])
         self.assertEqual(stages["reading"]["bytes"], self.size("model.obj", "rest.vtu"))
-        self.assertEqual(stages["building stencils"]["bytes"], matrix["bytes"])
+        self.assertEqual(stages["binding"]["bytes"], matrix["bytes"])
         self.assertEqual(stages["writing"]["bytes"], self.size("m.espb"))
         self.assertGreater(report["peak_memory"], matrix["bytes"])
-
-    def test_bytes_of_refining_and_embedding(self):
-        _, stages, _ = self.report(*self.bind)
-        # Each level has edges of 2 vertices, quadrilaterals of 4 edges and hexahedra of 6 faces:
-        # 4 bytes an entry and 1 a sign, and offsets of 8 bytes, one more than there are.
-        expected = 0
-        for level in self.info("rest.vtu", "-n", 2)["levels"][1:]:
-            for kind, length in [("edges", 2), ("faces", 4), ("cells", 6)]:
-                count = level["counts"][kind]
-                expected += 5 * length * count + 8 * (count + 1)
-        self.assertEqual(stages["refining"]["bytes"], expected)
-        self.write_model(icosphere_points(1000))
-        _, twice, _ = self.report(*self.bind)
-        self.assertEqual(twice["refining"]["bytes"], expected)
-        self.assertEqual(twice["embedding"]["bytes"], 2 * stages["embedding"]["bytes"])
-        # At the least a place: a cell and three coordinates.
-        self.assertGreater(stages["embedding"]["bytes"], 500 * (4 + POINT))
 
     def test_poses_add_up(self):
         matrix = self.report(*self.bind)[0]["matrix"]
@@ -123,11 +106,6 @@ class Report(CliTest):
             for (_, shown), stage in zip(stages, report["stages"]):
                 self.assertEqual(shown, "%.1f kB" % (stage["bytes"] / 1000))
             self.assertRegex(text, r"\npeak memory       [0-9.]+ MB\n$")
-
-    def test_other_bases_do_not_refine(self):
-        names = self.report("bind", "model.obj", "--rest", "rest.vtu", "-o", "m.espb", "--basis",
-                            "bezier")[2]
-        self.assertEqual(names, ["reading", "embedding", "building stencils", "writing"])
 
     def test_what_is_not_known_is_null(self):
         # The second pose goes into a pipe, which has no size: nor have the two together.

@@ -122,6 +122,9 @@ TEST(Multiply, CompactColumnsKeepTheProduct) {
     const CompactTable compact = compactColumns(table);
     EXPECT_THAT(compact.columns, ElementsAre(3, 8));
     EXPECT_EQ(compact.table, StencilTable<double>(2, {0, 2, 3}, {0, 1, 0}, {.25, .75, 1}));
+    const CompactTable again = compactColumns(compact.table);
+    EXPECT_THAT(again.columns, ElementsAre(0, 1));
+    EXPECT_EQ(again.table, compact.table);
 }
 
 TEST(RowOrder, KeepsGroupsTogetherAndTheirRowsInOrder) {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/point.h>
+#include <espalier/far/topology_refiner.h>
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace espalier::stencils {
+
+using far::Index;
+
+/// Where what is refined from a cell can lie: all vertices of the cells that it becomes, whatever
+/// the level.
+struct CellBound {
+    Eigen::AlignedBox<double, 3> box;
+
+    /// Of a cell around which all is regular: by how much, at most, a refined vertex may be off the
+    /// trilinear map of the cell's corners, coordinate by coordinate. It falls to a quarter with
+    /// each level. Nothing for other cells.
+    std::optional<Eigen::Vector3d> drift;
+};
+
+/// Bounds of the cells of one level of a lattice.
+///
+/// Around a cell where nothing is irregular, refinement is that of a uniform tricubic B-spline:
+/// along one axis a vertex moves by an eighth of the second difference there, an edge point not at
+/// all, and the second differences fall to a quarter with each level. So all levels together move a
+/// vertex by no more than a sixth of the largest second difference along each axis. At regular
+/// boundaries that is true too: they are a B-spline with a phantom layer 2P₀ − P₁, whose second
+/// difference is 0. The box of the corners, widened by that, is little more than the cell itself.
+///
+/// Anywhere else new points are averages, and the box of all cells around the cell holds them
+/// (the convex-hull property). Except where a mask has negative weights, or may get one: there, no
+/// bound is known.
+///
+/// \cite MacCracken & Joy 1996, section 2.2; CSE-96-1, section 4 (the rules as products of curves')
+class CellBounds {
+public:
+    /// \param level a lattice; must outlive this, as the positions of its vertices
+    CellBounds(const far::Level& level, std::span<const Point3> positions, far::Creasing creasing);
+
+    /// \param cell with all its neighbours present
+    /// \param inherited the drift of the cell that this one is a child of, if it has one
+    /// \return nothing if the cell may become anything
+    std::optional<CellBound> boundOf(Index cell,
+                                     const std::optional<Eigen::Vector3d>& inherited) const;
+
+    /// Where the cell itself lies, without what it may become.
+    CellBound ownBox(Index cell) const;
+
+private:
+    bool isRegular(Index cell) const;
+    bool isRegularAt(Index vertex) const;
+    bool staysInHull(Index cell) const;
+    Eigen::Vector3d largestSecondDifference(const std::vector<Index>& ring) const;
+    std::vector<Index> ringOf(Index cell) const;
+
+    Eigen::Vector3d positionOf(Index vertex) const {
+        return Eigen::Vector3d(positions_[static_cast<std::size_t>(vertex)].data());
+    }
+
+    const far::CellComplex& complex_;
+    const far::Strata& strata_;
+    std::span<const Point3> positions_;
+    bool mayExtrapolate_;  ///< Chaikin's rule for semi-sharp edges
+};
+
+}  // namespace espalier::stencils

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/binding.h>
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace espalier::stencils {
+
+/// A model bound to a lattice, and how that went for each point.
+template <class Real>
+struct BoundModel {
+    Binding<Real> binding;
+    std::vector<PointStatus> statuses;  ///< one a point
+    double largestResidual = 0;         ///< see PlacedPoints::largestResidual()
+
+    Index count(PointStatus status) const {
+        return static_cast<Index>(std::count(statuses.begin(), statuses.end(), status));
+    }
+};
+
+/// Binds points to a level of a lattice that is refined no further than they ask for.
+///
+/// The result is, to the last bit, what refining the whole lattice, embedPoints() and makeBinding()
+/// give. But only cells that can still hold a point are refined, with what their rules need around
+/// them; points are taken in groups that lie together, and of each group only its rows of D are
+/// kept. So memory is that of D, of the base, and of what a group needs, at any level: binding a
+/// million points at level 8 of a thousand cells is possible, which has 16 milliards of cells.
+///
+/// The tolerance is a fraction of the diagonal of the base lattice's bounding box.
+///
+/// \param base a lattice at level 0
+/// \param positions of its vertices, at rest
+/// \param level 1 or above
+/// \param progress called now and then with the number of points done, from any thread, or empty
+/// \throws Error as embedPoints(), and for a base of other levels; TopologyError as
+///         far::TopologyRefiner::refineUniform()
+/// \cost O(points · (level + entries of D a point)) once the cells are fewer than the points; far
+///       points under OutsidePolicy::Nearest also look at every base cell. In parallel; the result
+///       does not depend on the number of threads
+/// \cite MacCracken & Joy 1996, sections 4 to 6
+template <class Real>
+BoundModel<Real> bindPoints(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                            int level, Rules rules, std::span<const Point3> points,
+                            const EmbeddingOptions& options = {},
+                            const std::function<void(Offset)>& progress = {});
+
+}  // namespace espalier::stencils

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "point_descent.h"
+
+#include <espalier/stencils/composition.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace espalier::stencils {
+
+using Eigen::Vector3d;
+using Bound = std::optional<CellBound>;
+
+namespace {
+
+Vector3d at(std::span<const Point3> positions, Index index) {
+    return Vector3d(positions[static_cast<std::size_t>(index)].data());
+}
+
+/// The cells that have a bound, or those that have none.
+std::vector<Index> cellsWith(const std::vector<Bound>& bounds, bool bound) {
+    std::vector<Index> cells;
+    for (std::size_t cell = 0; cell < bounds.size(); ++cell)
+        if (bounds[cell].has_value() == bound) cells.push_back(static_cast<Index>(cell));
+    return cells;
+}
+
+std::vector<BoxTree::Box> boxesOf(const std::vector<Bound>& bounds, const std::vector<Index>& cells,
+                                  double margin) {
+    std::vector<BoxTree::Box> boxes;
+    for (const Index cell : cells) {
+        boxes.push_back(bounds[static_cast<std::size_t>(cell)]->box);
+        boxes.back().min().array() -= margin;
+        boxes.back().max().array() += margin;
+    }
+    return boxes;
+}
+
+/// A distance from a point within which there is something that the cell becomes.
+double reach(const far::CellComplex& complex, std::span<const Point3> positions, Index cell,
+             const Bound& bound, const Vector3d& point) {
+    if (!bound) return std::numeric_limits<double>::infinity();
+    if (!bound->drift) {
+        // The far corner of the box.
+        const Vector3d low = (point - bound->box.min()).cwiseAbs();
+        return low.cwiseMax((bound->box.max() - point).cwiseAbs()).norm();
+    }
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Index vertex : complex.relation(3, 0)[cell])
+        nearest = std::min(nearest, (at(positions, vertex) - point).norm());
+    return nearest + bound->drift->norm();
+}
+
+std::vector<Point3> refineOnce(const far::TopologyRefiner& refiner, int level, Rules rules,
+                               std::span<const Point3> positions) {
+    const StencilTable<double> table = buildLevelTable(refiner, level, rules);
+    std::vector<Point3> refined(static_cast<std::size_t>(table.rowCount()), Point3{});
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        const auto columns = table.columns(row);
+        const auto weights = table.weights(row);
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            for (std::size_t c = 0; c < 3; ++c)
+                refined[static_cast<std::size_t>(row)][c] +=
+                    weights[k] * positions[static_cast<std::size_t>(columns[k])][c];
+    }
+    return refined;
+}
+
+}  // namespace
+
+/// Cells of a level, each with its bound and the points that it may become a sought cell of.
+struct PointDescent::Candidates {
+    std::vector<Index> cells;
+    std::vector<Bound> bounds;
+    std::vector<Offset> offsets = {0};
+    std::vector<Index> points;
+
+    std::span<const Index> pointsOf(std::size_t i) const {
+        return std::span(points).subspan(static_cast<std::size_t>(offsets[i]),
+                                         static_cast<std::size_t>(offsets[i + 1] - offsets[i]));
+    }
+
+    /// Ends the cell whose points were appended last; without any it is left out.
+    void endCell(Index cell, const Bound& bound) {
+        if (static_cast<Offset>(points.size()) == offsets.back()) return;
+        cells.push_back(cell);
+        bounds.push_back(bound);
+        offsets.push_back(static_cast<Offset>(points.size()));
+    }
+
+    /// Leaves the pairs of which keep(i, point) is true, with i the position of the cell.
+    template <class Keep>
+    void filter(Keep keep) {
+        Candidates kept;
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            for (const Index point : pointsOf(i))
+                if (keep(i, point)) kept.points.push_back(point);
+            kept.endCell(cells[i], bounds[i]);
+        }
+        *this = std::move(kept);
+    }
+};
+
+namespace {
+
+/// Leaves the cells that may become the nearest one of a point, or one that it is in.
+template <class Candidates>
+void keepNearest(const far::CellComplex& complex, std::span<const Point3> positions,
+                 std::span<const Point3> points, double margin, Candidates& candidates) {
+    std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < candidates.cells.size(); ++i)
+        for (const Index point : candidates.pointsOf(i)) {
+            double& best = nearest[static_cast<std::size_t>(point)];
+            best = std::min(best, reach(complex, positions, candidates.cells[i],
+                                        candidates.bounds[i], at(points, point)));
+        }
+    candidates.filter([&](std::size_t i, Index point) {
+        const Bound& bound = candidates.bounds[i];
+        return !bound || bound->box.exteriorDistance(at(points, point)) <=
+                             nearest[static_cast<std::size_t>(point)] + margin;
+    });
+}
+
+}  // namespace
+
+PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                           Rules rules, double margin)
+    : base_(base),
+      positions_(positions),
+      rules_(rules),
+      margin_(margin),
+      bounds_([&] {
+          const CellBounds bounds(base.level(0), positions, base.options().creasing);
+          std::vector<Bound> result;
+          for (Index cell = 0; cell < base.level(0).complex.count(3); ++cell)
+              result.push_back(bounds.boundOf(cell, std::nullopt));
+          return result;
+      }()),
+      bounded_(cellsWith(bounds_, true)),
+      unbounded_(cellsWith(bounds_, false)),
+      tree_(boxesOf(bounds_, bounded_, margin)) {}
+
+PointDescent::Candidates PointDescent::baseCandidates(std::span<const Point3> points,
+                                                      Sought sought) const {
+    std::vector<std::vector<Index>> pointsOf(bounds_.size());
+    std::vector<Index> found;
+    for (std::size_t point = 0; point < points.size(); ++point) {
+        const auto add = [&](Index cell) {
+            pointsOf[static_cast<std::size_t>(cell)].push_back(static_cast<Index>(point));
+        };
+        for (const Index cell : unbounded_) add(cell);
+        if (sought == Sought::Nearest) {
+            for (const Index cell : bounded_) add(cell);
+            continue;
+        }
+        found.clear();
+        tree_.findContaining(Vector3d(points[point].data()), found);
+        for (const Index i : found) add(bounded_[static_cast<std::size_t>(i)]);
+    }
+    Candidates candidates;
+    for (std::size_t cell = 0; cell < bounds_.size(); ++cell) {
+        candidates.points.insert(candidates.points.end(), pointsOf[cell].begin(),
+                                 pointsOf[cell].end());
+        candidates.endCell(static_cast<Index>(cell), bounds_[cell]);
+    }
+    return candidates;
+}
+
+std::optional<FoundCells> PointDescent::descend(std::span<const Point3> points, int level,
+                                                Sought sought) const {
+    FoundCells found{base_, {positions_.begin(), positions_.end()}, {}, {}, {}};
+    Candidates candidates = baseCandidates(points, sought);
+    for (int k = 0; k < level; ++k) {
+        const far::CellComplex parent = found.refiner.level(k).complex;
+        if (sought == Sought::Nearest)
+            keepNearest(parent, found.positions, points, margin_, candidates);
+        if (candidates.cells.empty()) return std::nullopt;
+        found.refiner.refineAround(candidates.cells);
+        found.positions = refineOnce(found.refiner, k + 1, rules_, found.positions);
+
+        const far::Level& next = found.refiner.level(k + 1);
+        const CellBounds bounds(next, found.positions, base_.options().creasing);
+        Candidates children;
+        for (std::size_t i = 0; i < candidates.cells.size(); ++i) {
+            const Index cell = candidates.cells[i];
+            const Bound& bound = candidates.bounds[i];
+            for (const Index vertex : parent.relation(3, 0)[cell]) {
+                const auto child =
+                    found.refiner.refinement(k + 1).childOf({{0, vertex}, {3, cell}});
+                if (!child) continue;  // It is beyond the open boundary.
+                const Bound ofChild =
+                    k + 1 == level
+                        ? bounds.ownBox(child->index)
+                        : bounds.boundOf(child->index, bound ? bound->drift : std::nullopt);
+                for (const Index point : candidates.pointsOf(i))
+                    if (sought == Sought::Nearest || !ofChild ||
+                        ofChild->box.exteriorDistance(at(points, point)) <= margin_)
+                        children.points.push_back(point);
+                children.endCell(child->index, ofChild);
+            }
+        }
+        candidates = std::move(children);
+    }
+    if (candidates.cells.empty()) return std::nullopt;
+    found.cells = std::move(candidates.cells);
+    found.offsets = std::move(candidates.offsets);
+    found.points = std::move(candidates.points);
+    return found;
+}
+
+}  // namespace espalier::stencils

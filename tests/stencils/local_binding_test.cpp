@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "support/random_lattices.h"
+#include "support/threads.h"
+#include "support/zoo.h"
+
+namespace espalier::stencils {
+namespace {
+
+using Eigen::Vector3d;
+using far::TopologyRefiner;
+
+Vector3d vec(const Point3& p) {
+    return Vector3d(p.data());
+}
+
+double diagonal(std::span<const Point3> positions) {
+    Eigen::AlignedBox3d box;
+    for (const Point3& position : positions) box.extend(vec(position));
+    return box.diagonal().norm();
+}
+
+/// The same positions, bent: so that no cell is a box, and faces are not flat.
+std::vector<Point3> bent(std::span<const Point3> positions, double amount) {
+    std::vector<Point3> result;
+    const double size = diagonal(positions);
+    for (const Point3& p : positions) {
+        const auto wave = [&](double t) { return amount * size * std::sin(5 * t / size); };
+        result.push_back({p[0] + wave(p[1] + 0.3 * p[2]), p[1] + wave(p[2]), p[2] + wave(p[0])});
+    }
+    return result;
+}
+
+/// The slow way: all of the level, a tree over its cells.
+struct WholeLevel {
+    TopologyRefiner refiner;
+    std::vector<Point3> positions;
+    Embedding embedding;
+    StencilTable<double> table;
+
+    WholeLevel(const TopologyRefiner& base, std::span<const Point3> rest, int level, Rules rules,
+               std::span<const Point3> points, EmbeddingOptions options)
+        : refiner(base) {
+        refiner.refineUniform(level);
+        positions = refinePositions(refiner, level, rules, rest);
+        // It counts in the size of its own level.
+        options.tolerance *= diagonal(rest) / diagonal(positions);
+        embedding = embedPoints(refiner.level(level).complex, positions, points, options);
+        table = buildDeformationTable<double>(refiner, level, rules, embedding);
+    }
+};
+
+/// Points in, on and near the lattice, and far from it.
+std::vector<Point3> somePoints(std::span<const Point3> rest, const WholeLevel& whole, int level,
+                               std::size_t count, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1), wide(-0.3, 1.3);
+    const far::CellComplex& complex = whole.refiner.level(level).complex;
+    const auto any = [&](int dimension) {
+        return static_cast<Index>(random() % static_cast<unsigned>(complex.count(dimension)));
+    };
+    Eigen::AlignedBox3d box;
+    for (const Point3& position : rest) box.extend(vec(position));
+    std::vector<Point3> points;
+    for (std::size_t i = 0; i < count; ++i) {
+        Vector3d point = Vector3d::Zero();
+        if (i % 8 == 7) {
+            for (Eigen::Index c = 0; c < 3; ++c)
+                point[c] = box.min()[c] + wide(random) * (box.max()[c] - box.min()[c]);
+        } else {
+            // In a cell; in a face, where there may be a gap beside it; on an edge; on a vertex.
+            const int dimension = i % 8 < 4 ? 3 : static_cast<int>(i % 8) - 4;
+            const auto vertices = complex.relation(dimension, 0)[any(dimension)];
+            double sum = 0;
+            for (const Index vertex : vertices) {
+                const double weight = unit(random);
+                sum += weight;
+                point += weight * vec(whole.positions[static_cast<std::size_t>(vertex)]);
+            }
+            point /= sum;
+        }
+        points.push_back({point[0], point[1], point[2]});
+    }
+    const double size = diagonal(rest);
+    points.push_back({100 * size, 3 * size, -20 * size});
+    points.push_back({std::numeric_limits<double>::quiet_NaN(), 0, 0});
+    points.push_back({0, std::numeric_limits<double>::infinity(), 0});
+    return points;
+}
+
+void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base,
+                            std::span<const Point3> rest, int level, Rules rules,
+                            std::size_t pointCount, unsigned seed) {
+    const auto points =
+        somePoints(rest, WholeLevel(base, rest, level, rules, {}, {}), level, pointCount, seed);
+    for (const OutsidePolicy outside : {OutsidePolicy::Keep, OutsidePolicy::Nearest}) {
+        const EmbeddingOptions options{.outside = outside};
+        const WholeLevel whole(base, rest, level, rules, points, options);
+        const BoundModel<double> bound =
+            bindPoints<double>(base, rest, level, rules, points, options);
+        ASSERT_EQ(bound.statuses.size(), points.size());
+        for (std::size_t i = 0; i < points.size(); ++i)
+            EXPECT_EQ(bound.statuses[i], whole.embedding.points[i].status)
+                << name << ", level " << level << ", point " << i << " of " << points.size();
+        EXPECT_EQ(bound.largestResidual, whole.embedding.largestResidual()) << name;
+        EXPECT_TRUE(bound.binding.table == whole.table) << name << ", level " << level;
+    }
+}
+
+TEST(LocalBinding, IsThatOfTheWholeLevelToTheLastBit) {
+    for (const auto& [name, lattice] : test::zoo())
+        for (const far::Boundary boundary :
+             {far::Boundary::Sharp, far::Boundary::EdgeOnly, far::Boundary::Open}) {
+            const TopologyRefiner base(lattice.complex,
+                                       {.boundary = boundary, .marks = lattice.marks});
+            const auto rest = bent(lattice.positions, 0.02);
+            for (const int level : {1, 2, 3}) {
+                try {
+                    TopologyRefiner(base).refineUniform(level);
+                } catch (const far::TopologyError&) {
+                    ASSERT_EQ(boundary, far::Boundary::Open) << name;
+                    continue;
+                }
+                expectSameAsWholeLevel(name, base, rest, level,
+                                       level == 2 ? Rules::Cse96 : Rules::Siggraph96, 120,
+                                       static_cast<unsigned>(level));
+            }
+        }
+}
+
+TEST(LocalBinding, HeedsMarksThatFadeInEveryMode) {
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        const Lattice lattice = test::randomLattice(seed);
+        const TopologyRefiner base(lattice.complex, refinerOptions(lattice, {}));
+        expectSameAsWholeLevel("seed " + std::to_string(seed), base, bent(lattice.positions, 0.01),
+                               3, Rules::Siggraph96, 60, seed);
+    }
+}
+
+// More groups than one, where most cells hold points.
+TEST(LocalBinding, GroupsGiveWhatOneWould) {
+    const Lattice lattice = shapes::cylinder({.sectors = 5, .pattern = {2}, .layers = 2});
+    const TopologyRefiner base(lattice.complex);
+    expectSameAsWholeLevel("cylinder", base, lattice.positions, 3, Rules::Siggraph96, 50'000, 1);
+}
+
+TEST(LocalBinding, DoesNotDependOnTheNumberOfThreads) {
+    const Lattice lattice = shapes::torus();
+    const TopologyRefiner base(lattice.complex);
+    const WholeLevel whole(base, lattice.positions, 3, Rules::Siggraph96, {}, {});
+    const auto points = somePoints(lattice.positions, whole, 3, 40'000, 2);
+    const auto bind = [&] {
+        return bindPoints<float>(base, lattice.positions, 3, Rules::Siggraph96, points,
+                                 {.outside = OutsidePolicy::Nearest});
+    };
+    const auto one = test::withThreads(1, bind), three = test::withThreads(3, bind);
+    EXPECT_EQ(one.statuses, three.statuses);
+    EXPECT_TRUE(one.binding.table == three.binding.table);
+    EXPECT_EQ(one.binding.kept, three.binding.kept);
+}
+
+// Far beyond what the whole level could be held of: 8⁸ · 27 cells.
+TEST(LocalBinding, BindsAtLevelEight) {
+    const Lattice lattice = shapes::box({.cells = {3, 3, 3}});
+    const TopologyRefiner base(lattice.complex);
+    const auto rest = bent(lattice.positions, 0.02);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(0.1, 0.9);
+    std::vector<Point3> points(300);
+    for (Point3& point : points) point = {unit(random), unit(random), unit(random)};
+    const auto bound = bindPoints<double>(base, rest, 8, Rules::Siggraph96, points);
+    EXPECT_EQ(bound.count(PointStatus::Inside), 300);
+    // At rest the points are given back.
+    for (Index i = 0; i < 300; ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            double sum = 0;
+            for (std::size_t k = 0; k < bound.binding.table.columns(i).size(); ++k)
+                sum += bound.binding.table.weights(i)[k] *
+                       rest[static_cast<std::size_t>(bound.binding.table.columns(i)[k])][c];
+            // The rounding of some thousand products, and of the solve.
+            EXPECT_NEAR(sum, points[static_cast<std::size_t>(i)][c], 1e-12);
+        }
+}
+
+TEST(LocalBinding, RefusesWhatItCannotBind) {
+    const Lattice lattice = shapes::box();
+    TopologyRefiner base(lattice.complex);
+    const std::vector<Point3> points = {{0.5, 0.5, 0.5}, {2, 0, 0}};
+    const auto expectRefused = [&](const std::string& why, const TopologyRefiner& refiner,
+                                   std::span<const Point3> rest, int level,
+                                   OutsidePolicy outside = OutsidePolicy::Keep) {
+        try {
+            bindPoints<double>(refiner, rest, level, Rules::Siggraph96, points,
+                               {.outside = outside});
+            FAIL() << "accepted; expected: " << why;
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), ::testing::HasSubstr(why));
+        }
+    };
+    expectRefused("level 0", base, lattice.positions, 0);
+    expectRefused("positions", base, std::span(lattice.positions).first(7), 1);
+    expectRefused("point 1", base, lattice.positions, 1, OutsidePolicy::Error);
+    auto bad = lattice.positions;
+    bad[3][1] = std::nan("");
+    expectRefused("vertex 3", base, bad, 1);
+    base.refineUniform(1);
+    expectRefused("has not been refined", base, lattice.positions, 1);
+    expectRefused("dimension 2", TopologyRefiner(test::gridMesh(2, 2)), {}, 1);
+    const auto none = bindPoints<double>(TopologyRefiner(lattice.complex), lattice.positions, 1,
+                                         Rules::Siggraph96, {});
+    EXPECT_EQ(none.binding.table.rowCount(), 0);
+    EXPECT_EQ(none.binding.table.columnCount(), 8);
+}
+
+}  // namespace
+}  // namespace espalier::stencils
