@@ -76,9 +76,9 @@ SignedIncidence join(const std::vector<SignedRows>& chunks) {
 
 }  // namespace
 
-Refinement::Refinement(const CellComplex& parent, const ByEntity<std::uint8_t>* isKept)
+Refinement::Refinement(const CellComplex& parent, const Kept* kept)
     : parent_(parent), dimension_(parent.dimension()) {
-    numberChildren(isKept);
+    numberChildren(kept);
     if (childCounts_[static_cast<std::size_t>(dimension_)] == 0)
         throw TopologyError(TopologyCause::EmptyComplex, {dimension_, 0},
                             std::string("refined without boundary control, the complex has no ") +
@@ -97,23 +97,19 @@ Refinement::Refinement(const CellComplex& parent, const ByEntity<std::uint8_t>* 
     child_ = CellComplex(dimension_, childCounts_[0], std::move(boundaries));
 }
 
-void Refinement::numberChildren(const ByEntity<std::uint8_t>* isKept) {
+void Refinement::numberChildren(const Kept* kept) {
     for (int d = 0; d <= dimension_; ++d) {
         Offset count = 0;
         for (int lower = 0; lower + d <= dimension_; ++lower) {
             Family& family =
                 families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(lower + d)];
             family.parts = &parent_.relation(lower + d, lower);
-            const auto parts = family.parts->values();
-            const auto* kept =
-                isKept != nullptr ? &(*isKept)[static_cast<std::size_t>(lower)] : nullptr;
-            const auto isPartKept = [&](Index part) {
-                return (*kept)[static_cast<std::size_t>(part)] != 0;
-            };
-            const Offset familyCount = kept == nullptr
-                                           ? static_cast<Offset>(parts.size())
-                                           : std::count_if(parts.begin(), parts.end(), isPartKept);
-            // Counted before they are made.
+            if (kept != nullptr)
+                family.drop(kept->lower[static_cast<std::size_t>(lower)],
+                            kept->upper[static_cast<std::size_t>(lower + d)]);
+            const Offset familyCount = family.isWhole ? std::ssize(family.parts->values())
+                                                      : std::ssize(family.entryOfChild);
+            // Numbered before they are made.
             if (count + familyCount > kMaxIndex)
                 throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
                                     "the refined complex has more than " +
@@ -121,21 +117,25 @@ void Refinement::numberChildren(const ByEntity<std::uint8_t>* isKept) {
             family.firstChild = static_cast<Index>(count);
             family.childCount = static_cast<Index>(familyCount);
             count += familyCount;
-            family.isWhole = familyCount == static_cast<Offset>(parts.size());
-            if (family.isWhole) continue;
-            family.isEntryKept.resize(parts.size());
-            family.childOfEntry.resize(parts.size());
-            family.entryOfChild.reserve(static_cast<std::size_t>(familyCount));
-            for (std::size_t entry = 0; entry < parts.size(); ++entry) {
-                if (!isPartKept(parts[entry])) continue;
-                family.isEntryKept[entry] = 1;
-                family.childOfEntry[entry] =
-                    family.firstChild + static_cast<Index>(family.entryOfChild.size());
-                family.entryOfChild.push_back(static_cast<Offset>(entry));
-            }
         }
         childCounts_[static_cast<std::size_t>(d)] = static_cast<Index>(count);
     }
+}
+
+/// Leaves the entries with both ends marked.
+void Refinement::Family::drop(const std::vector<std::uint8_t>& lower,
+                              const std::vector<std::uint8_t>& upper) {
+    const auto entryCount = parts->values().size();
+    childOfEntry.assign(entryCount, kMaxIndex);
+    for (Index row = 0; row < parts->rowCount(); ++row) {
+        if (upper[static_cast<std::size_t>(row)] == 0) continue;
+        for (Offset entry = parts->offset(row); entry < parts->offset(row + 1); ++entry) {
+            if (lower[static_cast<std::size_t>(part(entry))] == 0) continue;
+            childOfEntry[static_cast<std::size_t>(entry)] = static_cast<Index>(entryOfChild.size());
+            entryOfChild.push_back(entry);
+        }
+    }
+    isWhole = entryOfChild.size() == entryCount;
 }
 
 /// [a,b] for the a in the boundary of b: it joins the points of the two, that of a being its tail

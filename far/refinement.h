@@ -38,15 +38,19 @@ struct Interval {
 /// \cite MacCracken & Joy 1996, section 2.2; Joy & MacCracken CSE-96-1, section 6
 class Refinement {
 public:
-    /// Splits `parent`. With `isKept`, just the intervals whose lower end is kept are; those that
-    /// stay are numbered in the same order.
+    /// Which intervals stay: those with both ends marked by something other than 0.
+    struct Kept {
+        ByEntity<std::uint8_t> lower;  ///< what contains a marked entity must be marked too
+        ByEntity<std::uint8_t> upper;  ///< what a marked entity contains must be marked too
+    };
+
+    /// Splits `parent`. With `kept`, just those intervals stay; they are numbered in the same
+    /// order.
     ///
-    /// \param isKept 0 for the entities that are not. What contains one that is kept must be kept
-    ///        too
     /// \throws TopologyError (TooManyEntities; EmptyComplex if no child of the parent's dimension
     ///         is left)
     /// \cost O(entries of the child), in parallel; in cells of very many faces a little more
-    explicit Refinement(const CellComplex& parent, const ByEntity<std::uint8_t>* isKept = nullptr);
+    explicit Refinement(const CellComplex& parent, const Kept* kept = nullptr);
 
     const CellComplex& child() const { return child_; }
 
@@ -102,18 +106,19 @@ private:
         const Incidence* parts = nullptr;  ///< of parent_
         Index firstChild = 0;
         Index childCount = 0;
-        bool isWhole = true;  ///< every interval is kept; else:
-        std::vector<std::uint8_t> isEntryKept;
-        std::vector<Index> childOfEntry;   ///< of the entries that are kept
+        bool isWhole = true;               ///< every interval is kept; else:
+        std::vector<Index> childOfEntry;   ///< counted from firstChild; kMaxIndex if not kept
         std::vector<Offset> entryOfChild;  ///< ascending
+
+        void drop(const std::vector<std::uint8_t>& lower, const std::vector<std::uint8_t>& upper);
 
         Index part(Offset entry) const { return parts->values()[static_cast<std::size_t>(entry)]; }
         bool isKept(Offset entry) const {
-            return isWhole || isEntryKept[static_cast<std::size_t>(entry)] != 0;
+            return isWhole || childOfEntry[static_cast<std::size_t>(entry)] != kMaxIndex;
         }
         Index child(Offset entry) const {
-            return isWhole ? firstChild + static_cast<Index>(entry)
-                           : childOfEntry[static_cast<std::size_t>(entry)];
+            return firstChild + (isWhole ? static_cast<Index>(entry)
+                                         : childOfEntry[static_cast<std::size_t>(entry)]);
         }
 
         template <class T>
@@ -137,7 +142,7 @@ private:
         return family(entity.dimension, entity.dimension).child(entity.index);
     }
 
-    void numberChildren(const ByEntity<std::uint8_t>* isKept);
+    void numberChildren(const Kept* kept);
     SignedIncidence childEdges() const;
     struct Quadrilaterals;
     void addCorners(Quadrilaterals& quadrilaterals) const;

@@ -17,13 +17,21 @@ TopologyRefiner::TopologyRefiner(CellComplex base, const RefinerOptions& options
 
 namespace {
 
+ByEntity<std::uint8_t> marksOf(const CellComplex& complex, std::uint8_t mark) {
+    ByEntity<std::uint8_t> marks;
+    for (int d = 0; d <= complex.dimension(); ++d)
+        marks[static_cast<std::size_t>(d)].assign(static_cast<std::size_t>(complex.count(d)), mark);
+    return marks;
+}
+
 /// The entities that are lower ends of children: those that are not on the open boundary.
 ByEntity<std::uint8_t> closedEntities(const Level& parent) {
-    ByEntity<std::uint8_t> kept;
+    ByEntity<std::uint8_t> closed = marksOf(parent.complex, 1);
     for (int d = 0; d <= parent.complex.dimension(); ++d)
         for (Index index = 0; index < parent.complex.count(d); ++index)
-            kept[static_cast<std::size_t>(d)].push_back(!parent.strata.isOpen({d, index}));
-    return kept;
+            if (parent.strata.isOpen({d, index}))
+                closed[static_cast<std::size_t>(d)][static_cast<std::size_t>(index)] = 0;
+    return closed;
 }
 
 /// The children [v, f] of the holes.
@@ -39,7 +47,7 @@ std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement
 
 }  // namespace
 
-void TopologyRefiner::addLevel(const ByEntity<std::uint8_t>* kept) {
+void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
     const Level& parent = levels_.back();
     Refinement refinement(parent.complex, kept);
     Level next{
@@ -58,7 +66,7 @@ void TopologyRefiner::refineUniform(int level) {
                         std::to_string(level));
         const Level& parent = levels_.back();
         if (boundary() == Boundary::Open) {
-            const auto kept = closedEntities(parent);
+            const Refinement::Kept kept{closedEntities(parent), marksOf(parent.complex, 1)};
             addLevel(&kept);
         } else {
             addLevel(nullptr);
@@ -81,9 +89,9 @@ std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cell
     return result;
 }
 
-/// Leaves of `kept` the entities with a vertex of one of `cells`.
-void keepAround(const CellComplex& complex, std::span<const Index> cells,
-                ByEntity<std::uint8_t>& kept) {
+/// Takes the mark off the entities without a vertex of one of `cells`.
+void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
+                  ByEntity<std::uint8_t>& marks) {
     std::vector<std::uint8_t> isCorner(static_cast<std::size_t>(complex.count(0)), 0);
     for (const Index cell : cells)
         for (const Index vertex : complex.relation(complex.dimension(), 0)[cell])
@@ -95,35 +103,51 @@ void keepAround(const CellComplex& complex, std::span<const Index> cells,
             if (std::none_of(row.begin(), row.end(), [&](Index vertex) {
                     return isCorner[static_cast<std::size_t>(vertex)] != 0;
                 }))
-                kept[static_cast<std::size_t>(d)][static_cast<std::size_t>(index)] = 0;
+                marks[static_cast<std::size_t>(d)][static_cast<std::size_t>(index)] = 0;
         }
     }
 }
 
+/// Marks cells and all that they contain.
+ByEntity<std::uint8_t> marksIn(const CellComplex& complex, std::span<const Index> cells) {
+    ByEntity<std::uint8_t> marks = marksOf(complex, 0);
+    for (int d = 0; d <= complex.dimension(); ++d)
+        for (const Index cell : cells)
+            for (const Index part : complex.relation(complex.dimension(), d)[cell])
+                marks[static_cast<std::size_t>(d)][static_cast<std::size_t>(part)] = 1;
+    return marks;
+}
+
 }  // namespace
 
-void TopologyRefiner::refineAround(std::span<const Index> cells) {
+void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) {
     const Level& parent = levels_.back();
-    const Index count = parent.complex.count(dimension());
     const auto refuse = [&](Index cell, const char* why) {
         throw Error("cannot refine around cell " + std::to_string(cell) + " of level " +
                     std::to_string(maxLevel()) + why);
     };
     if (cells.empty()) throw Error("there is no cell to refine around");
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        if (cells[i] < 0 || cells[i] >= count) refuse(cells[i], ": there is no such cell");
+        if (cells[i] < 0 || cells[i] >= parent.complex.count(dimension()))
+            refuse(cells[i], ": there is no such cell");
         if (i > 0 && cells[i] <= cells[i - 1]) refuse(cells[i], ": cells must ascend");
-        if (!isUniform() &&
-            !std::binary_search(chosen_.begin(), chosen_.end(),
+        if (chosen_ &&
+            !std::binary_search(chosen_->begin(), chosen_->end(),
                                 refinements_.back().parentOf({dimension(), cells[i]}).upper.index))
-            refuse(cells[i], ": it is not a child of those that the level was refined around");
+            refuse(cells[i], ": the level was not refined around the cell that it is a child of");
     }
-    std::vector<Index> chosen(cells.begin(), cells.end());
-    // Chaikin's rule looks at the edges at both ends of an edge: one more ring must be whole.
-    if (options_.creasing == Creasing::Chaikin && parent.strata.hasSemiSharp())
-        chosen = grown(parent.complex, chosen);
-    ByEntity<std::uint8_t> kept = closedEntities(parent);
-    keepAround(parent.complex, chosen, kept);
+    Refinement::Kept kept{closedEntities(parent), {}};
+    std::vector<Index> chosen;
+    if (extent == Extent::Cells) {
+        kept.upper = marksIn(parent.complex, cells);
+    } else {
+        kept.upper = marksOf(parent.complex, 1);
+        chosen.assign(cells.begin(), cells.end());
+        // Chaikin's rule looks at the edges at both ends of an edge: one more ring must be whole.
+        if (options_.creasing == Creasing::Chaikin && parent.strata.hasSemiSharp())
+            chosen = grown(parent.complex, chosen);
+        unmarkBeyond(parent.complex, chosen, kept.lower);
+    }
     addLevel(&kept);
     chosen_ = std::move(chosen);
 }

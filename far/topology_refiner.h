@@ -5,6 +5,7 @@
 #include <espalier/far/refinement.h>
 #include <espalier/far/strata.h>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -53,23 +54,29 @@ public:
     /// \cost O(entries of the new levels)
     void refineUniform(int level);
 
-    /// Adds one level that holds no more than some cells need: the cells [v, c] of the next level
-    /// with v a vertex of one of `cells`. So the children of `cells` are there, with all that is
-    /// around them.
+    /// How much of a level refineAround() makes.
+    enum class Extent {
+        Ring,  ///< the cells [v, c] with v a vertex of one of the given cells: their children, and
+               ///< all that is around these
+        Cells  ///< their children alone; no level can follow
+    };
+
+    /// Adds one level that holds no more than some cells need.
     ///
-    /// What is there has the same order as in the whole level. The same are the strata of what
-    /// contains a vertex of a child of `cells`, and the rows of level tables for the vertices in
-    /// the cells around these children. The outermost cells lack neighbours, so that no more can be
-    /// said of what lies on their outer side.
+    /// What is there has the same order as in the whole level. The same are the rows of level
+    /// tables for the vertices of the children of `cells` and, with Extent::Ring, for those in the
+    /// cells around the children, and the strata of what contains a vertex of a child. The
+    /// outermost cells lack neighbours, so that no more can be said of what lies on their outer
+    /// side.
     ///
     /// \param cells entities of dimension() of the finest level, ascending; where that was made
     ///        like this, children of the cells that were given then
     /// \throws Error if it is not so, naming the first; and what refineUniform() throws
     /// \cost O(entries of the finest level, and of the new one)
-    void refineAround(std::span<const Index> cells);
+    void refineAround(std::span<const Index> cells, Extent extent = Extent::Ring);
 
     /// Whether the finest level holds all of it.
-    bool isUniform() const { return chosen_.empty(); }
+    bool isUniform() const { return !chosen_; }
 
     int dimension() const { return level(0).complex.dimension(); }
     Boundary boundary() const { return options_.boundary; }
@@ -88,10 +95,11 @@ public:
     const Refinement& refinement(int level) const;
 
 private:
-    void addLevel(const ByEntity<std::uint8_t>* kept);
+    void addLevel(const Refinement::Kept* kept);
 
     RefinerOptions options_;
-    std::vector<Index> chosen_;  ///< the cells that refineAround() was given last
+    /// The cells around which the finest level is whole; nothing where it is everywhere.
+    std::optional<std::vector<Index>> chosen_;
     std::vector<Level> levels_;
     std::vector<Refinement> refinements_;
 };

@@ -3,6 +3,7 @@
 #include <espalier/far/parallel.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/repeated_rows.h>
+#include <espalier/stencils/table_builder.h>
 #include <espalier/stencils/vertex_parents.h>
 
 #include <algorithm>
@@ -89,9 +90,11 @@ namespace {
 
 /// The rows of S_level for the given vertices, by multiplication.
 /// \param origins of the levels 0 to `level` − 1
-template <class Real>
-StencilTable<Real> compose(const far::TopologyRefiner& refiner, int level, Rules rules,
-                           std::span<const BaseEntities> origins, std::span<const Index> vertices) {
+/// \param rowsOf the rows of R_k for some vertices of level k: rowsOf(k, vertices)
+template <class Real, class RowsOf>
+StencilTable<Real> compose(const far::TopologyRefiner& refiner, int level,
+                           std::span<const BaseEntities> origins, std::span<const Index> vertices,
+                           RowsOf rowsOf) {
     // Down the levels: what each row needs of the level before. Then up: their products.
     struct Link {
         StencilTable<double> table;
@@ -105,15 +108,31 @@ StencilTable<Real> compose(const far::TopologyRefiner& refiner, int level, Rules
         std::vector<Index> groups;
         groups.reserve(demanded.size());
         for (const Index vertex : demanded) groups.push_back(origin.of(parents(vertex)));
-        CompactTable compact = compactColumns(buildLevelTable(refiner, k, rules, demanded));
+        CompactTable compact = compactColumns(rowsOf(k, demanded));
         chain.push_back({std::move(compact.table), RowOrder(groups, origin.count())});
         demanded = std::move(compact.columns);
     }
-    StencilTable<double> product = buildLevelTable(refiner, 1, rules, demanded);
+    StencilTable<double> product = rowsOf(1, demanded);
     if (chain.empty()) return converted<Real>(std::move(product));
     for (; chain.size() > 1; chain.pop_back())
         product = multiply<double>(chain.back().table, product, chain.back().order);
     return multiply<Real>(chain.front().table, product, chain.front().order);
+}
+
+/// Some rows of a table, in the order in which they are named.
+StencilTable<double> selectRows(const StencilTable<double>& table, std::span<const Index> rows) {
+    return buildTableByChunks<double>(
+        static_cast<Index>(rows.size()), table.columnCount(), {},
+        [&](Offset first, Offset last, RowList<double>& list) {
+            for (Offset i = first; i < last; ++i) {
+                const Index row = rows[static_cast<std::size_t>(i)];
+                const auto columns = table.columns(row);
+                const auto weights = table.weights(row);
+                list.columns.insert(list.columns.end(), columns.begin(), columns.end());
+                list.weights.insert(list.weights.end(), weights.begin(), weights.end());
+                list.endRow();
+            }
+        });
 }
 
 }  // namespace
@@ -125,13 +144,41 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
     checkRules(refiner, rules);
     if (level == 0) return selectionTable<Real>(refiner.level(0).complex.count(0), vertices);
     const std::vector<BaseEntities> origins = baseEntities(refiner, level - 1);
+    const auto rowsOf = [&](int k, std::span<const Index> demanded) {
+        return buildLevelTable(refiner, k, rules, demanded);
+    };
     if (RepeatedRows::areIn(refiner, level, rules)) {
         const RepeatedRows rows(refiner, level, origins, vertices);
         const bool isAll = rows.firsts().size() == vertices.size();
-        auto firstRows = compose<Real>(refiner, level, rules, origins, rows.firsts());
+        auto firstRows = compose<Real>(refiner, level, origins, rows.firsts(), rowsOf);
         return isAll ? firstRows : rows.expand(firstRows);
     }
-    return compose<Real>(refiner, level, rules, origins, vertices);
+    return compose<Real>(refiner, level, origins, vertices, rowsOf);
+}
+
+template <class Real>
+StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
+                                   std::span<const StencilTable<double>> tables,
+                                   std::span<const Index> vertices) {
+    const int level = static_cast<int>(tables.size());
+    if (level < 1 || level > refiner.maxLevel())
+        throw Error("got " + std::to_string(level) + " level tables for " +
+                    std::to_string(refiner.maxLevel()) + " levels");
+    for (int k = 1; k <= level; ++k) {
+        const auto& table = tables[static_cast<std::size_t>(k) - 1];
+        const Index rows = refiner.level(k).complex.count(0);
+        const Index columns = refiner.level(k - 1).complex.count(0);
+        if (table.rowCount() != rows || table.columnCount() != columns)
+            throw Error("the table of level " + std::to_string(k) + " is " +
+                        std::to_string(table.rowCount()) + " × " +
+                        std::to_string(table.columnCount()) + "; expected " + std::to_string(rows) +
+                        " × " + std::to_string(columns));
+    }
+    checkVertices(refiner, level, vertices);
+    return compose<Real>(refiner, level, baseEntities(refiner, level - 1), vertices,
+                         [&](int k, std::span<const Index> demanded) {
+                             return selectRows(tables[static_cast<std::size_t>(k) - 1], demanded);
+                         });
 }
 
 template <class Real>
@@ -186,7 +233,13 @@ template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rul
 template StencilTable<double> buildStencils(const far::TopologyRefiner&, int, Rules,
                                             std::span<const Index>);
 template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rules);
+template StencilTable<float> composeStencils(const far::TopologyRefiner&,
+                                             std::span<const StencilTable<double>>,
+                                             std::span<const Index>);
 template StencilTable<double> buildStencils(const far::TopologyRefiner&, int, Rules);
+template StencilTable<double> composeStencils(const far::TopologyRefiner&,
+                                              std::span<const StencilTable<double>>,
+                                              std::span<const Index>);
 template std::vector<StencilTable<float>> buildLevelTables(const far::TopologyRefiner&, int, Rules);
 template std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner&, int,
                                                             Rules);

@@ -74,6 +74,16 @@ template <class Real = double>
 StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const Index> vertices);
 
+/// The same from level tables at hand, of whole levels or of those of
+/// far::TopologyRefiner::refineAround().
+///
+/// \param tables R_1 to R_level: see buildLevelTables(). At least one
+/// \throws Error if they are not as many as the levels of `refiner`, or not of these
+template <class Real = double>
+StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
+                                   std::span<const StencilTable<double>> tables,
+                                   std::span<const Index> vertices);
+
 /// The product of two tables: row i is Σ_k left(i, k) · right(k, ·). Sums are made in double.
 ///
 /// \param order which rows of `left` lead to the same columns. The result does not depend on it,

@@ -138,12 +138,15 @@ StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
         });
 }
 
-template <class Real>
-StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
-                                         Rules rules, const Embedding& embedding) {
+namespace {
+
+/// \param stencilsFor the rows of S_level for some vertices of the level
+template <class Real, class StencilsFor>
+StencilTable<Real> deformationTable(const far::TopologyRefiner& refiner, int level,
+                                    const Embedding& embedding, StencilsFor stencilsFor) {
     const CompactTable weights =
         compactColumns(buildEmbeddingTable(refiner.level(level).complex, embedding));
-    const auto stencils = buildStencils<double>(refiner, level, rules, weights.columns);
+    const StencilTable<double> stencils = stencilsFor(weights.columns);
     // The points in a base cell lead to the vertices around it.
     const BaseEntities origins = baseEntities(refiner, level).back();
     std::vector<Index> groups;
@@ -154,8 +157,34 @@ StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, in
     return multiply<Real>(weights.table, stencils, RowOrder(groups, origins.count()));
 }
 
+}  // namespace
+
+template <class Real>
+StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
+                                         Rules rules, const Embedding& embedding) {
+    return deformationTable<Real>(refiner, level, embedding, [&](std::span<const Index> vertices) {
+        return buildStencils<double>(refiner, level, rules, vertices);
+    });
+}
+
+template <class Real>
+StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
+                                         std::span<const StencilTable<double>> tables,
+                                         const Embedding& embedding) {
+    return deformationTable<Real>(refiner, static_cast<int>(tables.size()), embedding,
+                                  [&](std::span<const Index> vertices) {
+                                      return composeStencils<double>(refiner, tables, vertices);
+                                  });
+}
+
+template StencilTable<float> buildDeformationTable(const far::TopologyRefiner&,
+                                                   std::span<const StencilTable<double>>,
+                                                   const Embedding&);
 template StencilTable<float> buildDeformationTable(const far::TopologyRefiner&, int, Rules,
                                                    const Embedding&);
+template StencilTable<double> buildDeformationTable(const far::TopologyRefiner&,
+                                                    std::span<const StencilTable<double>>,
+                                                    const Embedding&);
 template StencilTable<double> buildDeformationTable(const far::TopologyRefiner&, int, Rules,
                                                     const Embedding&);
 

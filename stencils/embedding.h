@@ -83,4 +83,10 @@ template <class Real = double>
 StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
                                          Rules rules, const Embedding& embedding);
 
+/// The same from the level tables R_1 to R_level: see composeStencils().
+template <class Real = double>
+StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
+                                         std::span<const StencilTable<double>> tables,
+                                         const Embedding& embedding);
+
 }  // namespace espalier::stencils

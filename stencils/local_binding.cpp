@@ -77,7 +77,6 @@ public:
     GroupBinder(const far::TopologyRefiner& base, std::span<const Point3> positions, int level,
                 Rules rules, const EmbeddingOptions& options)
         : level_(level),
-          rules_(rules),
           seekNearest_(options.outside == OutsidePolicy::Nearest),
           scale_(scaleOf(positions, options.tolerance)),
           // Enough for the boxes of the last level; those above may be larger.
@@ -151,12 +150,11 @@ private:
             group.statuses.push_back(embedding.points.back().status);
         }
         group.largestResidual = embedding.largestResidual();
-        group.table = buildDeformationTable<Real>(found.refiner, level_, rules_, embedding);
+        group.table = buildDeformationTable<Real>(found.refiner, found.tables, embedding);
         return group;
     }
 
     int level_;
-    Rules rules_;
     bool seekNearest_;
     CellSolver::Scale scale_;
     PointDescent descent_;

@@ -52,19 +52,25 @@ double reach(const far::CellComplex& complex, std::span<const Point3> positions,
     return nearest + bound->drift->norm();
 }
 
-std::vector<Point3> refineOnce(const far::TopologyRefiner& refiner, int level, Rules rules,
-                               std::span<const Point3> positions) {
-    const StencilTable<double> table = buildLevelTable(refiner, level, rules);
-    std::vector<Point3> refined(static_cast<std::size_t>(table.rowCount()), Point3{});
+std::vector<Point3> times(const StencilTable<double>& table, std::span<const Point3> positions) {
+    std::vector<Point3> result(static_cast<std::size_t>(table.rowCount()), Point3{});
     for (Index row = 0; row < table.rowCount(); ++row) {
         const auto columns = table.columns(row);
         const auto weights = table.weights(row);
         for (std::size_t k = 0; k < columns.size(); ++k)
             for (std::size_t c = 0; c < 3; ++c)
-                refined[static_cast<std::size_t>(row)][c] +=
+                result[static_cast<std::size_t>(row)][c] +=
                     weights[k] * positions[static_cast<std::size_t>(columns[k])][c];
     }
-    return refined;
+    return result;
+}
+
+/// Whether a cell becomes anything: without boundary control, a vertex must be left.
+bool isLeft(const far::Level& level, Index cell) {
+    const auto vertices = level.complex.relation(3, 0)[cell];
+    return std::any_of(vertices.begin(), vertices.end(), [&](Index vertex) {
+        return !level.strata.isOpen({0, vertex});
+    });
 }
 
 }  // namespace
@@ -169,15 +175,21 @@ PointDescent::Candidates PointDescent::baseCandidates(std::span<const Point3> po
 
 std::optional<FoundCells> PointDescent::descend(std::span<const Point3> points, int level,
                                                 Sought sought) const {
-    FoundCells found{base_, {positions_.begin(), positions_.end()}, {}, {}, {}};
+    FoundCells found{base_, {}, {positions_.begin(), positions_.end()}, {}, {}, {}};
     Candidates candidates = baseCandidates(points, sought);
+    candidates.filter(
+        [&](std::size_t i, Index) { return isLeft(base_.level(0), candidates.cells[i]); });
     for (int k = 0; k < level; ++k) {
         const far::CellComplex parent = found.refiner.level(k).complex;
         if (sought == Sought::Nearest)
             keepNearest(parent, found.positions, points, margin_, candidates);
         if (candidates.cells.empty()) return std::nullopt;
-        found.refiner.refineAround(candidates.cells);
-        found.positions = refineOnce(found.refiner, k + 1, rules_, found.positions);
+        // Whether a place beside a cell is on the boundary, its neighbours know.
+        const bool isEnough = k + 1 == level && sought == Sought::Containing;
+        found.refiner.refineAround(candidates.cells, isEnough ? far::TopologyRefiner::Extent::Cells
+                                                              : far::TopologyRefiner::Extent::Ring);
+        found.tables.push_back(buildLevelTable(found.refiner, k + 1, rules_));
+        found.positions = times(found.tables.back(), found.positions);
 
         const far::Level& next = found.refiner.level(k + 1);
         const CellBounds bounds(next, found.positions, base_.options().creasing);

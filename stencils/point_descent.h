@@ -5,6 +5,7 @@
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/box_tree.h>
 #include <espalier/stencils/masks.h>
+#include <espalier/stencils/stencil_table.h>
 
 #include <optional>
 #include <span>
@@ -14,8 +15,6 @@
 
 namespace espalier::stencils {
 
-using far::Offset;
-
 /// Which cells are sought for a point.
 enum class Sought {
     Containing,  ///< those in whose box it is
@@ -24,9 +23,10 @@ enum class Sought {
 
 /// A part of a level of a lattice, with the cells that were sought.
 struct FoundCells {
-    far::TopologyRefiner refiner;   ///< to that level
-    std::vector<Point3> positions;  ///< of the vertices there
-    std::vector<Index> cells;       ///< those sought for one of the points at least, ascending
+    far::TopologyRefiner refiner;              ///< to that level
+    std::vector<StencilTable<double>> tables;  ///< R_1 to that of the level
+    std::vector<Point3> positions;             ///< of the vertices there
+    std::vector<Index> cells;     ///< those sought for one of the points at least, ascending
     std::vector<Offset> offsets;  ///< points[offsets[i]] to points[offsets[i + 1] − 1] of cells[i]
     std::vector<Index> points;    ///< as they were given, counted from 0; ascending in a cell
 };

@@ -16,9 +16,9 @@ namespace espalier::stencils {
 /// Rows under construction, one after the other.
 template <class Real>
 struct RowList {
-    std::vector<Index> columns;
-    std::vector<Real> weights;
-    std::vector<Offset> ends;  ///< one a row
+    Array<Index> columns;
+    Array<Real> weights;
+    Array<Offset> ends;  ///< one a row
 
     void endRow() { ends.push_back(static_cast<Offset>(columns.size())); }
 };

@@ -155,6 +155,17 @@ TEST(LocalRefinement, HoldsNoMoreThanIsNeeded) {
     EXPECT_EQ(refiner.level(2).complex.count(3), 4 * 4 * 4);
 }
 
+TEST(LocalRefinement, ChildrenAloneAreThoseOfTheCells) {
+    TopologyRefiner refiner(test::grid({5, 5, 5}));
+    refiner.refineAround(std::vector<Index>{62, 63}, TopologyRefiner::Extent::Cells);
+    const CellComplex& children = refiner.level(1).complex;
+    const CellComplex expected = test::grid({4, 2, 2});
+    for (int d = 0; d <= 3; ++d) EXPECT_EQ(children.count(d), expected.count(d));
+    EXPECT_NO_THROW(validate(children));
+    EXPECT_THROW(refiner.refineAround(std::vector<Index>{0}), Error);
+    EXPECT_THROW(refiner.refineUniform(2), Error);
+}
+
 TEST(LocalRefinement, RefusesCellsThatLackNeighbours) {
     TopologyRefiner refiner(test::grid({3, 3, 3}));
     const auto expectRefused = [&](const std::vector<Index>& cells, const std::string& why) {
@@ -175,7 +186,7 @@ TEST(LocalRefinement, RefusesCellsThatLackNeighbours) {
     const auto children = childrenOf(refiner, {13});
     Index outer = 0;
     while (std::binary_search(children.begin(), children.end(), outer)) ++outer;
-    expectRefused({outer}, "not a child");
+    expectRefused({outer}, "was not refined around");
     EXPECT_THROW(refiner.refineUniform(2), Error);
     EXPECT_NO_THROW(refiner.refineUniform(1)) << "it is there";
     refiner.refineAround(children);

@@ -77,40 +77,50 @@ TEST(RefinementBoundary, IsThatOfTheDefinition) {
     }
 }
 
-/// The entities that contain one of the chosen vertices.
-ByEntity<std::uint8_t> around(const CellComplex& complex, const std::vector<Index>& vertices) {
-    ByEntity<std::uint8_t> kept;
-    for (int d = 0; d <= complex.dimension(); ++d)
-        for (Index index = 0; index < complex.count(d); ++index)
-            kept[static_cast<std::size_t>(d)].push_back(
+/// The intervals whose lower ends contain one of the chosen vertices; of them all, or those in the
+/// first cells alone.
+Refinement::Kept around(const CellComplex& complex, const std::vector<Index>& vertices,
+                        bool inFirstCellsAlone) {
+    Refinement::Kept kept;
+    const int dimension = complex.dimension();
+    for (int d = 0; d <= dimension; ++d)
+        for (Index index = 0; index < complex.count(d); ++index) {
+            kept.lower[static_cast<std::size_t>(d)].push_back(
                 std::any_of(vertices.begin(), vertices.end(), [&](Index vertex) {
                     return isIn(complex, {0, vertex}, {d, index});
                 }));
+            const auto cells = complex.relation(d, dimension)[index];
+            kept.upper[static_cast<std::size_t>(d)].push_back(
+                !inFirstCellsAlone ||
+                std::any_of(cells.begin(), cells.end(), [](Index cell) { return cell < 2; }));
+        }
     return kept;
 }
 
 TEST(RefinementBoundary, IsThatOfTheDefinitionWherePartIsKept) {
     for (const CellComplex& base : bases())
         for (const std::vector<Index>& vertices :
-             {std::vector<Index>{0}, std::vector<Index>{0, 1, 3}}) {
-            const auto kept = around(base, vertices);
-            expectDefinition(base, Refinement(base, &kept));
-        }
+             {std::vector<Index>{0}, std::vector<Index>{0, 1, 3}})
+            for (const bool inFirstCellsAlone : {false, true}) {
+                const auto kept = around(base, vertices, inFirstCellsAlone);
+                expectDefinition(base, Refinement(base, &kept));
+            }
 }
 
 // What is kept has the numbers of the whole refinement, closed up.
 TEST(RefinementBoundary, KeptChildrenStayInOrder) {
     for (const CellComplex& base : bases()) {
-        const auto kept = around(base, {1, 2});
+        const auto kept = around(base, {0, 1, 2}, true);
         const Refinement whole(base), part(base, &kept);
         std::array<Index, 4> next = {};
         whole.forEachChild([&](const Entity&, const Interval& interval) {
             const auto child = part.childOf(interval);
             const auto& [a, b] = interval;
-            ASSERT_EQ(
-                child.has_value(),
-                kept[static_cast<std::size_t>(a.dimension)][static_cast<std::size_t>(a.index)] !=
-                    0);
+            const auto isMarked = [](const ByEntity<std::uint8_t>& marks, const Entity& end) {
+                return marks[static_cast<std::size_t>(end.dimension)]
+                            [static_cast<std::size_t>(end.index)] != 0;
+            };
+            ASSERT_EQ(child.has_value(), isMarked(kept.lower, a) && isMarked(kept.upper, b));
             if (!child) return;
             const int d = b.dimension - a.dimension;
             EXPECT_EQ(*child, (Entity{d, next[static_cast<std::size_t>(d)]++}));
@@ -128,7 +138,7 @@ TEST(RefinementBoundary, ChildrenInheritFromTheirUpperEnds) {
         for (int d = 0; d <= base.dimension(); ++d)
             for (Index i = 0; i < base.count(d); ++i)
                 values[static_cast<std::size_t>(d)].push_back(next++);
-        const auto kept = around(base, {2});
+        const auto kept = around(base, {2}, false);
         for (const Refinement& refinement : {Refinement(base), Refinement(base, &kept)}) {
             const auto inherited = refinement.inherit(values);
             refinement.forEachChild([&](const Entity& child, const Interval& interval) {
