@@ -69,6 +69,13 @@ Trilinear mapAround(const std::array<Index, 8>& corners, std::span<const Point3>
 
 }  // namespace
 
+CellSolver::Scale CellSolver::scaleOf(std::span<const Point3> positions, double tolerance) {
+    Eigen::AlignedBox3d box;
+    for (const Point3& position : positions) box.extend(Vector3d(position.data()));
+    const double size = box.diagonal().stableNorm();
+    return {size, checkedTolerance(tolerance) * size};
+}
+
 CellSolver::CellSolver(const far::CellComplex& complex, std::span<const Point3> positions,
                        Scale scale)
     : complex_(checked(complex, positions)),

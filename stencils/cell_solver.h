@@ -54,6 +54,10 @@ public:
         double tolerance = 0;  ///< how far outside a point still counts as inside
     };
 
+    /// \param tolerance as a fraction of the diagonal of the bounding box of `positions`
+    /// \throws Error if the tolerance is negative or not finite
+    static Scale scaleOf(std::span<const Point3> positions, double tolerance);
+
     /// \param complex a lattice of level 1 or above; kept (a cheap copy)
     /// \param positions one a vertex; copied
     /// \throws Error if `complex` is not a lattice of quadrilaterals, or `positions` do not fit it

@@ -4,7 +4,6 @@
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/embedding.h>
 #include <espalier/stencils/place_points.h>
-#include <espalier/stencils/space_curve.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
@@ -18,27 +17,6 @@ namespace espalier::stencils {
 using far::CellId;
 
 namespace {
-
-/// The points in an order in which one is near the next: they ask for the same cells, which then
-/// are in the cache. That halves the time.
-std::vector<Index> alongCurve(std::span<const Point3> points, std::span<const Point3> lattice) {
-    Eigen::AlignedBox3d box;
-    for (const Point3& position : lattice) box.extend(Eigen::Vector3d(position.data()));
-    const MortonCurve curve(box);
-    far::Array<CurvePlace> places(points.size());
-    far::parallelFor(static_cast<Offset>(points.size()), 4096, [&](Offset first, Offset last) {
-        for (Offset i = first; i < last; ++i) {
-            const auto at = static_cast<std::size_t>(i);
-            places[at] = {curve.key(Eigen::Vector3d(points[at].data())), static_cast<Index>(i)};
-        }
-    });
-    // Over 2¹⁰ parts along each axis are fine enough.
-    sortAlongCurve(places, 32);
-    std::vector<Index> order;
-    order.reserve(places.size());
-    for (const CurvePlace& place : places) order.push_back(place.item);
-    return order;
-}
 
 /// The corners of a hexahedron as W has them: ascending.
 struct SortedCorners {
@@ -104,7 +82,7 @@ Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> p
     return locatePoints<CellPlace>(
         points, complex.count(0), options.outside, progress,
         [&](const Point3& point, bool seekNearest) { return locator.locate(point, seekNearest); },
-        alongCurve(points, positions));
+        alongCurve(points));
 }
 
 StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
@@ -138,6 +116,16 @@ StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
         });
 }
 
+RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> baseCells,
+                         Index groupCount) {
+    std::vector<Index> groups;
+    groups.reserve(embedding.points.size());
+    for (const LocatedPoint& point : embedding.points)
+        groups.push_back(point.place ? baseCells[static_cast<std::size_t>(point.place->cell.value)]
+                                     : 0);
+    return RowOrder(groups, groupCount);
+}
+
 namespace {
 
 /// \param stencilsFor the rows of S_level for some vertices of the level
@@ -147,14 +135,9 @@ StencilTable<Real> deformationTable(const far::TopologyRefiner& refiner, int lev
     const CompactTable weights =
         compactColumns(buildEmbeddingTable(refiner.level(level).complex, embedding));
     const StencilTable<double> stencils = stencilsFor(weights.columns);
-    // The points in a base cell lead to the vertices around it.
     const BaseEntities origins = baseEntities(refiner, level).back();
-    std::vector<Index> groups;
-    groups.reserve(embedding.points.size());
-    for (const LocatedPoint& point : embedding.points)
-        groups.push_back(
-            point.place ? origins.of(3)[static_cast<std::size_t>(point.place->cell.value)] : 0);
-    return multiply<Real>(weights.table, stencils, RowOrder(groups, origins.count()));
+    return multiply<Real>(weights.table, stencils,
+                          orderByBaseCell(embedding, origins.of(3), origins.count()));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/point_location.h>
+#include <espalier/stencils/row_order.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <algorithm>
@@ -72,6 +73,12 @@ Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> p
 /// \throws Error if the embedding is in a lattice with another number of vertices
 StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
                                          const Embedding& embedding);
+
+/// The order of the rows of W for the product with S_level: the points in a base cell lead to the
+/// vertices around it.
+/// \param baseCells for each cell of the level a number of the base cell that it lies in
+RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> baseCells,
+                         Index groupCount);
 
 /// D = W · S_level: row i holds the weights of point i over the base vertices, so that x' = D · p'.
 /// It is also the Jacobian of the points by the lattice vertices. Rows sum to 1, or are empty. Only

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
 #include <espalier/stencils/place_points.h>
+#include <espalier/stencils/space_curve.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,27 @@ double checkedTolerance(double tolerance) {
     throw Error("the tolerance is " + std::to_string(tolerance) + "; expected 0 or more");
 }
 
+std::vector<Index> alongCurve(std::span<const Point3> points) {
+    Eigen::AlignedBox3d box;
+    for (const Point3& point : points)
+        if (const Eigen::Vector3d position(point.data()); position.allFinite())
+            box.extend(position);
+    const MortonCurve curve(box);
+    far::Array<CurvePlace> places(points.size());
+    far::parallelFor(static_cast<Offset>(points.size()), 4096, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            places[at] = {curve.key(Eigen::Vector3d(points[at].data())), static_cast<Index>(i)};
+        }
+    });
+    // Over 2¹⁰ parts along each axis are fine enough.
+    sortAlongCurve(places, 32);
+    std::vector<Index> order;
+    order.reserve(places.size());
+    for (const CurvePlace& place : places) order.push_back(place.item);
+    return order;
+}
+
 void checkPointCount(std::span<const Point3> points) {
     if (points.size() > static_cast<std::size_t>(far::kMaxIndex))
         throw Error("got " + std::to_string(points.size()) + " points; the most is " +
@@ -37,6 +59,12 @@ void checkVertexCount(Index placedIn, Index vertexCount) {
     if (placedIn != vertexCount)
         throw Error("the points were embedded in a lattice of " + std::to_string(placedIn) +
                     " vertices, not of " + std::to_string(vertexCount) + ": another level?");
+}
+
+void checkAllInside(std::span<const Point3> points, std::span<const PointStatus> statuses) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (statuses[i] != PointStatus::Inside)
+            refusePoint(static_cast<Offset>(i), points[i], statuses[i]);
 }
 
 void refusePoint(Offset index, const Point3& point, PointStatus status) {

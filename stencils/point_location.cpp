@@ -14,13 +14,6 @@ using far::Index;
 
 namespace {
 
-CellSolver::Scale scaleOf(std::span<const Point3> positions, double tolerance) {
-    Eigen::AlignedBox3d box;
-    for (const Point3& position : positions) box.extend(Vector3d(position.data()));
-    const double size = box.diagonal().stableNorm();
-    return {size, checkedTolerance(tolerance) * size};
-}
-
 std::vector<BoxTree::Box> cellBoxes(const CellSolver& solver, Index cellCount) {
     std::vector<BoxTree::Box> boxes(static_cast<std::size_t>(cellCount));
     far::parallelFor(cellCount, 4096, [&](far::Offset first, far::Offset last) {
@@ -34,8 +27,11 @@ std::vector<BoxTree::Box> cellBoxes(const CellSolver& solver, Index cellCount) {
 
 PointLocator::PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
                            double tolerance)
-    : solver_(complex, positions, scaleOf(positions, tolerance)),
-      tree_(cellBoxes(solver_, complex.count(3))) {}
+    : PointLocator(complex, positions, CellSolver::scaleOf(positions, tolerance)) {}
+
+PointLocator::PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
+                           CellSolver::Scale scale)
+    : solver_(complex, positions, scale), tree_(cellBoxes(solver_, complex.count(3))) {}
 
 LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) const {
     const Vector3d point(position.data());

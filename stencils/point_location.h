@@ -29,6 +29,10 @@ public:
     PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
                  double tolerance);
 
+    /// The same with the scale of another lattice: that of the base, of which `complex` is a level.
+    PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
+                 CellSolver::Scale scale);
+
     /// \param seekNearest whether to find the place that stands for a point outside
     LocatedPoint locate(const Point3& point, bool seekNearest) const;
 

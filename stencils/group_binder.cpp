@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "group_binder.h"
+
+#include <espalier/stencils/composition.h>
+
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace espalier::stencils {
+namespace {
+
+using Eigen::Vector3d;
+using far::CellId;
+
+Vector3d at(std::span<const Point3> points, Index i) {
+    return Vector3d(points[static_cast<std::size_t>(i)].data());
+}
+
+/// The cells sought for each point: those of point i are cells[offsets[i]] to … [i + 1], ascending.
+struct CellsOfPoints {
+    std::vector<Offset> offsets;
+    std::vector<Index> cells;
+
+    std::span<const Index> of(Index point) const {
+        const auto i = static_cast<std::size_t>(point);
+        return std::span(cells).subspan(static_cast<std::size_t>(offsets[i]),
+                                        static_cast<std::size_t>(offsets[i + 1] - offsets[i]));
+    }
+};
+
+/// Turns the lists of cells round, and leaves the pairs of which isSought(cell, point) is true.
+template <class IsSought>
+CellsOfPoints cellsOfPoints(const FoundCells& found, std::size_t pointCount, IsSought isSought) {
+    CellsOfPoints result;
+    result.offsets.assign(pointCount + 1, 0);
+    std::vector<std::pair<Index, Index>> pairs;
+    for (std::size_t i = 0; i < found.cells.size(); ++i)
+        for (Offset k = found.offsets[i]; k < found.offsets[i + 1]; ++k) {
+            const Index point = found.points[static_cast<std::size_t>(k)];
+            if (!isSought(found.cells[i], point)) continue;
+            pairs.emplace_back(point, found.cells[i]);
+            ++result.offsets[static_cast<std::size_t>(point) + 1];
+        }
+    std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());
+    std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
+    result.cells.resize(pairs.size());
+    for (const auto& [point, cell] : pairs)
+        result.cells[static_cast<std::size_t>(next[static_cast<std::size_t>(point)]++)] = cell;
+    return result;
+}
+
+/// Locates points, and makes their rows.
+/// \param locate returns the LocatedPoint of point i
+/// \param tableOf makes the rows of an embedding
+template <class Real, class Locate, class TableOf>
+BoundPart<Real> bindWith(std::size_t pointCount, Index vertexCount, Locate locate,
+                         TableOf tableOf) {
+    Embedding embedding;
+    embedding.vertexCount = vertexCount;
+    BoundPart<Real> part;
+    part.points.resize(pointCount);
+    std::iota(part.points.begin(), part.points.end(), Index{0});
+    for (const Index i : part.points) {
+        embedding.points.push_back(locate(i));
+        part.statuses.push_back(embedding.points.back().status);
+    }
+    part.largestResidual = embedding.largestResidual();
+    part.table = tableOf(embedding);
+    return part;
+}
+
+}  // namespace
+
+template <class Real>
+PartBinder<Real>::PartBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                             int level, Rules rules, const EmbeddingOptions& options)
+    : level_(level),
+      seekNearest_(options.outside == OutsidePolicy::Nearest),
+      scale_(CellSolver::scaleOf(positions, options.tolerance)),
+      // Enough for the boxes of the last level; those above may be larger.
+      descent_(base, positions, rules, scale_.tolerance + 1e-9 * scale_.size) {}
+
+template <class Real>
+std::vector<BoundPart<Real>> PartBinder<Real>::bind(std::span<const Point3> points) const {
+    std::vector<BoundPart<Real>> parts;
+    std::vector<Index> unsettled;
+    parts.push_back(bindInside(points, unsettled));
+    if (unsettled.empty()) return parts;
+    std::vector<Point3> left;
+    for (const Index i : unsettled) left.push_back(points[static_cast<std::size_t>(i)]);
+    parts.push_back(bindBeside(left));
+    parts.back().points = std::move(unsettled);
+    return parts;
+}
+
+/// Binds the points that are in a cell. Those that may be in a gap between cells, and those outside
+/// that are to be carried, come out as `unsettled`.
+template <class Real>
+BoundPart<Real> PartBinder<Real>::bindInside(std::span<const Point3> points,
+                                             std::vector<Index>& unsettled) const {
+    const auto found = descent_.descend(points, level_, Sought::Containing);
+    if (!found)
+        return bindWith<Real>(
+            points.size(), 0,
+            [&](Index i) {
+                if (!at(points, i).allFinite()) return LocatedPoint{};
+                if (seekNearest_) unsettled.push_back(i);
+                return LocatedPoint{PointStatus::Outside, {}, 0, 0};
+            },
+            [](const Embedding&) { return StencilTable<Real>(); });
+    const far::CellComplex& complex = found->refiner.level(level_).complex;
+    const CellSolver solver(complex, found->positions, scale_);
+    const auto cells = cellsOfPoints(*found, points.size(), [&](Index cell, Index point) {
+        return solver.boxOf(CellId(cell)).contains(at(points, point));
+    });
+    return bindWith<Real>(
+        points.size(), complex.count(0),
+        [&](Index i) {
+            const Vector3d point = at(points, i);
+            if (!point.allFinite()) return LocatedPoint{};
+            if (auto inside = solver.locateIn(point, cells.of(i))) return *inside;
+            // A gap lies in the boxes of the cells beside it: a point in no box is outside.
+            if (seekNearest_ || !cells.of(i).empty()) unsettled.push_back(i);
+            return LocatedPoint{PointStatus::Outside, {}, 0, 0};
+        },
+        [&](const Embedding& embedding) {
+            return buildDeformationTable<Real>(found->refiner, found->tables, embedding);
+        });
+}
+
+/// Binds points that are in no cell by the nearest one.
+template <class Real>
+BoundPart<Real> PartBinder<Real>::bindBeside(std::span<const Point3> points) const {
+    const auto found = descent_.descend(points, level_, Sought::Nearest);
+    const far::CellComplex& complex = found->refiner.level(level_).complex;
+    const CellSolver solver(complex, found->positions, scale_);
+    const auto cells = cellsOfPoints(*found, points.size(), [](Index, Index) { return true; });
+    return bindWith<Real>(
+        points.size(), complex.count(0),
+        [&](Index i) {
+            const Vector3d point = at(points, i);
+            std::pair nearest(std::numeric_limits<double>::infinity(), far::kMaxIndex);
+            for (const Index cell : cells.of(i))
+                nearest = std::min(nearest, {solver.distance(point, CellId(cell)), cell});
+            return solver.locateBeside(point, CellId(nearest.second), seekNearest_);
+        },
+        [&](const Embedding& embedding) {
+            return buildDeformationTable<Real>(found->refiner, found->tables, embedding);
+        });
+}
+
+template <class Real>
+WholeBinder<Real>::WholeBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                               int level, Rules rules, const EmbeddingOptions& options)
+    : seekNearest_(options.outside == OutsidePolicy::Nearest) {
+    far::TopologyRefiner whole = base;
+    whole.refineUniform(level);
+    complex_ = whole.level(level).complex;
+    locator_ =
+        std::make_unique<PointLocator>(complex_, refinePositions(whole, level, rules, positions),
+                                       CellSolver::scaleOf(positions, options.tolerance));
+    stencils_ = buildStencils<double>(whole, level, rules);
+    const BaseEntities origins = baseEntities(whole, level).back();
+    baseCells_.assign(origins.of(3).begin(), origins.of(3).end());
+    baseCellCount_ = origins.count();
+}
+
+template <class Real>
+std::vector<BoundPart<Real>> WholeBinder<Real>::bind(std::span<const Point3> points) const {
+    std::vector<BoundPart<Real>> parts;
+    parts.push_back(bindWith<Real>(
+        points.size(), complex_.count(0),
+        [&](Index i) {
+            return locator_->locate(points[static_cast<std::size_t>(i)], seekNearest_);
+        },
+        [&](const Embedding& embedding) {
+            return multiply<Real>(buildEmbeddingTable(complex_, embedding), stencils_,
+                                  orderByBaseCell(embedding, baseCells_, baseCellCount_));
+        }));
+    return parts;
+}
+
+template class PartBinder<float>;
+template class PartBinder<double>;
+template class WholeBinder<float>;
+template class WholeBinder<double>;
+
+}  // namespace espalier::stencils
