@@ -83,16 +83,27 @@ void BoxTree::build(std::span<const CurvePlace> places, Index first, Index count
     nodes_[at] = {box, 0, 0, static_cast<Index>(nodes_.size() - at)};
 }
 
-void BoxTree::findContaining(const Eigen::Vector3d& point, std::vector<Index>& found) const {
+/// Appends the items of the boxes that are in, and so are those around them.
+template <class IsIn>
+void BoxTree::collect(IsIn isIn, std::vector<Index>& found) const {
     for (std::size_t at = 0; at < nodes_.size();) {
         const Node& node = nodes_[at];
-        const bool enters = contains(node.box, point);
+        const bool enters = isIn(node.box);
         if (enters)
             for (Index i = node.first; i < node.first + node.count; ++i)
-                if (contains(boxes_[static_cast<std::size_t>(i)], point))
+                if (isIn(boxes_[static_cast<std::size_t>(i)]))
                     found.push_back(order_[static_cast<std::size_t>(i)]);
         at += enters ? 1 : static_cast<std::size_t>(node.size);
     }
+}
+
+void BoxTree::findContaining(const Eigen::Vector3d& point, std::vector<Index>& found) const {
+    collect([&](const Box& box) { return contains(box, point); }, found);
+}
+
+void BoxTree::findWithin(const Eigen::Vector3d& point, double distance,
+                         std::vector<Index>& found) const {
+    collect([&](const Box& box) { return box.exteriorDistance(point) <= distance; }, found);
 }
 
 BoxTree::Nearest BoxTree::findNearest(const Eigen::Vector3d& point,

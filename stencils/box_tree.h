@@ -23,6 +23,10 @@ public:
     /// Appends the indices of the boxes that contain `point`, in no particular order.
     void findContaining(const Eigen::Vector3d& point, std::vector<far::Index>& found) const;
 
+    /// Appends those of the boxes that are no further from `point` than `distance`.
+    void findWithin(const Eigen::Vector3d& point, double distance,
+                    std::vector<far::Index>& found) const;
+
     struct Nearest {
         far::Index index = 0;
         double distance = 0;
@@ -45,6 +49,8 @@ private:
         bool isLeaf() const { return count > 0; }
     };
 
+    template <class IsIn>
+    void collect(IsIn isIn, std::vector<far::Index>& found) const;
     void build(std::span<const CurvePlace> places, far::Index first, far::Index count);
 
     std::vector<Node> nodes_;

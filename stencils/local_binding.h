@@ -37,9 +37,9 @@ struct BoundModel {
 /// \param progress called now and then with the number of points done, from any thread, or empty
 /// \throws Error as embedPoints(), and for a base of other levels; TopologyError as
 ///         far::TopologyRefiner::refineUniform()
-/// \cost O(points · (level + entries of D a point)) once the cells are fewer than the points; far
-///       points under OutsidePolicy::Nearest also look at every base cell. In parallel; the result
-///       does not depend on the number of threads
+/// \cost O(points · (level + log base cells + entries of D a point)), once the cells are smaller
+///       than the distances between points. In parallel; the result does not depend on the number
+///       of threads
 /// \cite MacCracken & Joy 1996, sections 4 to 6
 template <class Real>
 BoundModel<Real> bindPoints(const far::TopologyRefiner& base, std::span<const Point3> positions,

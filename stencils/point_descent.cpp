@@ -156,12 +156,20 @@ PointDescent::Candidates PointDescent::baseCandidates(std::span<const Point3> po
             pointsOf[static_cast<std::size_t>(cell)].push_back(static_cast<Index>(point));
         };
         for (const Index cell : unbounded_) add(cell);
-        if (sought == Sought::Nearest) {
-            for (const Index cell : bounded_) add(cell);
-            continue;
-        }
         found.clear();
-        tree_.findContaining(Vector3d(points[point].data()), found);
+        const Vector3d position(points[point].data());
+        if (sought == Sought::Containing) {
+            tree_.findContaining(position, found);
+        } else {
+            const auto reachOf = [&](Index i) {
+                const Index cell = bounded_[static_cast<std::size_t>(i)];
+                if (!isLeft(base_.level(0), cell)) return std::numeric_limits<double>::infinity();
+                return reach(base_.level(0).complex, positions_, cell,
+                             bounds_[static_cast<std::size_t>(cell)], position);
+            };
+            tree_.findWithin(position, tree_.findNearest(position, reachOf).distance + margin_,
+                             found);
+        }
         for (const Index i : found) add(bounded_[static_cast<std::size_t>(i)]);
     }
     Candidates candidates;

@@ -43,8 +43,8 @@ public:
     /// \param level 1 or above
     /// \return nothing if no cell is sought
     /// \throws TopologyError as far::TopologyRefiner::refineAround()
-    /// \cost O(points × level), once the lattice is fine enough to tell the points apart; and a
-    ///       look at every base cell for each point whose nearest cell is sought
+    /// \cost O(points × (level + log base cells)), once the lattice is fine enough to tell the
+    ///       points apart
     std::optional<FoundCells> descend(std::span<const Point3> points, int level,
                                       Sought sought) const;
 

@@ -26,9 +26,13 @@ Surroundings::Surroundings(const far::Level& level)
 }
 
 Index Surroundings::shapeOf(const Entity& entity) {
+    // What repeats is met early. Where nothing does, each shape takes some kilobytes.
+    constexpr std::size_t kMostRemembered = 4096;
     collect(entity);
     describe(entity);
-    return shapes_.try_emplace(description_, static_cast<Index>(shapes_.size())).first->second;
+    if (const auto known = shapes_.find(description_); known != shapes_.end()) return known->second;
+    if (shapes_.size() < kMostRemembered) shapes_.emplace(description_, shapeCount_);
+    return shapeCount_++;
 }
 
 void Surroundings::collect(const Entity& entity) {

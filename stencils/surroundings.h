@@ -25,7 +25,8 @@ class Surroundings {
 public:
     explicit Surroundings(const far::Level& level);
 
-    /// The number of the shape around an entity; they count from 0 as they are first met.
+    /// The number of the shape around an entity; they count from 0 as they are first met. Once very
+    /// many are known, new ones are no longer remembered, and have another number each time.
     /// \cost O(entries around the entity)
     Index shapeOf(const far::Entity& entity);
 
@@ -53,6 +54,7 @@ private:
     PlaceMap vertices_;
     std::vector<Index> description_;
     std::unordered_map<std::vector<Index>, Index, Hash> shapes_;
+    Index shapeCount_ = 0;
 };
 
 }  // namespace espalier::stencils

@@ -135,6 +135,7 @@ TEST(Stencils, AreTheProductsOfTheLevelTablesToTheLastBit) {
     shapes.push_back({"sharpened box", sharpened(box)});
     shapes.push_back({"regular patch", patch});
     shapes.push_back({"sharpened patch", sharpened(patch)});
+    shapes.push_back({"more shapes than are remembered", sharpened(test::patch(48))});
     for (const auto& [name, lattice] : shapes) {
         TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
         refiner.refineUniform(3);

@@ -271,6 +271,13 @@ void expectTreeMatchesBruteForce(const std::vector<BoxTree::Box>& boxes, std::mt
         for (std::size_t i = 0; i < count; ++i)
             if (boxes[i].contains(point)) expected.push_back(static_cast<Index>(i));
         ASSERT_EQ(found, expected);
+        found.clear();
+        expected.clear();
+        tree.findWithin(point, 0.5, found);
+        std::sort(found.begin(), found.end());
+        for (std::size_t i = 0; i < count; ++i)
+            if (boxes[i].exteriorDistance(point) <= 0.5) expected.push_back(static_cast<Index>(i));
+        ASSERT_EQ(found, expected);
         if (count == 0) continue;
         const auto distance = [&](Index i) {
             return boxes[static_cast<std::size_t>(i)].exteriorDistance(point);
