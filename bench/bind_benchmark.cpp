@@ -5,9 +5,13 @@
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
 #include <sys/resource.h>
 
-#include <random>
+#include <string>
+#include <vector>
+
+#include "workloads.h"
 
 #ifdef ESPALIER_WITH_VTK
 #include <vtkCellArray.h>
@@ -20,81 +24,73 @@
 #include <vtkUnstructuredGrid.h>
 #endif
 
-// A million points bound to level 3 of a box of 1,000 cells, which has 512,000: ours, with the rows
-// over the base vertices, and VTK's search and interpolation in the same cells.
+// A million points bound to a box of 1,000 cells: random ones at level 3, which has 512,000 cells,
+// and those of a surface at level 5. Named bind/POINTS/LEVEL/WHO. VTK searches and interpolates in
+// the cells of level 3, which it is given; embed/ does of ours what VTK does.
 namespace espalier {
 namespace {
 
 using far::Index;
 
-constexpr int kLevel = 3;
 constexpr auto kRules = stencils::Rules::Siggraph96;
 
 struct Scene {
-    Lattice lattice = shapes::box({.cells = {10, 10, 10}});
-    far::TopologyRefiner refiner{lattice.complex};
-    std::vector<Point3> positions;
+    int level;
     std::vector<Point3> points;
+    Lattice lattice = shapes::box({.cells = {10, 10, 10}});
+    far::TopologyRefiner base{lattice.complex};
 
-    Scene() {
-        refiner.refineUniform(kLevel);
-        positions = stencils::refinePositions(refiner, kLevel, kRules, lattice.positions);
-        std::mt19937 random(1);
-        std::uniform_real_distribution<double> uniform(0.001, 0.999);
-        points.resize(1'000'000);
-        for (Point3& point : points) point = {uniform(random), uniform(random), uniform(random)};
+    stencils::Binding<double> bind() const {
+        return stencils::bindPoints<double>(base, lattice.positions, level, kRules, points).binding;
     }
 };
 
-const Scene& scene() {
-    static const Scene made;
+Scene randomScene() {
+    return {3, bench::randomPoints()};
+}
+Scene surfaceScene() {
+    return {5, bench::model()};
+}
+
+/// A scene with its whole level.
+struct Refined {
+    Scene scene = randomScene();
+    far::TopologyRefiner refiner{scene.lattice.complex};
+    std::vector<Point3> positions;
+
+    Refined() {
+        refiner.refineUniform(scene.level);
+        positions =
+            stencils::refinePositions(refiner, scene.level, kRules, scene.lattice.positions);
+    }
+    const far::CellComplex& complex() const { return refiner.level(scene.level).complex; }
+};
+
+const Refined& refined() {
+    static const Refined made;
     return made;
 }
 
-/// Whether the rest positions give the points back, to the rounding of both.
-bool givesBack(std::span<const Point3> moved, std::span<const Point3> points) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-            if (!(std::abs(moved[i][c] - points[i][c]) <= 1e-12)) return false;
-    return moved.size() == points.size();
-}
-
-/// Finds the points and makes D.
-void bind(benchmark::State& state) {
-    const far::ThreadLimit limit(static_cast<int>(state.range(0)));
-    const auto& [lattice, refiner, positions, points] = scene();
+/// Refines what the points ask for, finds them and makes D.
+void bind(benchmark::State& state, Scene (*make)(), int threads) {
+    const far::ThreadLimit limit(threads);
+    const Scene scene = make();
     stencils::Binding<double> binding;
-    for (auto _ : state) {
-        const auto embedding =
-            stencils::embedPoints(refiner.level(kLevel).complex, positions, points);
-        binding = stencils::makeBinding<double>(refiner, kLevel, kRules, embedding, points);
-    }
-    if (!givesBack(osd::evaluateBinding(binding, lattice.positions), points))
+    for (auto _ : state) binding = scene.bind();
+    if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
         state.SkipWithError("the rest pose does not give the points back");
     state.counters["entries a row"] =
-        static_cast<double>(binding.table.entryCount()) / static_cast<double>(points.size());
+        static_cast<double>(binding.table.entryCount()) / binding.table.rowCount();
 }
-BENCHMARK(bind)
-    ->Name("bind/1 M points/3/Espalier threads")
-    ->Arg(1)
-    ->Arg(2)
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
 
-/// Finds the points alone.
-void embed(benchmark::State& state) {
-    const far::ThreadLimit limit(static_cast<int>(state.range(0)));
-    const auto& [lattice, refiner, positions, points] = scene();
+/// Finds the points alone, in the whole level.
+void embed(benchmark::State& state, int threads) {
+    const far::ThreadLimit limit(threads);
+    const Refined& made = refined();
     for (auto _ : state)
         benchmark::DoNotOptimize(
-            stencils::embedPoints(refiner.level(kLevel).complex, positions, points));
+            stencils::embedPoints(made.complex(), made.positions, made.scene.points));
 }
-BENCHMARK(embed)
-    ->Name("embed/1 M points/3/Espalier threads")
-    ->Arg(1)
-    ->Arg(2)
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
 
 #ifdef ESPALIER_WITH_VTK
 
@@ -109,8 +105,9 @@ vtkNew<vtkPoints> toVtk(std::span<const Point3> points) {
 
 /// Finds the points, and interpolates the positions of the vertices there.
 void probe(benchmark::State& state) {
-    const auto& [lattice, refiner, positions, points] = scene();
-    const far::CellComplex& complex = refiner.level(kLevel).complex;
+    const far::CellComplex& complex = refined().complex();
+    const std::vector<Point3>& positions = refined().positions;
+    const std::vector<Point3>& points = refined().scene.points;
     vtkNew<vtkCellArray> cells;
     for (Index cell = 0; cell < complex.count(3); ++cell) {
         const auto corners = far::hexahedronVertices(complex, far::CellId(cell));
@@ -142,9 +139,8 @@ void probe(benchmark::State& state) {
             found.GetTuple(static_cast<vtkIdType>(i), moved[i].data());
         state.ResumeTiming();
     }
-    if (!givesBack(moved, points)) state.SkipWithError("the points are not given back");
+    if (!bench::givesBack(moved, points)) state.SkipWithError("the points are not given back");
 }
-BENCHMARK(probe)->Name("bind/1 M points/3/VTK")->UseRealTime()->Unit(benchmark::kMillisecond);
 
 #endif
 
@@ -154,23 +150,49 @@ std::size_t peakMemory() {
     return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
-/// Binds 1 M points to 1,000 base cells at level 3 and applies one pose: what the program's
-/// `deform` does. Fails if the process has taken 3 GB or more.
-void bindAndApply(benchmark::State& state) {
+std::size_t byteCount(const stencils::StencilTable<double>& table) {
+    return table.offsets().size_bytes() + table.columns().size_bytes() +
+           table.weights().size_bytes();
+}
+
+/// Binds and applies one pose: what the program's `deform` does. The peak is that of the process,
+/// so it means something in a run of this benchmark alone. Fails if it is 3 GB or more.
+void bindAndApply(benchmark::State& state, Scene (*make)()) {
     constexpr std::size_t kMemoryLimit = 3'000'000'000;
     for (auto _ : state) {
-        const Scene made;
-        const auto embedding =
-            stencils::embedPoints(made.refiner.level(kLevel).complex, made.positions, made.points);
-        const auto binding =
-            stencils::makeBinding<double>(made.refiner, kLevel, kRules, embedding, made.points);
-        if (!givesBack(osd::evaluateBinding(binding, made.lattice.positions), made.points))
+        const Scene scene = make();
+        const auto binding = scene.bind();
+        if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
             return state.SkipWithError("the rest pose does not give the points back");
+        state.counters["result bytes"] = static_cast<double>(byteCount(binding.table));
     }
     state.counters["peak bytes"] = static_cast<double>(peakMemory());
     if (peakMemory() >= kMemoryLimit) state.SkipWithError("took 3 GB or more");
 }
-BENCHMARK(bindAndApply)->Unit(benchmark::kSecond)->Iterations(1);
+
+/// One iteration of each takes long enough.
+template <class Job>
+void add(const std::string& name, Job job) {
+    benchmark::RegisterBenchmark(name.c_str(), job)
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(1);
+}
+
+const bool kRegistered = [] {
+    for (const int threads : {1, 2}) {
+        const std::string who = threads == 1 ? "Espalier" : "Espalier 2 threads";
+        add("bind/random/3/" + who, [=](auto& state) { bind(state, randomScene, threads); });
+        add("bind/surface/5/" + who, [=](auto& state) { bind(state, surfaceScene, threads); });
+        add("embed/random/3/" + who, [=](auto& state) { embed(state, threads); });
+    }
+#ifdef ESPALIER_WITH_VTK
+    add("bind/random/3/VTK", probe);
+#endif
+    add("bindAndApply/random/3", [](auto& state) { bindAndApply(state, randomScene); });
+    add("bindAndApply/surface/5", [](auto& state) { bindAndApply(state, surfaceScene); });
+    return true;
+}();
 
 }  // namespace
 }  // namespace espalier

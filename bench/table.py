@@ -1,38 +1,46 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prints docs/performance.md from what espalier_bench measured.
+"""Prints docs/performance.md from what espalier_bench measured, and draws its figure.
 
-    table.py RESULTS.json
-
-Of the repetitions of a benchmark the quickest counts: a neighbour on the machine can only make one
-slower.
+    table.py FIGURE.svg RESULTS.json...
 """
 
-import json
 import sys
+import textwrap
 
-PEERS = ("OpenSubdiv", "Eigen")
+import plots
+from results import read
+
+OURS = (("Espalier", ""), ("Espalier 2 threads", ", 2 threads"))
 
 
-def read(path):
-    """The quickest repetition of each benchmark, by name, and what the machine is."""
-    with open(path, encoding="utf-8") as file:
-        data = json.load(file)
-    best = {}
-    for run in data["benchmarks"]:
-        if run.get("error_occurred"):
-            sys.exit(f"{run['name']}: {run['error_message']}")
-        name = run["run_name"].removesuffix("/real_time")
-        if run["run_type"] == "iteration" and (
-                name not in best or run["real_time"] < best[name]["real_time"]):
-            best[name] = run
-    return best, data["context"]
+def wrap(paragraph, mark=""):
+    return textwrap.fill(" ".join(paragraph.split()), 104, initial_indent=mark,
+                         subsequent_indent=" " * len(mark), break_on_hyphens=False)
+
+
+def table(head, rows):
+    rows = list(rows)
+    if not rows:
+        return "The peer was not there."
+    rows = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+
+def ratio(theirs, ours):
+    return f"{theirs / ours:.1f} ×"
 
 
 def milliseconds(run):
-    return f"{run['real_time']:.1f} ms"
+    time = run["real_time"]
+    return f"{time:.1f} ms" if time < 1000 else f"{time / 1000:.2f} s"
 
 
-def rows(best):
+def nanoseconds(run, factor=1):
+    """Of one item."""
+    return 1e6 * run["real_time"] / run["items"] * factor
+
+
+def apply_rows(best):
     """One row for each of our runs and each peer on the same data."""
     triad = {threads: best[f"triad/threads/{threads}"]["bytes_per_second"] for threads in (1, 2)}
     for name, ours in best.items():
@@ -42,7 +50,7 @@ def rows(best):
         workload, real, components = case
         threads = 2 if who.endswith("2 threads") else 1
         share = ours["bytes_per_second"] / triad[threads]
-        what = f"{workload}, {real}" + (f", {threads} threads" if threads > 1 else "")
+        what = f"{workload}, {real}" + dict(OURS)[who]
         if int(components) > 3:
             one = best["/".join([kind, workload, real, "3", who])]
             poses = int(components) // 3
@@ -51,20 +59,143 @@ def rows(best):
                    f"{ours['real_time'] / poses / one['real_time']:.2f} of it", f"{share:.2f}",
                    f"{ours['bytes of CSR']:.2f}")
             continue
-        for peer in PEERS:
+        for peer in ("OpenSubdiv", "Eigen"):
             theirs = best.get("/".join([kind, *case, peer]))
             if theirs:
                 yield (what, peer, milliseconds(theirs), milliseconds(ours),
-                       f"{theirs['real_time'] / ours['real_time']:.1f} ×", f"{share:.2f}",
+                       ratio(theirs["real_time"], ours["real_time"]), f"{share:.2f}",
                        f"{ours['bytes of CSR']:.2f}")
 
 
+def levels(best, job):
+    """Our runs of a job on the surface with OpenSubdiv's: (level, threads, ours, theirs)."""
+    for level in (3, 4, 5):
+        theirs = best.get(f"{job}/surface/{level}/OpenSubdiv")
+        for who, threads in OURS if theirs else ():
+            yield level, threads, best[f"{job}/surface/{level}/{who}"], theirs
+
+
+def lattices(best, job):
+    """Our runs of a job on the lattice, with OpenSubdiv's run of the most like number of items."""
+    peers = [(best[name], level) for level in (3, 4, 5)
+             if (name := f"{job}/surface/{level}/OpenSubdiv") in best]
+    for who, threads in OURS if peers else ():
+        ours = best[f"{job}/lattice/3/{who}"]
+        theirs, level = min(peers, key=lambda peer: abs(peer[0]["items"] - ours["items"]))
+        yield threads, ours, theirs, level
+
+
+def refine_rows(best):
+    for level, threads, ours, theirs in levels(best, "refine"):
+        a, b = nanoseconds(theirs), nanoseconds(ours)
+        yield (f"surface, levels 1 to {level}{threads}, a child face", "OpenSubdiv", f"{a:.0f} ns",
+               f"{b:.0f} ns", ratio(a, b))
+    for threads, ours, theirs, level in lattices(best, "refine"):
+        a, b = nanoseconds(theirs), nanoseconds(ours)
+        yield (f"lattice, levels 1 to 3{threads}, a child cell",
+               f"OpenSubdiv, a child face of levels 1 to {level}", f"{a:.0f} ns", f"{b:.0f} ns",
+               ratio(a, b))
+
+
+def build_rows(best):
+    for level, threads, ours, theirs in levels(best, "build"):
+        yield (f"surface, S_{level}{threads}", "OpenSubdiv", milliseconds(theirs),
+               milliseconds(ours), ratio(theirs["real_time"], ours["real_time"]))
+    for threads, ours, theirs, level in lattices(best, "build"):
+        a, b = nanoseconds(theirs, 64 / 13), nanoseconds(ours)
+        yield (f"lattice, S_3{threads}, a row", f"OpenSubdiv, a row of S_{level} × 64/13",
+               f"{a:.0f} ns", f"{b:.0f} ns", ratio(a, b))
+        # Their table is ours, so it has as many entries.
+        entries = best[f"build/surface/{level}/Espalier"]["entries"]
+        a, b = 1e6 * theirs["real_time"] / entries, 1e6 * ours["real_time"] / ours["entries"]
+        yield (f"lattice, S_3{threads}, an entry", f"OpenSubdiv, an entry of S_{level}",
+               f"{a:.1f} ns", f"{b:.1f} ns", ratio(a, b))
+
+
+def in_turn_rows(best):
+    for level, threads, ours, theirs in levels(best, "in turn"):
+        yield (f"surface, levels 1 to {level}{threads}", "OpenSubdiv", milliseconds(theirs),
+               milliseconds(ours), ratio(theirs["real_time"], ours["real_time"]))
+
+
+def bind_rows(best):
+    theirs = best.get("bind/random/3/VTK")
+    for job, what in (("bind/random/3", "random points, level 3, all of binding"),
+                      ("embed/random/3", "random points, level 3, finding them in its cells"),
+                      ("bind/surface/5", "points of a surface, level 5, all of binding")):
+        for who, threads in OURS:
+            ours = best[f"{job}/{who}"]
+            compared = theirs if "random" in job else None
+            yield (what + threads, "VTK" if compared else "none",
+                   milliseconds(compared) if compared else "", milliseconds(ours),
+                   ratio(compared["real_time"], ours["real_time"]) if compared else "")
+
+
+def memory_rows(best):
+    for case, what in (("random/3", "random points, level 3"),
+                       ("surface/5", "points of a surface, level 5")):
+        run = best[f"bindAndApply/{case}"]
+        result, peak = run["result bytes"], run["peak bytes"]
+        yield what, f"{result / 1e6:.0f} MB", f"{peak / 1e6:.0f} MB", ratio(peak, result)
+
+
+def absent(best):
+    """A sentence on the peers that were not there."""
+    there = {name.rsplit("/", 1)[1] for name in best}
+    missing = [peer for peer in ("OpenSubdiv", "VTK") if peer not in there]
+    if not missing:
+        return ""
+    return f" Not there when this was built, so without rows: {' and '.join(missing)}."
+
+
+def growth(best):
+    """A sentence on each panel of the figure, true of its numbers."""
+    def exponents(job):
+        return " and ".join(f"{plots.fit(points)[1]:.2f}"
+                            for points in plots.series(best, job).values())
+
+    def change(job):
+        points = plots.series(best, job)[1]
+        first, last = points[0], points[-1]
+        return last[0] / first[0], last[1] / first[1]
+
+    def gain(job):
+        one, two = (plots.series(best, job)[threads][-1][1] for threads in (1, 2))
+        return one / two
+
+    levels_up, level_cost = change("bind by level")
+    cells_up, cell_cost = change("bind by cells")
+    items = (
+        f"""*Binding, by points*, level 3 of 1,000 cells: time goes with the number of points to the
+        power {exponents("bind by points")} (one thread, two). 1 would be linear; it is below, for
+        points share the cells that are refined for them. Two threads bind a million
+        {gain("bind by points"):.2f} times as fast as one.""",
+        f"""*Applying, by points*, the same binding compiled: to the power
+        {exponents("apply by points")}. Two threads apply a million
+        {gain("apply by points"):.2f} times as fast as one.""",
+        f"""*Binding, by level*, 1 to 6, 30,000 points in 1,000 cells: the whole level has
+        {levels_up:,.0f} times the cells, and binding takes {level_cost:.1f} times as long. Only cells
+        that hold points are refined, with what their rules need around them.""",
+        f"""*Binding, by base cells*, 2³ to 20³, 100,000 points at level 3: {cells_up:,.0f} times the
+        cells, {cell_cost:.1f} times as long.""")
+    return "\n".join(wrap(item, "- ") for item in items)
+
+
+INTRO = """What Espalier takes, against peers that do the like. `scripts/bench` measures it, each
+figure and its peer's in the same run and on the same data, compares the results, and prints this page.
+The quickest of the repetitions counts: five of applying, three of the rest, two of growth, one of memory.
+One thread unless said; the peers always have one. Ratios are the peer's time over ours."""
+
 PAGE = """# Performance
 
-Applying a table to values: what happens for every pose. `scripts/bench` measures it, each figure
-against a peer in the same run, on the same arrays, with each result compared with plain sums (every
-997th row); it prints this page.
-The quickest of five repetitions counts. One thread unless said; the peers always have one.
+{intro}
+
+{cores} cores of {mhz} MHz, {date}; built as `Release` (`-O3 -DNDEBUG`); instructions are chosen when the
+program runs.
+
+## Applying a table to values
+
+What happens for every pose.
 
 - *surface*: S_3 of a torus of quadrilaterals, 13 entries a row.
 - *regular model*: a million points bound to a box by B-splines, 64 entries a row. A subdivided
@@ -76,27 +207,82 @@ Ours is [`osd::CompiledTable`](../osd/compiled_table.h): rows with the same colu
 one row in each lane of a register, and rows that are outer products as their factors. The peers are
 OpenSubdiv's `Osd::CpuEvaluator`, which takes float only, and Eigen's row-major product. Bytes are those
 of the compiled table over those of compressed sparse rows; the share of the triad is what the table and
-the results take, over the bytes that a + s · b moves in the same time, with as many threads. It is no
-share of the memory where a large last cache holds the table, as here: 260 MB, and the triad's arrays
-take 768.
+the results take, over the bytes that a + s · b moves in the same time, with as many threads: {one:.1f} GB/s
+with one, {two:.1f} with two. It is no share of the memory where a last cache holds the table; the triad's
+arrays take 768 MB. Every 997th row is compared with plain sums.
 
-{table}
+{apply}
 
-Triad: {one:.1f} GB/s with one thread, {two:.1f} with two. {cores} cores of {mhz} MHz, {date}. Built as
-`Release`; instructions are chosen when the program runs.
+## Applying level by level
+
+R_1, then R_2 and so on, to values that change, where no table of the whole way is wanted: ours each
+compiled, theirs `Far::PrimvarRefiner`, single precision, from the levels of a torus of 1,600
+quadrilaterals.
+
+{in_turn}
+
+## Refining topology
+
+All levels, from the same torus, and from a box of 1,000 cells. Times are a child: a child *face* of a
+surface comes with two edges and a vertex, a child *cell* of a lattice with three faces, three edges and a
+vertex. The peer is `Far::TopologyRefiner`, which refines surfaces only; a lattice is set beside the
+surface with the most like number of children.
+
+{refine}
+
+## Building tables
+
+S_n, single precision, of the same two. The peer is `Far::StencilTableFactory`; rows of a lattice have up
+to 64 entries where those of a surface have 13 or so, and are set beside so much of its time. Near the
+boundary they have fewer, on the average of this box {row:.0f}, so entries are compared too.
+
+{build}
+
+## Binding
+
+A million points in a box of 1,000 cells, by [`stencils::bindPoints`](../stencils/local_binding.h) from the
+base lattice, refinement included; double precision. The peer is VTK's `vtkProbeFilter` with its static
+cell locator: it is given the 512,000 cells of level 3, and finds and interpolates, where ours also makes
+the rows over the base vertices. *Finding them in its cells* is given the cells as VTK is. The rest pose
+gives the points back to 1e-12.
+
+{bind}
+
+The memory that binding and applying one pose take, each in a process of its own: the bytes of D —
+offsets, columns and weights — and the peak of the whole process.
+
+{memory}
+
+## How cost grows
+
+Time by size, both axes logarithmic, with the fitted power of the size. The points are those of a surface
+in a box.
+
+![Time of binding and applying by size](figures/performance-growth.svg)
+
+{growth}
 """
 
 
 def main():
-    if len(sys.argv) != 2:
+    if len(sys.argv) < 3:
         sys.exit(__doc__)
-    best, context = read(sys.argv[1])
-    lines = ["| apply | peer | peer's time | our time | ratio | share of the triad | bytes |",
-             "|---|---|---|---|---|---|---|"]
-    lines += ["| " + " | ".join(row) + " |" for row in rows(best)]
+    best, context = read(sys.argv[2:])
+    with open(sys.argv[1], "w", encoding="utf-8") as file:
+        file.write(plots.figure(best))
     one, two = (best[f"triad/threads/{threads}"]["bytes_per_second"] / 1e9 for threads in (1, 2))
-    print(PAGE.format(table="\n".join(lines), one=one, two=two, cores=context["num_cpus"],
-                      mhz=context["mhz_per_cpu"], date=context["date"][:10]), end="")
+    head = ["peer", "peer's time", "our time", "ratio"]
+    print(PAGE.format(
+        intro=wrap(INTRO + absent(best)), one=one, two=two, cores=context["num_cpus"],
+        mhz=context["mhz_per_cpu"], date=context["date"][:10],
+        apply=table(["apply", *head, "share of the triad", "bytes"], apply_rows(best)),
+        in_turn=table(["apply in turn", *head], in_turn_rows(best)),
+        refine=table(["refine", *head], refine_rows(best)),
+        build=table(["build", *head], build_rows(best)),
+        row=best["build/lattice/3/Espalier"]["entries"] / best["build/lattice/3/Espalier"]["items"],
+        bind=table(["bind", *head], bind_rows(best)),
+        memory=table(["bind and apply", "D", "peak", "peak over D"], memory_rows(best)),
+        growth=growth(best)), end="")
 
 
 if __name__ == "__main__":

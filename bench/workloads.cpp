@@ -18,14 +18,20 @@ using stencils::Rules;
 
 namespace {
 
-/// A torus that meanders through the unit cube, a thousand rings of a thousand points.
-std::vector<Point3> model() {
-    constexpr int kRings = 1000, kPoints = 1000;
+Workload workload(stencils::StencilTable<double> table) {
+    auto inFloat = stencils::convertTable<float>(table);
+    return {std::move(inFloat), std::move(table)};
+}
+
+}  // namespace
+
+std::vector<Point3> model(int pointCount) {
+    const auto side = static_cast<int>(std::lround(std::sqrt(pointCount)));
     std::vector<Point3> points;
-    for (int i = 0; i < kRings; ++i)
-        for (int j = 0; j < kPoints; ++j) {
-            const double u = 2 * std::numbers::pi * i / kRings;
-            const double v = 2 * std::numbers::pi * j / kPoints;
+    for (int i = 0; i < side; ++i)
+        for (int j = 0; j < side; ++j) {
+            const double u = 2 * std::numbers::pi * i / side;
+            const double v = 2 * std::numbers::pi * j / side;
             const double tube = 0.09 * (1 + 0.3 * std::sin(7 * u + 3 * v));
             const double around = 0.24 + tube * std::cos(v);
             points.push_back({0.5 + around * std::cos(u), 0.5 + around * std::sin(u),
@@ -34,12 +40,21 @@ std::vector<Point3> model() {
     return points;
 }
 
-Workload workload(stencils::StencilTable<double> table) {
-    auto inFloat = stencils::convertTable<float>(table);
-    return {std::move(inFloat), std::move(table)};
+std::vector<Point3> randomPoints() {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> uniform(0.001, 0.999);
+    std::vector<Point3> points(kMillion);
+    for (Point3& point : points) point = {uniform(random), uniform(random), uniform(random)};
+    return points;
 }
 
-}  // namespace
+bool givesBack(std::span<const Point3> moved, std::span<const Point3> points) {
+    if (moved.size() != points.size()) return false;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            if (!(std::abs(moved[i][c] - points[i][c]) <= 1e-12)) return false;
+    return true;
+}
 
 Mesh torus(Index side) {
     Mesh mesh{side * side, {}};

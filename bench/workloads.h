@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/point.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <span>
 #include <vector>
 
 namespace espalier::bench {
@@ -25,9 +27,19 @@ Mesh torus(far::Index side);
 /// S_3 of a torus of quadrilaterals, of about so many rows; 13 entries each.
 Workload surface(int rowCount);
 
-/// A model of a million points, in the order of a mesh, bound to a box of 10 × 10 × 10 cells by
-/// B-splines, so that each row has 64 entries; as a subdivided lattice has between the planes of
-/// its base vertices.
+constexpr int kMillion = 1'000'000;
+
+/// A torus that meanders through the unit cube, of about so many points in the order of a mesh.
+std::vector<Point3> model(int pointCount = kMillion);
+
+/// A million points all over the unit cube, in no order.
+std::vector<Point3> randomPoints();
+
+/// Whether the rest positions gave the points back, to the rounding of both.
+bool givesBack(std::span<const Point3> moved, std::span<const Point3> points);
+
+/// The model of a million points bound to a box of 10 × 10 × 10 cells by B-splines, so that each
+/// row has 64 entries; as a subdivided lattice has between the planes of its base vertices.
 Workload regularModel();
 
 /// The same model bound at level 3 to a cylinder, whose axis is irregular, as are its ends.

@@ -89,16 +89,17 @@ BoundModel<Real> bindPoints(const far::TopologyRefiner& base, std::span<const Po
     const Offset pointCount = std::ssize(points);
     const auto binder = makeBinder<Real>(base, positions, level, rules, pointCount, options);
     const std::vector<Index> order = alongCurve(points);
-    // Larger groups share more of the cells around theirs; but their levels are held at once.
-    constexpr Offset kGroup = 1 << 14;
+    // Larger groups share more of the cells around theirs; but their levels are held at once, some
+    // 100 kB a level for a point that shares none, as most do on the fine levels.
+    const Offset groupSize = level < 7 ? 1 << 14 : 1 << 11;
     std::vector<std::vector<BoundPart<Real>>> groups(
-        static_cast<std::size_t>((pointCount + kGroup - 1) / kGroup));
+        static_cast<std::size_t>((pointCount + groupSize - 1) / groupSize));
     std::atomic<Offset> done = 0;
-    far::parallelFor(pointCount, kGroup, [&](Offset first, Offset last) {
+    far::parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;
         for (Offset i = first; i < last; ++i)
             own.push_back(points[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])]);
-        auto& parts = groups[static_cast<std::size_t>(first / kGroup)];
+        auto& parts = groups[static_cast<std::size_t>(first / groupSize)];
         parts = binder->bind(own);
         for (BoundPart<Real>& part : parts)
             for (Index& point : part.points) point = order[static_cast<std::size_t>(first + point)];

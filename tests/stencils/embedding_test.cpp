@@ -505,8 +505,10 @@ TEST(CellSolver, FindsWhatTheLocatorDoes) {
         const PointLocator locator(refined.complex(), refined.positions, 1e-6);
         const CellSolver solver(refined.complex(), refined.positions,
                                 {.size = size, .tolerance = 1e-6 * size});
-        auto points = pointsIn(refined, 200, 13);
-        points.insert(points.end(), refined.positions.begin(), refined.positions.end());
+        auto points = pointsIn(refined, 60, 13);
+        for (std::size_t v = 0; v < refined.positions.size();
+             v += 1 + refined.positions.size() / 40)
+            points.push_back(refined.positions[v]);
         int inCells = 0;
         for (const Point3& point : points) {
             std::vector<Index> cells;
@@ -531,7 +533,7 @@ TEST(CellSolver, FindsWhatTheLocatorDoes) {
             ASSERT_EQ(found.place->uvw, expected.place->uvw) << name;
             ASSERT_EQ(found.place->offset, expected.place->offset) << name;
         }
-        EXPECT_GT(inCells, 150) << name;
+        EXPECT_GT(inCells, 40) << name;
     }
 }
 

@@ -127,6 +127,8 @@ TEST(LocalBinding, IsThatOfTheWholeLevelToTheLastBit) {
                                        {.boundary = boundary, .marks = lattice.marks});
             const auto rest = bent(lattice.positions, 0.02);
             for (const int level : {1, 2, 3}) {
+                // The larger ones say no more there, and take long.
+                if (level == 3 && lattice.complex.count(3) > 12) continue;
                 try {
                     TopologyRefiner(base).refineUniform(level);
                 } catch (const far::TopologyError&) {
@@ -134,7 +136,7 @@ TEST(LocalBinding, IsThatOfTheWholeLevelToTheLastBit) {
                     continue;
                 }
                 expectSameAsWholeLevel(name, base, rest, level,
-                                       level == 2 ? Rules::Cse96 : Rules::Siggraph96, 120,
+                                       level == 2 ? Rules::Cse96 : Rules::Siggraph96, 80,
                                        static_cast<unsigned>(level));
             }
         }

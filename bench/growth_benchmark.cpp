@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <benchmark/benchmark.h>
+#include <espalier/far/parallel.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/local_binding.h>
+
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "workloads.h"
+
+// How the cost of binding and of applying grows, for points of a surface in a box. Named
+// growth/JOB BY SIZE/SIZE, and where threads are compared /THREADS; the counter `size` is what the
+// cost is plotted against.
+namespace espalier {
+namespace {
+
+constexpr auto kRules = stencils::Rules::Siggraph96;
+
+/// A box of cellCount³ cells with the points of a surface in it.
+struct Scene {
+    std::vector<Point3> points;
+    Lattice lattice;
+    far::TopologyRefiner base;
+
+    Scene(int cellCount, int pointCount)
+        : points(bench::model(pointCount)),
+          lattice(shapes::box({.cells = {cellCount, cellCount, cellCount}})),
+          base(lattice.complex) {}
+
+    stencils::Binding<double> bind(int level) const {
+        return stencils::bindPoints<double>(base, lattice.positions, level, kRules, points).binding;
+    }
+};
+
+void bind(benchmark::State& state, const Scene& scene, int level, int threads) {
+    const far::ThreadLimit limit(threads);
+    stencils::Binding<double> binding;
+    for (auto _ : state) binding = scene.bind(level);
+    if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
+        state.SkipWithError("the rest pose does not give the points back");
+}
+
+void bindByLevel(benchmark::State& state) {
+    const auto level = static_cast<int>(state.range(0));
+    bind(state, Scene(10, 30'000), level, 1);
+    state.counters["size"] = 1000 * std::pow(8, level);  // cells of the whole level
+}
+
+void bindByPoints(benchmark::State& state) {
+    const Scene scene(10, static_cast<int>(state.range(0)));
+    bind(state, scene, 3, static_cast<int>(state.range(1)));
+    state.counters["size"] = static_cast<double>(scene.points.size());
+}
+
+void bindByCells(benchmark::State& state) {
+    const auto side = static_cast<int>(state.range(0));
+    bind(state, Scene(side, 100'000), 3, 1);
+    state.counters["size"] = std::pow(side, 3);
+}
+
+/// D of a scene at level 3, ready to apply.
+struct Bound {
+    Scene scene;
+    osd::CompiledTable<float> table;
+
+    explicit Bound(int pointCount)
+        : scene(10, pointCount), table(stencils::convertTable<float>(scene.bind(3).table)) {}
+};
+
+/// Made once, for binding takes longer than applying.
+const Bound& bound(int pointCount) {
+    static std::map<int, Bound> made;
+    return made.try_emplace(pointCount, pointCount).first->second;
+}
+
+void applyByPoints(benchmark::State& state) {
+    const auto& [scene, table] = bound(static_cast<int>(state.range(0)));
+    std::vector<float> source, result(3 * scene.points.size());
+    for (const Point3& position : scene.lattice.positions)
+        for (const double value : position) source.push_back(static_cast<float>(value));
+    const far::ThreadLimit limit(static_cast<int>(state.range(1)));
+    const auto layout = osd::BufferDescriptor::packed(3);
+    const auto rowCount = static_cast<far::Index>(scene.points.size());
+    for (auto _ : state) {
+        table.evaluate(source, layout, result, layout, {0, rowCount});
+        benchmark::ClobberMemory();
+    }
+    // Sums of some 50 products of numbers up to 1, in single precision.
+    for (std::size_t i = 0; i < result.size(); ++i)
+        if (!(std::abs(static_cast<double>(result[i]) - scene.points[i / 3][i % 3]) < 1e-5))
+            return state.SkipWithError("the rest pose does not give the points back");
+    state.counters["size"] = static_cast<double>(scene.points.size());
+}
+
+const std::vector<std::int64_t> kPointCounts = {10'000, 31'600, 100'000, 316'000, bench::kMillion};
+
+BENCHMARK(bindByLevel)
+    ->Name("growth/bind by level")
+    ->DenseRange(1, 6)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(bindByPoints)
+    ->Name("growth/bind by points")
+    ->ArgsProduct({kPointCounts, {1, 2}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(bindByCells)
+    ->Name("growth/bind by cells")
+    ->Arg(2)
+    ->Arg(3)
+    ->Arg(5)
+    ->Arg(8)
+    ->Arg(13)
+    ->Arg(20)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(applyByPoints)
+    ->Name("growth/apply by points")
+    ->ArgsProduct({kPointCounts, {1, 2}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace espalier
