@@ -103,7 +103,7 @@ void BoxTree::findContaining(const Eigen::Vector3d& point, std::vector<Index>& f
 
 void BoxTree::findWithin(const Eigen::Vector3d& point, double distance,
                          std::vector<Index>& found) const {
-    collect([&](const Box& box) { return box.exteriorDistance(point) <= distance; }, found);
+    collect([&](const Box& box) { return !(box.exteriorDistance(point) > distance); }, found);
 }
 
 BoxTree::Nearest BoxTree::findNearest(const Eigen::Vector3d& point,

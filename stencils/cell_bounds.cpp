@@ -30,6 +30,7 @@ std::optional<CellBound> CellBounds::boundOf(Index cell,
         if (isRegular(cell)) bound.drift = largestSecondDifference(ring) / 2;
     }
     if (bound.drift) {
+        if (!bound.drift->allFinite()) return std::nullopt;  // Coordinates near the largest number.
         bound.box = ownBox(cell).box;
         bound.box.min() -= *bound.drift;
         bound.box.max() += *bound.drift;

@@ -24,7 +24,13 @@ void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positio
                     std::to_string(base.maxLevel()) + " levels more");
     if (level < 1)
         throw Error("points are bound to level 1 or above, not to level " + std::to_string(level));
-    checkPositions(base.level(0).complex, positions);
+    const far::Level& lattice = base.level(0);
+    checkPositions(lattice.complex, positions);
+    // Without boundary control there may be no next level: refining says what is missing.
+    bool isLeft = false;
+    for (Index vertex = 0; vertex < lattice.complex.count(0); ++vertex)
+        isLeft = isLeft || !lattice.strata.isOpen({0, vertex});
+    if (!isLeft) far::TopologyRefiner(base).refineUniform(1);
 }
 
 /// Whether a level has no more cells than so many, as far as the vertices of the base cells tell:

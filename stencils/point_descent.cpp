@@ -123,8 +123,9 @@ void keepNearest(const far::CellComplex& complex, std::span<const Point3> positi
         }
     candidates.filter([&](std::size_t i, Index point) {
         const Bound& bound = candidates.bounds[i];
-        return !bound || bound->box.exteriorDistance(at(points, point)) <=
-                             nearest[static_cast<std::size_t>(point)] + margin;
+        // Written so that what is not a number stays.
+        return !bound || !(bound->box.exteriorDistance(at(points, point)) >
+                           nearest[static_cast<std::size_t>(point)] + margin);
     });
 }
 
@@ -215,7 +216,7 @@ std::optional<FoundCells> PointDescent::descend(std::span<const Point3> points, 
                         : bounds.boundOf(child->index, bound ? bound->drift : std::nullopt);
                 for (const Index point : candidates.pointsOf(i))
                     if (sought == Sought::Nearest || !ofChild ||
-                        ofChild->box.exteriorDistance(at(points, point)) <= margin_)
+                        !(ofChild->box.exteriorDistance(at(points, point)) > margin_))
                         children.points.push_back(point);
                 children.endCell(child->index, ofChild);
             }

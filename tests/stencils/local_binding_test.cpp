@@ -209,6 +209,43 @@ TEST(LocalBinding, BindsAtLevelEight) {
         }
 }
 
+// Squares, and second differences, may be no numbers.
+TEST(LocalBinding, LatticesOfExtremeSize) {
+    const Lattice lattice = shapes::box({.cells = {3, 2, 2}});
+    const TopologyRefiner base(lattice.complex);
+    for (const double size : {1e-200, 1e-20, 1e20, 1e200, 5e307}) {
+        auto rest = bent(lattice.positions, 0.02);
+        std::vector<Point3> points = {{0.3, 0.4, 0.5}, {0.9, 0.2, 0.7}, {0.5, 0.5, 2}};
+        for (auto* all : {&rest, &points})
+            for (Point3& point : *all)
+                for (double& coordinate : point) coordinate *= size;
+        for (const OutsidePolicy outside : {OutsidePolicy::Keep, OutsidePolicy::Nearest}) {
+            const EmbeddingOptions options{.outside = outside};
+            TopologyRefiner whole(base);
+            whole.refineUniform(2);
+            const PointLocator locator(whole.level(2).complex,
+                                       refinePositions(whole, 2, Rules::Siggraph96, rest),
+                                       CellSolver::scaleOf(rest, options.tolerance));
+            const auto bound =
+                bindPoints<double>(base, rest, 2, Rules::Siggraph96, points, options);
+            for (std::size_t i = 0; i < points.size(); ++i)
+                EXPECT_EQ(bound.statuses[i],
+                          locator.locate(points[i], outside == OutsidePolicy::Nearest).status)
+                    << size << " point " << i;
+        }
+    }
+}
+
+TEST(LocalBinding, SaysThatNothingIsLeftWithoutBoundaryControl) {
+    const Lattice lattice = shapes::box({.cells = {1, 3, 3}});
+    const TopologyRefiner base(lattice.complex, {.boundary = far::Boundary::Open});
+    const std::vector<Point3> points = {{0.5, 0.5, 0.5}, {2, 2, 2}};
+    for (const OutsidePolicy outside : {OutsidePolicy::Keep, OutsidePolicy::Nearest})
+        EXPECT_THROW(bindPoints<double>(base, lattice.positions, 3, Rules::Siggraph96, points,
+                                        {.outside = outside}),
+                     far::TopologyError);
+}
+
 TEST(LocalBinding, RefusesWhatItCannotBind) {
     const Lattice lattice = shapes::box();
     TopologyRefiner base(lattice.complex);
