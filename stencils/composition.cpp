@@ -215,17 +215,33 @@ std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
     return result;
 }
 
-std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level, Rules rules,
-                                    std::span<const Point3> positions) {
+namespace {
+
+std::vector<double> toValues(std::span<const Point3> positions) {
     std::vector<double> values;
     values.reserve(3 * positions.size());
     for (const Point3& position : positions)
         values.insert(values.end(), position.begin(), position.end());
-    values = refineValues(refiner, level, rules, values, 3);
-    std::vector<Point3> refined(values.size() / 3);
-    for (std::size_t i = 0; i < refined.size(); ++i)
-        refined[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-    return refined;
+    return values;
+}
+
+std::vector<Point3> toPositions(std::span<const double> values) {
+    std::vector<Point3> positions(values.size() / 3);
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        positions[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    return positions;
+}
+
+}  // namespace
+
+std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
+                                    std::span<const Point3> positions) {
+    return toPositions(product(table, toValues(positions), 3));
+}
+
+std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                    std::span<const Point3> positions) {
+    return toPositions(refineValues(refiner, level, rules, toValues(positions), 3));
 }
 
 template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rules,

@@ -112,7 +112,11 @@ CompactTable compactColumns(StencilTable<double> table);
 std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const double> values, int components);
 
-/// The same for positions.
+/// One step of that for positions, with its table at hand: R_k times positions of level k − 1.
+std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
+                                    std::span<const Point3> positions);
+
+/// All steps for positions.
 std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level, Rules rules,
                                     std::span<const Point3> positions);
 

@@ -52,19 +52,6 @@ double reach(const far::CellComplex& complex, std::span<const Point3> positions,
     return nearest + bound->drift->norm();
 }
 
-std::vector<Point3> times(const StencilTable<double>& table, std::span<const Point3> positions) {
-    std::vector<Point3> result(static_cast<std::size_t>(table.rowCount()), Point3{});
-    for (Index row = 0; row < table.rowCount(); ++row) {
-        const auto columns = table.columns(row);
-        const auto weights = table.weights(row);
-        for (std::size_t k = 0; k < columns.size(); ++k)
-            for (std::size_t c = 0; c < 3; ++c)
-                result[static_cast<std::size_t>(row)][c] +=
-                    weights[k] * positions[static_cast<std::size_t>(columns[k])][c];
-    }
-    return result;
-}
-
 /// Whether a cell becomes anything: without boundary control, a vertex must be left.
 bool isLeft(const far::Level& level, Index cell) {
     const auto vertices = level.complex.relation(3, 0)[cell];
@@ -198,7 +185,7 @@ std::optional<FoundCells> PointDescent::descend(std::span<const Point3> points, 
         found.refiner.refineAround(candidates.cells, isEnough ? far::TopologyRefiner::Extent::Cells
                                                               : far::TopologyRefiner::Extent::Ring);
         found.tables.push_back(buildLevelTable(found.refiner, k + 1, rules_));
-        found.positions = times(found.tables.back(), found.positions);
+        found.positions = applyLevelTable(found.tables.back(), found.positions);
 
         const far::Level& next = found.refiner.level(k + 1);
         const CellBounds bounds(next, found.positions, base_.options().creasing);

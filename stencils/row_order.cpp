@@ -31,15 +31,7 @@ far::Entity BaseEntities::entity(Index number) const {
 }
 
 void BaseEntities::refine(const far::Refinement& refinement) {
-    std::array<far::Array<Index>, far::kMaxDimension + 1> next;
-    for (int d = 0; d <= refinement.child().dimension(); ++d)
-        next[static_cast<std::size_t>(d)].resize(
-            static_cast<std::size_t>(refinement.child().count(d)));
-    refinement.forEachChild([&](const far::Entity& child, const far::Interval& interval) {
-        next[static_cast<std::size_t>(child.dimension)][static_cast<std::size_t>(child.index)] =
-            of(interval.upper);
-    });
-    numbers_ = std::move(next);
+    numbers_ = refinement.inherit(numbers_);
 }
 
 std::vector<BaseEntities> baseEntities(const far::TopologyRefiner& refiner, int level) {

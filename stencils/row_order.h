@@ -67,7 +67,7 @@ public:
 private:
     /// The numbers of the dimensions, one after the other.
     std::array<Index, far::kMaxDimension + 2> begins_ = {};
-    std::array<far::Array<Index>, far::kMaxDimension + 1> numbers_;
+    far::ByEntity<Index> numbers_;
 };
 
 /// Those of levels 0 to `level`.
