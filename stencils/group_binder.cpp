@@ -3,6 +3,8 @@
 
 #include <espalier/stencils/composition.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -15,6 +17,17 @@ using far::CellId;
 
 Vector3d at(std::span<const Point3> points, Index i) {
     return Vector3d(points[static_cast<std::size_t>(i)].data());
+}
+
+/// The boxes of a level may miss those of the last one by the rounding of the sums between, which
+/// is relative to where the lattice lies: some 100 times 1e-16 a level.
+constexpr double kSlack = 1e-12;
+
+double largestCoordinate(std::span<const Point3> positions) {
+    double largest = 0;
+    for (const Point3& position : positions)
+        for (const double coordinate : position) largest = std::max(largest, std::abs(coordinate));
+    return largest;
 }
 
 /// The cells sought for each point: those of point i are cells[offsets[i]] to … [i + 1], ascending.
@@ -78,8 +91,8 @@ PartBinder<Real>::PartBinder(const far::TopologyRefiner& base, std::span<const P
     : level_(level),
       seekNearest_(options.outside == OutsidePolicy::Nearest),
       scale_(CellSolver::scaleOf(positions, options.tolerance)),
-      // Enough for the boxes of the last level; those above may be larger.
-      descent_(base, positions, rules, scale_.tolerance + 1e-9 * scale_.size) {}
+      descent_(base, positions, rules,
+               scale_.tolerance + kSlack * (scale_.size + largestCoordinate(positions))) {}
 
 template <class Real>
 std::vector<BoundPart<Real>> PartBinder<Real>::bind(std::span<const Point3> points) const {

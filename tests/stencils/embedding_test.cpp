@@ -11,6 +11,7 @@
 #include <cmath>
 #include <map>
 
+#include "support/refined_lattice.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -19,34 +20,10 @@ namespace {
 
 using far::CellId;
 using far::TopologyRefiner;
+using test::pointsIn;
+using test::Refined;
+using test::vec;
 using ::testing::HasSubstr;
-
-/// A lattice refined, with the positions of its level.
-struct Refined {
-    TopologyRefiner refiner;
-    int level;
-    std::vector<Point3> base;
-    std::vector<Point3> positions;
-
-    Refined(const Lattice& lattice, int levels)
-        : refiner(lattice.complex, {.marks = lattice.marks}),
-          level(levels),
-          base(lattice.positions) {
-        refiner.refineUniform(levels);
-        positions = pose(base);
-    }
-    const far::CellComplex& complex() const { return refiner.level(level).complex; }
-    std::vector<Point3> pose(const std::vector<Point3>& points) const {
-        return refinePositions(refiner, level, Rules::Siggraph96, points);
-    }
-    Embedding embed(const std::vector<Point3>& points, const EmbeddingOptions& options = {}) const {
-        return embedPoints(complex(), positions, points, options);
-    }
-};
-
-Eigen::Vector3d vec(const Point3& p) {
-    return Eigen::Vector3d(p.data());
-}
 
 /// Table times points.
 std::vector<Point3> times(const StencilTable<double>& table, const std::vector<Point3>& points) {
@@ -66,27 +43,6 @@ double largestDistance(const std::vector<Point3>& a, const std::vector<Point3>& 
     for (std::size_t i = 0; i < a.size(); ++i)
         largest = std::max(largest, (vec(a[i]) - vec(b[i])).norm());
     return largest;
-}
-
-/// Random convex combinations of the vertices of random cells; most lie in their cell.
-std::vector<Point3> pointsIn(const Refined& refined, std::size_t count, unsigned seed) {
-    std::mt19937 random(seed);
-    std::exponential_distribution<double> weight;
-    std::vector<Point3> points;
-    for (std::size_t i = 0; i < count; ++i) {
-        const Index cell =
-            static_cast<Index>(random() % static_cast<unsigned>(refined.complex().count(3)));
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        double total = 0;
-        for (const Index vertex : refined.complex().relation(3, 0)[cell]) {
-            const double w = weight(random);
-            total += w;
-            sum += w * vec(refined.positions[static_cast<std::size_t>(vertex)]);
-        }
-        sum /= total;
-        points.push_back({sum[0], sum[1], sum[2]});
-    }
-    return points;
 }
 
 // An undeformed lattice gives the model back, within 1e-12 of its size (what the project promises);
@@ -492,48 +448,6 @@ TEST(Embedding, RowsAreTheWeightsOfThePlaces) {
                 row[columns[k]] = table.weights(static_cast<Index>(i))[k];
             ASSERT_EQ(row, expected) << name << " " << i;
         }
-    }
-}
-
-// Given the cells whose boxes hold a point, the solver alone finds what the locator does.
-TEST(CellSolver, FindsWhatTheLocatorDoes) {
-    for (const auto& [name, lattice] : test::zoo()) {
-        const Refined refined(lattice, 1);
-        Eigen::AlignedBox3d box;
-        for (const Point3& position : refined.positions) box.extend(vec(position));
-        const double size = box.diagonal().norm();
-        const PointLocator locator(refined.complex(), refined.positions, 1e-6);
-        const CellSolver solver(refined.complex(), refined.positions,
-                                {.size = size, .tolerance = 1e-6 * size});
-        auto points = pointsIn(refined, 60, 13);
-        for (std::size_t v = 0; v < refined.positions.size();
-             v += 1 + refined.positions.size() / 40)
-            points.push_back(refined.positions[v]);
-        int inCells = 0;
-        for (const Point3& point : points) {
-            std::vector<Index> cells;
-            Index nearest = 0;
-            for (Index cell = 0; cell < refined.complex().count(3); ++cell) {
-                if (solver.boxOf(CellId(cell)).contains(vec(point))) cells.push_back(cell);
-                if (solver.distance(vec(point), CellId(cell)) <
-                    solver.distance(vec(point), CellId(nearest)))
-                    nearest = cell;
-            }
-            const auto inside = solver.locateIn(vec(point), cells);
-            inCells += inside.has_value();
-            const LocatedPoint expected = locator.locate(point, true);
-            const LocatedPoint found =
-                inside ? *inside : solver.locateBeside(vec(point), CellId(nearest), true);
-            ASSERT_EQ(found.status, expected.status) << name;
-            ASSERT_EQ(found.distance, expected.distance) << name;
-            ASSERT_EQ(found.residual, expected.residual) << name;
-            ASSERT_TRUE(found.place && expected.place) << name;
-            ASSERT_EQ(found.place->cell, expected.place->cell) << name;
-            ASSERT_EQ(found.place->tetrahedron, expected.place->tetrahedron) << name;
-            ASSERT_EQ(found.place->uvw, expected.place->uvw) << name;
-            ASSERT_EQ(found.place->offset, expected.place->offset) << name;
-        }
-        EXPECT_GT(inCells, 40) << name;
     }
 }
 

@@ -13,6 +13,7 @@
 #include <random>
 
 #include "support/random_lattices.h"
+#include "support/refined_lattice.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -21,6 +22,7 @@ namespace {
 
 using Eigen::Vector3d;
 using far::TopologyRefiner;
+using test::vec;
 
 /// Under the sanitizers, and not optimised, all this takes 200 times as long: there a part is run.
 #ifdef __SANITIZE_ADDRESS__
@@ -28,10 +30,6 @@ constexpr bool kIsSlow = true;
 #else
 constexpr bool kIsSlow = false;
 #endif
-
-Vector3d vec(const Point3& p) {
-    return Vector3d(p.data());
-}
 
 double diagonal(std::span<const Point3> positions) {
     Eigen::AlignedBox3d box;
@@ -248,6 +246,28 @@ TEST(LocalBinding, LatticesOfExtremeSize) {
                           locator.locate(points[i], outside == OutsidePolicy::Nearest).status)
                     << size << " point " << i;
         }
+    }
+}
+
+// Coordinates are then rounded by more than any fraction of the size that boxes could be widened by.
+TEST(LocalBinding, FarFromTheOrigin) {
+    const Lattice lattice = shapes::box({.cells = {2, 2, 2}});
+    const TopologyRefiner base(lattice.complex);
+    // Not bent, or the bounds of what a cell becomes would leave more than rounding takes.
+    auto rest = lattice.positions;
+    for (Point3& position : rest) position[0] = 1e9 + position[0] / 3;
+    const WholeLevel whole(base, rest, 2, Rules::Siggraph96, {}, {.tolerance = 0});
+    // On the vertices of the level, where boxes are at their tightest.
+    const EmbeddingOptions options{.tolerance = 0};
+    const WholeLevel expected(base, rest, 2, Rules::Siggraph96, whole.positions, options);
+    // More cells than points, so that parts are refined.
+    for (std::size_t first = 0; first < whole.positions.size(); first += 100) {
+        const auto some =
+            std::span(whole.positions)
+                .subspan(first, std::min<std::size_t>(100, whole.positions.size() - first));
+        const auto bound = bindPoints<double>(base, rest, 2, Rules::Siggraph96, some, options);
+        for (std::size_t i = 0; i < some.size(); ++i)
+            EXPECT_EQ(bound.statuses[i], expected.embedding.points[first + i].status);
     }
 }
 

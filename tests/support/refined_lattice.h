@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/shapes/lattice.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/embedding.h>
+
+#include <Eigen/Core>
+#include <random>
+#include <vector>
+
+namespace espalier::test {
+
+using far::Index;
+
+/// A lattice refined, with the positions of its level.
+struct Refined {
+    far::TopologyRefiner refiner;
+    int level;
+    std::vector<Point3> base;
+    std::vector<Point3> positions;
+
+    Refined(const Lattice& lattice, int levels)
+        : refiner(lattice.complex, {.marks = lattice.marks}),
+          level(levels),
+          base(lattice.positions) {
+        refiner.refineUniform(levels);
+        positions = pose(base);
+    }
+    const far::CellComplex& complex() const { return refiner.level(level).complex; }
+    std::vector<Point3> pose(const std::vector<Point3>& points) const {
+        return stencils::refinePositions(refiner, level, stencils::Rules::Siggraph96, points);
+    }
+    stencils::Embedding embed(const std::vector<Point3>& points,
+                              const stencils::EmbeddingOptions& options = {}) const {
+        return stencils::embedPoints(complex(), positions, points, options);
+    }
+};
+
+inline Eigen::Vector3d vec(const Point3& p) {
+    return Eigen::Vector3d(p.data());
+}
+
+/// Random convex combinations of the vertices of random cells; most lie in their cell.
+inline std::vector<Point3> pointsIn(const Refined& refined, std::size_t count, unsigned seed) {
+    std::mt19937 random(seed);
+    std::exponential_distribution<double> weight;
+    std::vector<Point3> points;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Index cell =
+            static_cast<Index>(random() % static_cast<unsigned>(refined.complex().count(3)));
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        double total = 0;
+        for (const Index vertex : refined.complex().relation(3, 0)[cell]) {
+            const double w = weight(random);
+            total += w;
+            sum += w * vec(refined.positions[static_cast<std::size_t>(vertex)]);
+        }
+        sum /= total;
+        points.push_back({sum[0], sum[1], sum[2]});
+    }
+    return points;
+}
+
+}  // namespace espalier::test
