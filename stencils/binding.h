@@ -9,15 +9,15 @@
 namespace espalier::stencils {
 
 /// A model frozen to a lattice: all that is needed to deform it, without the lattice or its
-/// topology.
+/// topology. Table is StencilTable<Real>, or FactoredTable<Real>.
 ///
 /// With p' the base vertices of a pose, the deformed points are x' = D · p', except for the points
 /// whose rows are empty, which are kept where they were.
 ///
 /// \cite MacCracken & Joy 1996, section 5
-template <class Real>
+template <class Real, class Table = StencilTable<Real>>
 struct Binding {
-    StencilTable<Real> table;        ///< D: points × base vertices
+    Table table;                     ///< D: points × base vertices
     std::vector<Index> kept;         ///< the points with empty rows, ascending
     std::vector<Point3> keptAt;      ///< where those were, and stay
     std::uint64_t topologyHash = 0;  ///< far::topologyHash of the base lattice

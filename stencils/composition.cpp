@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <numeric>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 namespace espalier::stencils {
@@ -22,15 +21,6 @@ StencilTable<Real> selectionTable(Index columnCount, std::span<const Index> colu
     std::iota(offsets.begin(), offsets.end(), Offset{0});
     return StencilTable<Real>(columnCount, std::move(offsets), {columns.begin(), columns.end()},
                               Array<Real>(columns.size(), Real{1}));
-}
-
-/// A table in another precision, or itself.
-template <class Real>
-StencilTable<Real> converted(StencilTable<double> table) {
-    if constexpr (std::is_same_v<Real, double>)
-        return table;
-    else
-        return convertTable<Real>(table);
 }
 
 /// A table times values of `components` a source entry, source by source.
@@ -113,26 +103,10 @@ StencilTable<Real> compose(const far::TopologyRefiner& refiner, int level,
         demanded = std::move(compact.columns);
     }
     StencilTable<double> product = rowsOf(1, demanded);
-    if (chain.empty()) return converted<Real>(std::move(product));
+    if (chain.empty()) return convertTable<Real>(std::move(product));
     for (; chain.size() > 1; chain.pop_back())
         product = multiply<double>(chain.back().table, product, chain.back().order);
     return multiply<Real>(chain.front().table, product, chain.front().order);
-}
-
-/// Some rows of a table, in the order in which they are named.
-StencilTable<double> selectRows(const StencilTable<double>& table, std::span<const Index> rows) {
-    return buildTableByChunks<double>(
-        static_cast<Index>(rows.size()), table.columnCount(), {},
-        [&](Offset first, Offset last, RowList<double>& list) {
-            for (Offset i = first; i < last; ++i) {
-                const Index row = rows[static_cast<std::size_t>(i)];
-                const auto columns = table.columns(row);
-                const auto weights = table.weights(row);
-                list.columns.insert(list.columns.end(), columns.begin(), columns.end());
-                list.weights.insert(list.weights.end(), weights.begin(), weights.end());
-                list.endRow();
-            }
-        });
 }
 
 }  // namespace
@@ -195,7 +169,7 @@ std::vector<StencilTable<Real>> buildLevelTables(const far::TopologyRefiner& ref
     checkRules(refiner, rules);
     std::vector<StencilTable<Real>> tables;
     for (int k = 1; k <= level; ++k)
-        tables.push_back(converted<Real>(buildLevelTable(refiner, k, rules)));
+        tables.push_back(convertTable<Real>(buildLevelTable(refiner, k, rules)));
     return tables;
 }
 

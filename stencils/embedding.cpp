@@ -129,46 +129,85 @@ RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> base
 namespace {
 
 /// \param stencilsFor the rows of S_level for some vertices of the level
-template <class Real, class StencilsFor>
-StencilTable<Real> deformationTable(const far::TopologyRefiner& refiner, int level,
-                                    const Embedding& embedding, StencilsFor stencilsFor) {
-    const CompactTable weights =
-        compactColumns(buildEmbeddingTable(refiner.level(level).complex, embedding));
-    const StencilTable<double> stencils = stencilsFor(weights.columns);
+template <class StencilsFor>
+FactoredTable<double> factoredTable(const far::CellComplex& complex, const Embedding& embedding,
+                                    StencilsFor stencilsFor) {
+    CompactTable weights = compactColumns(buildEmbeddingTable(complex, embedding));
+    return {stencilsFor(weights.columns), std::move(weights.table)};
+}
+
+template <class Real>
+FactoredTable<Real> rounded(FactoredTable<double> factors) {
+    return {convertTable<Real>(std::move(factors.vertices)),
+            convertTable<Real>(std::move(factors.points))};
+}
+
+/// D from its factors.
+template <class Real>
+StencilTable<Real> multiplied(const FactoredTable<double>& factors,
+                              const far::TopologyRefiner& refiner, int level,
+                              const Embedding& embedding) {
     const BaseEntities origins = baseEntities(refiner, level).back();
-    return multiply<Real>(weights.table, stencils,
+    return multiply<Real>(factors.points, factors.vertices,
                           orderByBaseCell(embedding, origins.of(3), origins.count()));
 }
 
 }  // namespace
 
 template <class Real>
+FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                       const Embedding& embedding) {
+    return rounded<Real>(factoredTable(
+        refiner.level(level).complex, embedding, [&](std::span<const Index> vertices) {
+            return buildStencils<double>(refiner, level, rules, vertices);
+        }));
+}
+
+template <class Real>
+FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner,
+                                       std::span<const StencilTable<double>> tables,
+                                       const Embedding& embedding) {
+    const int level = static_cast<int>(tables.size());
+    return rounded<Real>(factoredTable(
+        refiner.level(level).complex, embedding, [&](std::span<const Index> vertices) {
+            return composeStencils<double>(refiner, tables, vertices);
+        }));
+}
+
+template <class Real>
 StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
                                          Rules rules, const Embedding& embedding) {
-    return deformationTable<Real>(refiner, level, embedding, [&](std::span<const Index> vertices) {
-        return buildStencils<double>(refiner, level, rules, vertices);
-    });
+    return multiplied<Real>(buildFactoredTable<double>(refiner, level, rules, embedding), refiner,
+                            level, embedding);
 }
 
 template <class Real>
 StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
                                          std::span<const StencilTable<double>> tables,
                                          const Embedding& embedding) {
-    return deformationTable<Real>(refiner, static_cast<int>(tables.size()), embedding,
-                                  [&](std::span<const Index> vertices) {
-                                      return composeStencils<double>(refiner, tables, vertices);
-                                  });
+    return multiplied<Real>(buildFactoredTable<double>(refiner, tables, embedding), refiner,
+                            static_cast<int>(tables.size()), embedding);
 }
 
+template FactoredTable<float> buildFactoredTable(const far::TopologyRefiner&, int, Rules,
+                                                 const Embedding&);
+template FactoredTable<double> buildFactoredTable(const far::TopologyRefiner&, int, Rules,
+                                                  const Embedding&);
+template FactoredTable<float> buildFactoredTable(const far::TopologyRefiner&,
+                                                 std::span<const StencilTable<double>>,
+                                                 const Embedding&);
+template FactoredTable<double> buildFactoredTable(const far::TopologyRefiner&,
+                                                  std::span<const StencilTable<double>>,
+                                                  const Embedding&);
+template StencilTable<float> buildDeformationTable(const far::TopologyRefiner&, int, Rules,
+                                                   const Embedding&);
+template StencilTable<double> buildDeformationTable(const far::TopologyRefiner&, int, Rules,
+                                                    const Embedding&);
 template StencilTable<float> buildDeformationTable(const far::TopologyRefiner&,
                                                    std::span<const StencilTable<double>>,
                                                    const Embedding&);
-template StencilTable<float> buildDeformationTable(const far::TopologyRefiner&, int, Rules,
-                                                   const Embedding&);
 template StencilTable<double> buildDeformationTable(const far::TopologyRefiner&,
                                                     std::span<const StencilTable<double>>,
-                                                    const Embedding&);
-template StencilTable<double> buildDeformationTable(const far::TopologyRefiner&, int, Rules,
                                                     const Embedding&);
 
 }  // namespace espalier::stencils

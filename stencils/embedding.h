@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/factored_table.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/point_location.h>
 #include <espalier/stencils/row_order.h>
@@ -95,5 +96,19 @@ template <class Real = double>
 StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
                                          std::span<const StencilTable<double>> tables,
                                          const Embedding& embedding);
+
+/// W and the rows of S_level that it asks for, in the order of the vertices of the level.
+///
+/// \param embedding in level `level` of `refiner`
+/// \cost O(products of entries of S_level), in parallel
+template <class Real = double>
+FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                       const Embedding& embedding);
+
+/// The same from the level tables R_1 to R_level: see composeStencils().
+template <class Real = double>
+FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner,
+                                       std::span<const StencilTable<double>> tables,
+                                       const Embedding& embedding);
 
 }  // namespace espalier::stencils

@@ -66,12 +66,12 @@ CellsOfPoints cellsOfPoints(const FoundCells& found, std::size_t pointCount, IsS
 /// Locates points, and makes their rows.
 /// \param locate returns the LocatedPoint of point i
 /// \param tableOf makes the rows of an embedding
-template <class Real, class Locate, class TableOf>
-BoundPart<Real> bindWith(std::size_t pointCount, Index vertexCount, Locate locate,
-                         TableOf tableOf) {
+template <class Table, class Locate, class TableOf>
+BoundPart<Table> bindWith(std::size_t pointCount, Index vertexCount, Locate locate,
+                          TableOf tableOf) {
     Embedding embedding;
     embedding.vertexCount = vertexCount;
-    BoundPart<Real> part;
+    BoundPart<Table> part;
     part.points.resize(pointCount);
     std::iota(part.points.begin(), part.points.end(), Index{0});
     for (const Index i : part.points) {
@@ -85,18 +85,18 @@ BoundPart<Real> bindWith(std::size_t pointCount, Index vertexCount, Locate locat
 
 }  // namespace
 
-template <class Real>
-PartBinder<Real>::PartBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                             int level, Rules rules, const EmbeddingOptions& options)
+template <class Table>
+PartBinder<Table>::PartBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                              int level, Rules rules, const EmbeddingOptions& options)
     : level_(level),
       seekNearest_(options.outside == OutsidePolicy::Nearest),
       scale_(CellSolver::scaleOf(positions, options.tolerance)),
       descent_(base, positions, rules,
                scale_.tolerance + kSlack * (scale_.size + largestCoordinate(positions))) {}
 
-template <class Real>
-std::vector<BoundPart<Real>> PartBinder<Real>::bind(std::span<const Point3> points) const {
-    std::vector<BoundPart<Real>> parts;
+template <class Table>
+std::vector<BoundPart<Table>> PartBinder<Table>::bind(std::span<const Point3> points) const {
+    std::vector<BoundPart<Table>> parts;
     std::vector<Index> unsettled;
     parts.push_back(bindInside(points, unsettled));
     if (unsettled.empty()) return parts;
@@ -109,25 +109,25 @@ std::vector<BoundPart<Real>> PartBinder<Real>::bind(std::span<const Point3> poin
 
 /// Binds the points that are in a cell. Those that may be in a gap between cells, and those outside
 /// that are to be carried, come out as `unsettled`.
-template <class Real>
-BoundPart<Real> PartBinder<Real>::bindInside(std::span<const Point3> points,
-                                             std::vector<Index>& unsettled) const {
+template <class Table>
+BoundPart<Table> PartBinder<Table>::bindInside(std::span<const Point3> points,
+                                               std::vector<Index>& unsettled) const {
     const auto found = descent_.descend(points, level_, Sought::Containing);
     if (!found)
-        return bindWith<Real>(
+        return bindWith<Table>(
             points.size(), 0,
             [&](Index i) {
                 if (!at(points, i).allFinite()) return LocatedPoint{};
                 if (seekNearest_) unsettled.push_back(i);
                 return LocatedPoint{PointStatus::Outside, {}, 0, 0};
             },
-            [](const Embedding&) { return StencilTable<Real>(); });
+            [](const Embedding&) { return Table(); });
     const far::CellComplex& complex = found->refiner.level(level_).complex;
     const CellSolver solver(complex, found->positions, scale_);
     const auto cells = cellsOfPoints(*found, points.size(), [&](Index cell, Index point) {
         return solver.boxOf(CellId(cell)).contains(at(points, point));
     });
-    return bindWith<Real>(
+    return bindWith<Table>(
         points.size(), complex.count(0),
         [&](Index i) {
             const Vector3d point = at(points, i);
@@ -138,18 +138,18 @@ BoundPart<Real> PartBinder<Real>::bindInside(std::span<const Point3> points,
             return LocatedPoint{PointStatus::Outside, {}, 0, 0};
         },
         [&](const Embedding& embedding) {
-            return buildDeformationTable<Real>(found->refiner, found->tables, embedding);
+            return TableForm<Table>::build(found->refiner, found->tables, embedding);
         });
 }
 
 /// Binds points that are in no cell by the nearest one.
-template <class Real>
-BoundPart<Real> PartBinder<Real>::bindBeside(std::span<const Point3> points) const {
+template <class Table>
+BoundPart<Table> PartBinder<Table>::bindBeside(std::span<const Point3> points) const {
     const auto found = descent_.descend(points, level_, Sought::Nearest);
     const far::CellComplex& complex = found->refiner.level(level_).complex;
     const CellSolver solver(complex, found->positions, scale_);
     const auto cells = cellsOfPoints(*found, points.size(), [](Index, Index) { return true; });
-    return bindWith<Real>(
+    return bindWith<Table>(
         points.size(), complex.count(0),
         [&](Index i) {
             const Vector3d point = at(points, i);
@@ -159,13 +159,13 @@ BoundPart<Real> PartBinder<Real>::bindBeside(std::span<const Point3> points) con
             return solver.locateBeside(point, CellId(nearest.second), seekNearest_);
         },
         [&](const Embedding& embedding) {
-            return buildDeformationTable<Real>(found->refiner, found->tables, embedding);
+            return TableForm<Table>::build(found->refiner, found->tables, embedding);
         });
 }
 
-template <class Real>
-WholeBinder<Real>::WholeBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                               int level, Rules rules, const EmbeddingOptions& options)
+template <class Table>
+WholeBinder<Table>::WholeBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                                int level, Rules rules, const EmbeddingOptions& options)
     : seekNearest_(options.outside == OutsidePolicy::Nearest) {
     far::TopologyRefiner whole = base;
     whole.refineUniform(level);
@@ -179,24 +179,28 @@ WholeBinder<Real>::WholeBinder(const far::TopologyRefiner& base, std::span<const
     baseCellCount_ = origins.count();
 }
 
-template <class Real>
-std::vector<BoundPart<Real>> WholeBinder<Real>::bind(std::span<const Point3> points) const {
-    std::vector<BoundPart<Real>> parts;
-    parts.push_back(bindWith<Real>(
+template <class Table>
+std::vector<BoundPart<Table>> WholeBinder<Table>::bind(std::span<const Point3> points) const {
+    std::vector<BoundPart<Table>> parts;
+    parts.push_back(bindWith<Table>(
         points.size(), complex_.count(0),
         [&](Index i) {
             return locator_->locate(points[static_cast<std::size_t>(i)], seekNearest_);
         },
         [&](const Embedding& embedding) {
-            return multiply<Real>(buildEmbeddingTable(complex_, embedding), stencils_,
-                                  orderByBaseCell(embedding, baseCells_, baseCellCount_));
+            return TableForm<Table>::build(buildEmbeddingTable(complex_, embedding), stencils_,
+                                           orderByBaseCell(embedding, baseCells_, baseCellCount_));
         }));
     return parts;
 }
 
-template class PartBinder<float>;
-template class PartBinder<double>;
-template class WholeBinder<float>;
-template class WholeBinder<double>;
+template class PartBinder<StencilTable<float>>;
+template class PartBinder<StencilTable<double>>;
+template class PartBinder<FactoredTable<float>>;
+template class PartBinder<FactoredTable<double>>;
+template class WholeBinder<StencilTable<float>>;
+template class WholeBinder<StencilTable<double>>;
+template class WholeBinder<FactoredTable<float>>;
+template class WholeBinder<FactoredTable<double>>;
 
 }  // namespace espalier::stencils

@@ -10,21 +10,13 @@
 #include <vector>
 
 #include "point_descent.h"
+#include "table_form.h"
 
 // Two ways to bind points that lie together, with the same result: in a part of the level that is
 // refined for them, or in the whole level, which serves all groups.
 namespace espalier::stencils {
 
-/// Some of the points of a group, as they were bound.
-template <class Real>
-struct BoundPart {
-    std::vector<Index> points;  ///< which, counted from 0
-    std::vector<PointStatus> statuses;
-    double largestResidual = 0;
-    StencilTable<Real> table;  ///< a row for each, without entries where it has no place
-};
-
-template <class Real>
+template <class Table>
 class GroupBinder {
 public:
     virtual ~GroupBinder() = default;
@@ -32,22 +24,23 @@ public:
     /// Binds a group of points. Any number of threads may ask.
     /// \return all of the points; where a later part has some of them again, that counts, and the
     ///         earlier one has no entries for these
-    virtual std::vector<BoundPart<Real>> bind(std::span<const Point3> points) const = 0;
+    virtual std::vector<BoundPart<Table>> bind(std::span<const Point3> points) const = 0;
 };
 
 /// In a part of the level, which is refined for the group.
-template <class Real>
-class PartBinder : public GroupBinder<Real> {
+template <class Table>
+class PartBinder : public GroupBinder<Table> {
 public:
     /// \param base, positions must outlive this
     PartBinder(const far::TopologyRefiner& base, std::span<const Point3> positions, int level,
                Rules rules, const EmbeddingOptions& options);
 
-    std::vector<BoundPart<Real>> bind(std::span<const Point3> points) const override;
+    std::vector<BoundPart<Table>> bind(std::span<const Point3> points) const override;
 
 private:
-    BoundPart<Real> bindInside(std::span<const Point3> points, std::vector<Index>& unsettled) const;
-    BoundPart<Real> bindBeside(std::span<const Point3> points) const;
+    BoundPart<Table> bindInside(std::span<const Point3> points,
+                                std::vector<Index>& unsettled) const;
+    BoundPart<Table> bindBeside(std::span<const Point3> points) const;
 
     int level_;
     bool seekNearest_;
@@ -56,14 +49,14 @@ private:
 };
 
 /// In the whole level.
-template <class Real>
-class WholeBinder : public GroupBinder<Real> {
+template <class Table>
+class WholeBinder : public GroupBinder<Table> {
 public:
     /// \cost O(cells of the level)
     WholeBinder(const far::TopologyRefiner& base, std::span<const Point3> positions, int level,
                 Rules rules, const EmbeddingOptions& options);
 
-    std::vector<BoundPart<Real>> bind(std::span<const Point3> points) const override;
+    std::vector<BoundPart<Table>> bind(std::span<const Point3> points) const override;
 
 private:
     far::CellComplex complex_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/stencils/binding.h>
+#include <espalier/stencils/factored_table.h>
 
 #include <functional>
 #include <span>
@@ -10,9 +11,9 @@
 namespace espalier::stencils {
 
 /// A model bound to a lattice, and how that went for each point.
-template <class Real>
+template <class Real, class Table = StencilTable<Real>>
 struct BoundModel {
-    Binding<Real> binding;
+    Binding<Real, Table> binding;
     std::vector<PointStatus> statuses;  ///< one a point
     double largestResidual = 0;         ///< see PlacedPoints::largestResidual()
 
@@ -46,5 +47,15 @@ BoundModel<Real> bindPoints(const far::TopologyRefiner& base, std::span<const Po
                             int level, Rules rules, std::span<const Point3> points,
                             const EmbeddingOptions& options = {},
                             const std::function<void(Offset)>& progress = {});
+
+/// The same with D left in its factors. Their product is the D of bindPoints(), but for rounding. A
+/// vertex of the level may be there more than once, for points of different groups.
+///
+/// \cost less, by the product
+template <class Real>
+BoundModel<Real, FactoredTable<Real>> bindFactored(
+    const far::TopologyRefiner& base, std::span<const Point3> positions, int level, Rules rules,
+    std::span<const Point3> points, const EmbeddingOptions& options = {},
+    const std::function<void(Offset)>& progress = {});
 
 }  // namespace espalier::stencils

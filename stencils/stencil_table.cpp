@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
 #include <espalier/stencils/stencil_table.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
 #include <string>
@@ -53,9 +54,27 @@ StencilTable<To> convertTable(const StencilTable<From>& table) {
                             {table.columns().begin(), table.columns().end()}, std::move(weights));
 }
 
+template <class Real>
+StencilTable<Real> selectRows(const StencilTable<Real>& table, std::span<const Index> rows) {
+    return buildTableByChunks<Real>(
+        static_cast<Index>(rows.size()), table.columnCount(), {},
+        [&](Offset first, Offset last, RowList<Real>& list) {
+            for (Offset i = first; i < last; ++i) {
+                const Index row = rows[static_cast<std::size_t>(i)];
+                const auto columns = table.columns(row);
+                const auto weights = table.weights(row);
+                list.columns.insert(list.columns.end(), columns.begin(), columns.end());
+                list.weights.insert(list.weights.end(), weights.begin(), weights.end());
+                list.endRow();
+            }
+        });
+}
+
 template class StencilTable<float>;
 template class StencilTable<double>;
 template StencilTable<float> convertTable(const StencilTable<double>&);
 template StencilTable<double> convertTable(const StencilTable<float>&);
+template StencilTable<float> selectRows(const StencilTable<float>&, std::span<const Index>);
+template StencilTable<double> selectRows(const StencilTable<double>&, std::span<const Index>);
 
 }  // namespace espalier::stencils

@@ -5,6 +5,8 @@
 #include <espalier/far/index.h>
 
 #include <span>
+#include <type_traits>
+#include <utility>
 
 namespace espalier::stencils {
 
@@ -71,5 +73,20 @@ extern template class StencilTable<double>;
 /// The same table with weights rounded to another precision.
 template <class To, class From>
 StencilTable<To> convertTable(const StencilTable<From>& table);
+
+/// The same of a table that is done with: itself, if that is its precision.
+template <class To, class From>
+StencilTable<To> convertTable(StencilTable<From>&& table) {
+    if constexpr (std::is_same_v<To, From>)
+        return std::move(table);
+    else
+        return convertTable<To>(std::as_const(table));
+}
+
+/// Some rows of a table, in the order in which they are named.
+/// \param rows those of the table, repeats allowed
+/// \cost O(entries), in parallel
+template <class Real>
+StencilTable<Real> selectRows(const StencilTable<Real>& table, std::span<const Index> rows);
 
 }  // namespace espalier::stencils

@@ -105,6 +105,11 @@ std::vector<Point3> somePoints(std::span<const Point3> rest, const WholeLevel& w
     return points;
 }
 
+/// D from its factors.
+StencilTable<double> productOf(const FactoredTable<double>& table) {
+    return multiply<double>(table.points, table.vertices);
+}
+
 void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base,
                             std::span<const Point3> rest, int level, Rules rules,
                             std::size_t pointCount, unsigned seed) {
@@ -121,6 +126,11 @@ void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base
                 << name << ", level " << level << ", point " << i << " of " << points.size();
         EXPECT_EQ(bound.largestResidual, whole.embedding.largestResidual()) << name;
         EXPECT_TRUE(bound.binding.table == whole.table) << name << ", level " << level;
+        const auto factored = bindFactored<double>(base, rest, level, rules, points, options);
+        EXPECT_EQ(factored.statuses, bound.statuses) << name;
+        EXPECT_EQ(factored.binding.kept, bound.binding.kept) << name;
+        EXPECT_TRUE(productOf(factored.binding.table) == bound.binding.table)
+            << name << ", level " << level;
     }
 }
 
@@ -197,6 +207,12 @@ TEST(LocalBinding, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(one.statuses, three.statuses);
     EXPECT_TRUE(one.binding.table == three.binding.table);
     EXPECT_EQ(one.binding.kept, three.binding.kept);
+    const auto bindInFactors = [&] {
+        return bindFactored<float>(base, lattice.positions, 4, Rules::Siggraph96, points,
+                                   {.outside = OutsidePolicy::Nearest});
+    };
+    EXPECT_TRUE(test::withThreads(1, bindInFactors).binding.table ==
+                test::withThreads(3, bindInFactors).binding.table);
 }
 
 // Far beyond what the whole level could be held of: 8⁸ · 27 cells.
@@ -249,7 +265,8 @@ TEST(LocalBinding, LatticesOfExtremeSize) {
     }
 }
 
-// Coordinates are then rounded by more than any fraction of the size that boxes could be widened by.
+// Coordinates are then rounded by more than any fraction of the size that boxes could be widened
+// by.
 TEST(LocalBinding, FarFromTheOrigin) {
     const Lattice lattice = shapes::box({.cells = {2, 2, 2}});
     const TopologyRefiner base(lattice.complex);

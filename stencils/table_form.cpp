@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "table_form.h"
+
+#include <espalier/far/parallel.h>
+#include <espalier/stencils/composition.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace espalier::stencils {
+namespace {
+
+/// A table under construction whose rows come in any order, from several threads.
+template <class Real>
+class RowPlaces {
+public:
+    /// \param lengths of the rows, behind a 0
+    explicit RowPlaces(Array<Offset> lengths) : offsets_(std::move(lengths)) {
+        std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
+        columns_.resize(static_cast<std::size_t>(offsets_.back()));
+        weights_.resize(columns_.size());
+    }
+
+    /// Sets a row.
+    /// \param shift is added to its columns
+    void set(Index row, std::span<const Index> columns, std::span<const Real> weights,
+             Index shift) {
+        const Offset to = offsets_[static_cast<std::size_t>(row)];
+        std::transform(columns.begin(), columns.end(), columns_.begin() + to,
+                       [&](Index column) { return column + shift; });
+        std::copy(weights.begin(), weights.end(), weights_.begin() + to);
+    }
+
+    StencilTable<Real> take(Index columnCount) {
+        return {Trusted{}, columnCount, std::move(offsets_), std::move(columns_),
+                std::move(weights_)};
+    }
+
+private:
+    Array<Offset> offsets_;
+    Array<Index> columns_;
+    Array<Real> weights_;
+};
+
+/// Puts the rows of the points of all parts into one table, and empties the parts.
+/// \param shifts what is added to the columns of each part
+template <class Real, class Table>
+StencilTable<Real> gatherPoints(std::vector<BoundPart<Table>>& parts, Index rowCount,
+                                Index columnCount, std::span<const Index> shifts) {
+    Array<Offset> lengths(static_cast<std::size_t>(rowCount) + 1, 0);
+    for (const BoundPart<Table>& part : parts) {
+        const StencilTable<Real>& rows = TableForm<Table>::rowsOf(part.table);
+        for (Index i = 0; i < rows.rowCount(); ++i)
+            // A point that is settled beside the cells has no entries among those inside.
+            lengths[static_cast<std::size_t>(part.points[static_cast<std::size_t>(i)]) + 1] +=
+                static_cast<Offset>(rows.columns(i).size());
+    }
+    RowPlaces<Real> places(std::move(lengths));
+    far::parallelFor(std::ssize(parts), 1, [&](Offset first, Offset last) {
+        for (Offset p = first; p < last; ++p) {
+            BoundPart<Table>& part = parts[static_cast<std::size_t>(p)];
+            const StencilTable<Real>& rows = TableForm<Table>::rowsOf(part.table);
+            for (Index i = 0; i < rows.rowCount(); ++i)
+                if (!rows.columns(i).empty())
+                    places.set(part.points[static_cast<std::size_t>(i)], rows.columns(i),
+                               rows.weights(i), shifts[static_cast<std::size_t>(p)]);
+            part = {};
+        }
+    });
+    return places.take(columnCount);
+}
+
+}  // namespace
+
+template <class Real>
+StencilTable<Real> TableForm<StencilTable<Real>>::build(
+    const far::TopologyRefiner& refiner, std::span<const StencilTable<double>> tables,
+    const Embedding& embedding) {
+    return buildDeformationTable<Real>(refiner, tables, embedding);
+}
+
+template <class Real>
+StencilTable<Real> TableForm<StencilTable<Real>>::build(StencilTable<double> weights,
+                                                        const StencilTable<double>& stencils,
+                                                        const RowOrder& order) {
+    return multiply<Real>(weights, stencils, order);
+}
+
+template <class Real>
+StencilTable<Real> TableForm<StencilTable<Real>>::gather(std::vector<BoundPart<Table>>& parts,
+                                                         Index rowCount, Index columnCount) {
+    const std::vector<Index> none(parts.size(), 0);
+    return gatherPoints<Real>(parts, rowCount, columnCount, none);
+}
+
+template <class Real>
+FactoredTable<Real> TableForm<FactoredTable<Real>>::build(
+    const far::TopologyRefiner& refiner, std::span<const StencilTable<double>> tables,
+    const Embedding& embedding) {
+    return buildFactoredTable<Real>(refiner, tables, embedding);
+}
+
+template <class Real>
+FactoredTable<Real> TableForm<FactoredTable<Real>>::build(StencilTable<double> weights,
+                                                          const StencilTable<double>& stencils,
+                                                          const RowOrder&) {
+    CompactTable compact = compactColumns(std::move(weights));
+    return {convertTable<Real>(selectRows(stencils, compact.columns)),
+            convertTable<Real>(std::move(compact.table))};
+}
+
+template <class Real>
+FactoredTable<Real> TableForm<FactoredTable<Real>>::gather(std::vector<BoundPart<Table>>& parts,
+                                                           Index rowCount, Index columnCount) {
+    std::vector<Index> shifts;
+    Array<Offset> lengths = {0};
+    for (const BoundPart<Table>& part : parts) {
+        const StencilTable<Real>& vertices = part.table.vertices;
+        shifts.push_back(static_cast<Index>(lengths.size()) - 1);
+        for (Index row = 0; row < vertices.rowCount(); ++row)
+            lengths.push_back(static_cast<Offset>(vertices.columns(row).size()));
+    }
+    const auto vertexCount = static_cast<Index>(lengths.size()) - 1;
+    RowPlaces<Real> places(std::move(lengths));
+    far::parallelFor(std::ssize(parts), 1, [&](Offset first, Offset last) {
+        for (Offset p = first; p < last; ++p) {
+            const auto part = static_cast<std::size_t>(p);
+            const StencilTable<Real>& vertices = parts[part].table.vertices;
+            for (Index row = 0; row < vertices.rowCount(); ++row)
+                places.set(shifts[part] + row, vertices.columns(row), vertices.weights(row), 0);
+        }
+    });
+    StencilTable<Real> points = gatherPoints<Real>(parts, rowCount, vertexCount, shifts);
+    return {places.take(columnCount), std::move(points)};
+}
+
+template struct TableForm<StencilTable<float>>;
+template struct TableForm<StencilTable<double>>;
+template struct TableForm<FactoredTable<float>>;
+template struct TableForm<FactoredTable<double>>;
+
+}  // namespace espalier::stencils
