@@ -5,33 +5,44 @@
 #include <espalier/osd/table_compiler.h>
 
 #include <algorithm>
+#include <cstdint>
 
 namespace espalier::osd {
 namespace {
-
-using kernels::kPadding;
 
 std::size_t at(Offset index) {
     return static_cast<std::size_t>(index);
 }
 
-Offset paddedLength(Offset length) {
-    return (length + kPadding - 1) / kPadding * kPadding;
-}
-
-/// The source entries, padded with zeros.
+/// Source entries as the kernels want them: where they do not lie so, a copy.
 template <class Real>
-AlignedVector<Real> packed(Index count, Values<Real> source, const BufferDescriptor& layout) {
-    const Offset stride = paddedLength(layout.length);
-    AlignedVector<Real> points(at(count * stride));
-    constexpr Offset kGrain = 8192;
-    far::parallelFor(count, kGrain, [&](Offset first, Offset last) {
-        for (Offset i = first; i < last; ++i)
-            std::copy_n(source.data() + layout.offset + i * layout.stride, layout.length,
-                        points.data() + i * stride);
-    });
-    return points;
-}
+class Points {
+public:
+    Points(Index count, Values<Real> source, const BufferDescriptor& layout)
+        : stride_(paddedLength(layout.length)) {
+        const Real* first = source.data() + layout.offset;
+        if (layout.stride == stride_ && source.size() >= at(layout.offset + count * stride_) &&
+            reinterpret_cast<std::uintptr_t>(first) % (kernels::kPadding * sizeof(Real)) == 0) {
+            values_ = first;
+            return;
+        }
+        copy_.resize(at(count * stride_));
+        constexpr Offset kGrain = 8192;
+        far::parallelFor(count, kGrain, [&](Offset begin, Offset end) {
+            for (Offset i = begin; i < end; ++i)
+                std::copy_n(first + i * layout.stride, layout.length, copy_.data() + i * stride_);
+        });
+        values_ = copy_.data();
+    }
+
+    const Real* data() const { return values_; }
+    Offset stride() const { return stride_; }
+
+private:
+    Offset stride_;
+    AlignedVector<Real> copy_;
+    const Real* values_;
+};
 
 }  // namespace
 
@@ -41,8 +52,9 @@ struct CompiledTable<Real>::Data {
     kernels::Kernels<Real> kernels;
     CompiledRows<Real> rows;
 
-    void evaluateGroups(Offset first, Offset last, const AlignedVector<Real>& points, Offset stride,
+    void evaluateGroups(Offset first, Offset last, const Points<Real>& points,
                         const kernels::Destination<Real>& to) const {
+        const Offset stride = points.stride();
         AlignedVector<Real> own;
         for (Offset g = first; g < last; ++g) {
             const auto& group = rows.groups[at(g)];
@@ -68,14 +80,14 @@ struct CompiledTable<Real>::Data {
         }
     }
 
-    void evaluateRuns(Offset first, Offset last, const AlignedVector<Real>& points, Offset stride,
+    void evaluateRuns(Offset first, Offset last, const Points<Real>& points,
                       const kernels::Destination<Real>& to) const {
         for (Offset r = first; r < last; ++r) {
             const auto& run = rows.runs[at(r)];
-            kernels.rows(
-                {rows.weights.data() + run.firstEntry, rows.columns.data() + run.firstEntry,
-                 run.length, points.data(), stride, rows.rows.data() + run.firstRow, run.rowCount},
-                to);
+            kernels.rows({rows.weights.data() + run.firstWeight, run.isShared,
+                          rows.columns.data() + run.firstColumn, run.length, points.data(),
+                          points.stride(), rows.rows.data() + run.firstRow, run.rowCount},
+                         to);
         }
     }
 };
@@ -131,8 +143,7 @@ void CompiledTable<Real>::evaluate(Values<Real> source, const BufferDescriptor& 
                                    const BufferDescriptor& destinationLayout, RowRange rows) const {
     checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
                     destinationLayout, rows);
-    const AlignedVector<Real> points = packed<Real>(columnCount(), source, sourceLayout);
-    const Offset stride = paddedLength(sourceLayout.length);
+    const Points<Real> points(columnCount(), source, sourceLayout);
     const kernels::Destination<Real> to = {destination.data() + destinationLayout.offset,
                                            destinationLayout.stride,
                                            destinationLayout.length,
@@ -141,11 +152,11 @@ void CompiledTable<Real>::evaluate(Values<Real> source, const BufferDescriptor& 
                                            rows.first == 0 && rows.last == rowCount()};
     const auto& starts = data_->rows.taskStarts;
     far::parallelFor(static_cast<Offset>(starts.size()) - 1, 1, [&](Offset first, Offset last) {
-        data_->evaluateGroups(starts[at(first)], starts[at(last)], points, stride, to);
+        data_->evaluateGroups(starts[at(first)], starts[at(last)], points, to);
     });
     far::parallelFor(
         static_cast<Offset>(data_->rows.runs.size()), 1,
-        [&](Offset first, Offset last) { data_->evaluateRuns(first, last, points, stride, to); });
+        [&](Offset first, Offset last) { data_->evaluateRuns(first, last, points, to); });
 }
 
 template class CompiledTable<float>;

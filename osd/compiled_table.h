@@ -16,7 +16,9 @@ namespace espalier::osd {
 /// one base face — become panels: their columns are there once, and their weights lie so that one
 /// register holds those of several rows. Of those that are outer products (outer_product.h), as in
 /// regular regions, just the factors are kept: 12 numbers instead of 64. All other rows lie as in
-/// the table, those of one length together. Results come out in the order of the table.
+/// the table, those of one length together. Weights that come again are there once: those of the
+/// faces of a regular surface, whose panels are alike, and those of rows of one mask. Results come
+/// out in the order of the table.
 ///
 /// Immutable, and so safe to share between threads.
 ///
@@ -48,8 +50,10 @@ public:
     /// not finite may reach rows beside its own, whose weight for it is 0. Results do not depend on
     /// the number of threads, nor on the range, bit for bit.
     ///
-    /// \cost O(entries of the range × components), in parallel; a copy of the source, and a look at
-    ///       each group of rows
+    /// \cost O(entries of the range × components), in parallel, and a look at each group of rows; a
+    ///       copy of the source, unless its stride is its length rounded up to a multiple of 4, and
+    ///       the first entry is at a multiple of 4 numbers in memory. What lies between such
+    ///       entries makes no difference
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows) const;

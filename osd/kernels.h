@@ -16,7 +16,8 @@ using far::Offset;
 template <class Real>
 inline constexpr Index kLanes = static_cast<Index>(64 / sizeof(Real));
 
-/// Components of an entry are padded with zeros to a multiple of this.
+/// The components of an entry take the room of a multiple of this. What lies behind them is read,
+/// and makes no difference.
 inline constexpr Offset kPadding = 4;
 
 /// Where results go: component c of row r to values[r · stride + c], for rows first to last − 1.
@@ -55,7 +56,8 @@ struct ProductRun {
 /// Rows of the same number of entries, each with columns of its own.
 template <class Real>
 struct RowRun {
-    const Real* weights;   ///< rowCount × length
+    const Real* weights;   ///< rowCount × length; or, if shared, length
+    bool isShared;         ///< whether all rows have the same weights
     const Index* columns;  ///< rowCount × length
     Index length;
     const Real* points;  ///< all source entries, aligned to kPadding numbers

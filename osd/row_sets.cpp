@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/parallel.h>
+#include <espalier/osd/number_hash.h>
 #include <espalier/osd/row_sets.h>
 
 #include <algorithm>
@@ -14,15 +15,6 @@ using far::Offset;
 
 std::size_t at(Offset index) {
     return static_cast<std::size_t>(index);
-}
-
-std::uint64_t hashOf(std::span<const Index> columns) {
-    std::uint64_t hash = columns.size();
-    for (const Index column : columns) {
-        hash = (hash ^ static_cast<std::uint64_t>(column)) * 0x9E3779B97F4A7C15U;
-        hash ^= hash >> 29;
-    }
-    return hash;
 }
 
 /// Bits of the columns: a set can only be in one that has all of its bits.

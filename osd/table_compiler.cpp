@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/group_list.h>
 #include <espalier/osd/outer_product.h>
+#include <espalier/osd/row_runs.h>
 #include <espalier/osd/row_sets.h>
 #include <espalier/osd/table_compiler.h>
 
@@ -12,10 +14,10 @@ namespace {
 
 using kernels::kLanes;
 
-/// Rows of a run, and about those of a task, which one thread evaluates; and of a group, since a
-/// lattice of few cells has few sets, of very many rows.
-constexpr Index kMostRowsOfRun = 4096;
+/// Rows of a group, since a lattice of few cells has few sets, of very many rows; and about those
+/// of a task, which one thread evaluates.
 constexpr std::size_t kMostRowsOfGroup = 1024;
+constexpr Index kRowsOfTask = 4096;
 
 std::size_t at(Offset index) {
     return static_cast<std::size_t>(index);
@@ -32,7 +34,8 @@ public:
         for (std::size_t set = 0; set < sets.size(); ++set) guests[sets[set].host].push_back(set);
         for (std::size_t host = 0; host < sets.size(); ++host)
             if (!guests[host].empty()) addHost(sets, host, guests[host]);
-        addRuns();
+        groups_.moveTo(result_);
+        addRuns(table_, std::move(alone_), result_);
         addTasks();
         result_.groups.shrink_to_fit();
         result_.groupColumns.shrink_to_fit();
@@ -125,47 +128,26 @@ private:
     void addPanels(std::span<const Index> rows, std::span<const Index> columns) {
         for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMostRowsOfGroup))) {
             const auto part = rows.first(std::min(rows.size(), kMostRowsOfGroup));
-            Real* numbers = beginGroup(part, columns.size(), columns.size(), {});
-            append(result_.groupColumns, columns);
-            for (std::size_t i = 0; i < part.size(); ++i)
-                setLane(spread(part[i], columns), i, numbers);
+            std::vector<Real> numbers;
+            numbers.reserve(part.size() * columns.size());
+            for (const Index row : part) {
+                const std::vector<Real> weights = spread(row, columns);
+                numbers.insert(numbers.end(), weights.begin(), weights.end());
+            }
+            groups_.add(part, columns, {}, std::move(numbers));
         }
     }
 
     void addProducts(const OuterProduct& product, std::span<const Index> rows,
                      std::span<const Real> factors) {
         const std::size_t length = at(product.size[0] + product.size[1] + product.size[2]);
+        std::vector<Index> columns;
+        for (const Index position : product.order) columns.push_back(shared_[at(position)]);
         for (std::size_t first = 0; first < rows.size(); first += kMostRowsOfGroup) {
             const auto part = rows.subspan(first, std::min(rows.size() - first, kMostRowsOfGroup));
-            Real* numbers = beginGroup(part, length, product.order.size(), product.size);
-            for (const Index position : product.order)
-                result_.groupColumns.push_back(shared_[at(position)]);
-            for (std::size_t i = 0; i < part.size(); ++i)
-                setLane(factors.subspan((first + i) * length, length), i, numbers);
+            const auto numbers = factors.subspan(first * length, part.size() * length);
+            groups_.add(part, columns, product.size, {numbers.begin(), numbers.end()});
         }
-    }
-
-    /// Begins a group with `length` numbers a row, and returns the place of its panels.
-    Real* beginGroup(std::span<const Index> rows, std::size_t length, std::size_t columnCount,
-                     const std::array<Index, 3>& size) {
-        constexpr std::size_t lanes = kLanes<Real>;
-        result_.groups.push_back(
-            {static_cast<Offset>(result_.groupColumns.size()), static_cast<Index>(columnCount),
-             static_cast<Offset>(result_.groupNumbers.size()),
-             static_cast<Offset>(result_.groupRows.size()), static_cast<Index>(rows.size()),
-             *std::min_element(rows.begin(), rows.end()),
-             *std::max_element(rows.begin(), rows.end()), size});
-        append(result_.groupRows, rows);
-        const std::size_t start = result_.groupNumbers.size();
-        result_.groupNumbers.resize(start + (rows.size() + lanes - 1) / lanes * lanes * length);
-        return result_.groupNumbers.data() + start;
-    }
-
-    /// Writes the numbers of the i-th row of a group.
-    static void setLane(std::span<const Real> row, std::size_t i, Real* numbers) {
-        constexpr std::size_t lanes = kLanes<Real>;
-        Real* own = numbers + i / lanes * row.size() * lanes + i % lanes;
-        for (std::size_t k = 0; k < row.size(); ++k) own[k * lanes] = row[k];
     }
 
     /// Shares out the groups.
@@ -173,38 +155,17 @@ private:
         Index rowCount = 0;
         for (std::size_t group = 0; group < result_.groups.size(); ++group) {
             rowCount += result_.groups[group].rowCount;
-            if (rowCount < kMostRowsOfRun && group + 1 < result_.groups.size()) continue;
+            if (rowCount < kRowsOfTask && group + 1 < result_.groups.size()) continue;
             result_.taskStarts.push_back(static_cast<Offset>(group) + 1);
             rowCount = 0;
         }
     }
 
-    /// The rows that are in no group, those of one length together.
-    void addRuns() {
-        std::sort(alone_.begin(), alone_.end(), [&](Index a, Index b) {
-            const auto left = table_.columns(a).size(), right = table_.columns(b).size();
-            return left != right ? left < right : a < b;
-        });
-        auto& runs = result_.runs;
-        for (const Index row : alone_) {
-            const auto columns = table_.columns(row);
-            const auto weights = table_.weights(row);
-            const auto length = static_cast<Index>(columns.size());
-            if (runs.empty() || runs.back().length != length ||
-                runs.back().rowCount == kMostRowsOfRun)
-                runs.push_back({length, static_cast<Offset>(result_.columns.size()),
-                                static_cast<Offset>(result_.rows.size()), 0});
-            ++runs.back().rowCount;
-            result_.rows.push_back(row);
-            result_.columns.insert(result_.columns.end(), columns.begin(), columns.end());
-            result_.weights.insert(result_.weights.end(), weights.begin(), weights.end());
-        }
-    }
-
     const stencils::StencilTable<Real>& table_;
     CompiledRows<Real> result_;
+    GroupList<Real> groups_;
     std::span<const Index> shared_;  ///< columns of the host at hand
-    std::vector<Index> alone_;
+    std::vector<Index> alone_;       ///< rows that are in no group
 };
 
 }  // namespace

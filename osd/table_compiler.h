@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/osd/kernels.h>
+#include <espalier/osd/padding.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
 #include <cstddef>
-#include <new>
 #include <vector>
 
 // What is inside a compiled table.
@@ -15,25 +14,6 @@ namespace espalier::osd {
 using far::Index;
 using far::Offset;
 
-/// Memory at an address that registers are loaded from.
-template <class T>
-struct Aligned {
-    using value_type = T;
-    static constexpr std::align_val_t kAlignment{64};
-
-    Aligned() = default;
-    template <class U>
-    Aligned(const Aligned<U>&) {}
-    T* allocate(std::size_t count) {
-        return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
-    }
-    void deallocate(T* values, std::size_t) { ::operator delete(values, kAlignment); }
-    friend bool operator==(const Aligned&, const Aligned&) { return true; }
-};
-
-template <class T>
-using AlignedVector = std::vector<T, Aligned<T>>;
-
 /// A table in three forms, each row in one of them.
 template <class Real>
 struct CompiledRows {
@@ -41,7 +21,7 @@ struct CompiledRows {
     struct Group {
         Offset firstColumn;  ///< in groupColumns
         Index columnCount;
-        Offset firstNumber;  ///< in groupNumbers
+        Offset firstNumber;  ///< in groupNumbers, which groups may share
         Offset firstRow;     ///< in groupRows
         Index rowCount;
         Index lowest, highest;      ///< row
@@ -57,8 +37,10 @@ struct CompiledRows {
     /// Rows of the same number of entries: RowRun.
     struct Run {
         Index length;
-        Offset firstEntry;  ///< in columns and weights
-        Offset firstRow;    ///< in rows
+        Offset firstColumn;  ///< in columns
+        Offset firstWeight;  ///< in weights
+        bool isShared;       ///< whether the weights are those of each row
+        Offset firstRow;     ///< in rows
         Index rowCount;
     };
     std::vector<Run> runs;

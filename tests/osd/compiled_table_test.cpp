@@ -120,6 +120,53 @@ TYPED_TEST(CompiledTableTest, Surfaces) {
     }
 }
 
+// The rows of all regular faces have the same weights, which are there once: whatever the numbers
+// of the vertices and the order of the faces and their corners. Two numbers an entry, less the
+// rest.
+TYPED_TEST(CompiledTableTest, RegularFacesShareTheirNumbers) {
+    constexpr Index kSide = 24;
+    std::mt19937 random(2);
+    std::vector<Index> numbers(kSide * kSide);
+    std::iota(numbers.begin(), numbers.end(), Index{0});
+    for (const bool isShuffled : {false, true}) {
+        std::vector<std::vector<Index>> loops;
+        const auto number = [&](Index i, Index j) {
+            return numbers[static_cast<std::size_t>(j % kSide * kSide + i % kSide)];
+        };
+        for (Index j = 0; j < kSide; ++j)
+            for (Index i = 0; i < kSide; ++i) {
+                loops.push_back(
+                    {number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)});
+                if (isShuffled)
+                    std::rotate(loops.back().begin(), loops.back().begin() + random() % 4,
+                                loops.back().end());
+            }
+        if (isShuffled) std::shuffle(loops.begin(), loops.end(), random);
+        TopologyRefiner refiner(far::buildMesh(kSide * kSide, loops));
+        refiner.refineUniform(3);
+        const auto table = stencils::buildStencils<TypeParam>(refiner, 3);
+        const CompiledTable<TypeParam> compiled(table);
+        // Faces on the seams of the numbering have their columns in another order.
+        EXPECT_LT(static_cast<double>(compiled.byteCount()),
+                  (isShuffled ? 0.25 : 0.1) * bytesOfCsr(table));
+        expectWithinFourUlp(table);
+        std::shuffle(numbers.begin(), numbers.end(), random);
+    }
+}
+
+// Most rows of a level table are of a few masks. Columns and the row's number are left.
+TYPED_TEST(CompiledTableTest, RowsOfAMaskShareTheirWeights) {
+    const Lattice torus = test::surfaceOf(shapes::torus());
+    TopologyRefiner refiner(torus.complex);
+    refiner.refineUniform(4);
+    const auto table = convertTable<TypeParam>(stencils::buildLevelTable(refiner, 4));
+    const double own = sizeof(Index) / double{sizeof(Index) + sizeof(TypeParam)};
+    const double rowNumber = sizeof(Index) / (6.25 * (sizeof(Index) + sizeof(TypeParam)));
+    EXPECT_LT(static_cast<double>(CompiledTable<TypeParam>(table).byteCount()),
+              (own + rowNumber + 0.02) * bytesOfCsr(table));
+    expectWithinFourUlp(table);
+}
+
 // Many rows with the same columns, as a lattice of one cell has: more than one thread gets some.
 TYPED_TEST(CompiledTableTest, OneCell) {
     const auto table =

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
+#include <espalier/osd/padding.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,6 +55,25 @@ struct Compiled {
     };
 };
 
+/// One that applies the table, and then the identity to what that gave.
+struct Chained {
+    template <class Real>
+    class Of : public CompiledChain<Real> {
+    public:
+        explicit Of(const StencilTable<Real>& table)
+            : CompiledChain<Real>(std::array{table, identity(table.rowCount())}) {}
+
+    private:
+        static StencilTable<Real> identity(Index count) {
+            far::Array<Offset> offsets(static_cast<std::size_t>(count) + 1);
+            far::Array<Index> columns(static_cast<std::size_t>(count));
+            std::iota(offsets.begin(), offsets.end(), Offset{0});
+            std::iota(columns.begin(), columns.end(), Index{0});
+            return {count, std::move(offsets), columns, far::Array<Real>(columns.size(), Real{1})};
+        }
+    };
+};
+
 /// One suite for every evaluator: instantiate it with another pair to test another back end.
 template <class E, class R>
 struct Case {
@@ -65,7 +86,8 @@ using Cases =
                      Case<Direct<CpuEvaluator>, double>, Case<Compiled<Simd::Baseline>, float>,
                      Case<Compiled<Simd::Baseline>, double>, Case<Compiled<Simd::Avx2>, float>,
                      Case<Compiled<Simd::Avx2>, double>, Case<Compiled<Simd::Avx512>, float>,
-                     Case<Compiled<Simd::Avx512>, double>>;
+                     Case<Compiled<Simd::Avx512>, double>, Case<Chained, float>,
+                     Case<Chained, double>>;
 
 template <class C>
 class EvaluatorTest : public ::testing::Test {
@@ -93,23 +115,44 @@ protected:
         return StencilTable<Real>(columnCount, offsets, columns, weights);
     }
 
+    using Row = std::pair<std::vector<Index>, std::vector<Real>>;
+
+    static StencilTable<Real> tableOf(Index columnCount, const std::vector<Row>& rows) {
+        far::Array<Offset> offsets = {0};
+        far::Array<Index> columns;
+        far::Array<Real> weights;
+        for (const auto& [own, ofRow] : rows) {
+            columns.insert(columns.end(), own.begin(), own.end());
+            weights.insert(weights.end(), ofRow.begin(), ofRow.end());
+            offsets.push_back(static_cast<Offset>(columns.size()));
+        }
+        return StencilTable<Real>(columnCount, offsets, columns, weights);
+    }
+
+    /// Some of the columns, ascending.
+    static std::vector<Index> randomColumns(Index columnCount, std::size_t count,
+                                            std::mt19937& random) {
+        std::vector<Index> columns(static_cast<std::size_t>(columnCount));
+        std::iota(columns.begin(), columns.end(), Index{0});
+        std::shuffle(columns.begin(), columns.end(), random);
+        columns.resize(count);
+        std::sort(columns.begin(), columns.end());
+        return columns;
+    }
+
     /// Rows of which some share their columns, 1 to 40 each; of every third set, the weights are
     /// outer products. In a random order.
     static StencilTable<Real> tableOfSets(Index columnCount, unsigned seed) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<Real> weight(Real(0.1), 1);
-        std::vector<std::pair<std::vector<Index>, std::vector<Real>>> rows;
+        std::vector<Row> rows;
         for (Index size = 1; size <= 40; ++size) {
             const bool isProduct = size % 3 == 0;
             const std::array<std::size_t, 3> sides = {1 + random() % 5, 2 + random() % 3,
                                                       1 + random() % 4};
-            std::vector<Index> columns(static_cast<std::size_t>(columnCount));
-            std::iota(columns.begin(), columns.end(), Index{0});
-            std::shuffle(columns.begin(), columns.end(), random);
-            columns.resize(sides[0] * sides[1] * sides[2]);
+            const auto columns = randomColumns(columnCount, sides[0] * sides[1] * sides[2], random);
             std::vector<std::size_t> places(columns.size());
             std::iota(places.begin(), places.end(), std::size_t{0});
-            std::sort(columns.begin(), columns.end());
             std::shuffle(places.begin(), places.end(), random);
             for (Index i = 0; i < size; ++i) {
                 std::array<std::vector<Real>, 3> factors;
@@ -126,15 +169,39 @@ protected:
             }
         }
         std::shuffle(rows.begin(), rows.end(), random);
-        far::Array<Offset> offsets = {0};
-        far::Array<Index> columns;
-        far::Array<Real> weights;
-        for (const auto& [own, ofRow] : rows) {
-            columns.insert(columns.end(), own.begin(), own.end());
-            weights.insert(weights.end(), ofRow.begin(), ofRow.end());
-            offsets.push_back(static_cast<Offset>(columns.size()));
+        return tableOf(columnCount, rows);
+    }
+
+    /// Rows of 1 to 30 entries, some 30 of each length: most with the same weights, over columns of
+    /// their own. In a random order.
+    static StencilTable<Real> tableOfMasks(Index columnCount, unsigned seed) {
+        std::mt19937 random(seed);
+        std::vector<Row> rows;
+        for (std::size_t length = 1; length <= 30; ++length) {
+            const std::vector<Real> weights = randomValues(length, seed);
+            for (int i = 0; i < 30; ++i)
+                rows.emplace_back(
+                    randomColumns(columnCount, length, random),
+                    i % 10 == 9 ? randomValues(length, static_cast<unsigned>(random())) : weights);
         }
-        return StencilTable<Real>(columnCount, offsets, columns, weights);
+        std::shuffle(rows.begin(), rows.end(), random);
+        return tableOf(columnCount, rows);
+    }
+
+    /// 10 sets of 25 rows, each over columns of its own. Those of five sets have the same weights,
+    /// in another order of rows; those of the others, but for one number.
+    static StencilTable<Real> tableOfEqualSets(Index columnCount, unsigned seed) {
+        std::mt19937 random(seed);
+        std::vector<std::vector<Real>> weights(25);
+        for (auto& row : weights) row = randomValues(12, static_cast<unsigned>(random()));
+        std::vector<Row> rows;
+        for (int set = 0; set < 10; ++set) {
+            const auto columns = randomColumns(columnCount, 12, random);
+            std::shuffle(weights.begin(), weights.end(), random);
+            for (const auto& row : weights) rows.emplace_back(columns, row);
+            if (set >= 5) rows.back().second[static_cast<std::size_t>(set)] += Real(0.5);
+        }
+        return tableOf(columnCount, rows);
     }
 
     static std::vector<Real> randomValues(std::size_t count, unsigned seed) {
@@ -163,6 +230,30 @@ TYPED_TEST(EvaluatorTest, OffsetsAndStrides) {
     typename TestFixture::Evaluator(this->small)
         .evaluate(source, {1, 2, 3}, destination, {2, 2, 4}, {0, 3});
     EXPECT_THAT(destination, ElementsAre(99, 99, 16, 160, 99, 99, 0, 0, 99, 99, -1, -10, 99, 99));
+}
+
+// Positions that lie as xyz? are read where they are.
+TYPED_TEST(EvaluatorTest, WhatLiesBetweenEntriesOfTheSourceMakesNoDifference) {
+    using R = typename TestFixture::Real;
+    constexpr std::size_t kColumns = 90;
+    const auto table = TestFixture::tableOfSets(static_cast<Index>(kColumns), 3);
+    const typename TestFixture::Evaluator evaluator(table);
+    for (const Offset length : {3, 5, 12}) {
+        const auto packed =
+            TestFixture::randomValues(kColumns * static_cast<std::size_t>(length), 4);
+        const BufferDescriptor layout = BufferDescriptor::packed(length);
+        const BufferDescriptor spaced{0, length, paddedLength(length)};
+        AlignedVector<R> source(kColumns * static_cast<std::size_t>(spaced.stride),
+                                std::numeric_limits<R>::quiet_NaN());
+        for (std::size_t i = 0; i < kColumns; ++i)
+            std::copy_n(packed.begin() + static_cast<std::ptrdiff_t>(i) * length, length,
+                        source.begin() + static_cast<std::ptrdiff_t>(i) * spaced.stride);
+        std::vector<R> expected(static_cast<std::size_t>(table.rowCount() * length)),
+            result(expected.size());
+        evaluator.evaluate(packed, layout, expected, layout, {0, table.rowCount()});
+        evaluator.evaluate(source, spaced, result, layout, {0, table.rowCount()});
+        EXPECT_EQ(result, expected) << length;
+    }
 }
 
 TYPED_TEST(EvaluatorTest, SubRangeWritesItsRowsOnly) {
@@ -246,6 +337,19 @@ TYPED_TEST(EvaluatorTest, RowsThatShareTheirColumns) {
     using R = typename TestFixture::Real;
     expectSums<typename TestFixture::Evaluator, R>(TestFixture::tableOfSets(90, 3),
                                                    TestFixture::randomValues(90 * 12, 4));
+}
+
+TYPED_TEST(EvaluatorTest, RowsOfTheSameWeights) {
+    using R = typename TestFixture::Real;
+    expectSums<typename TestFixture::Evaluator, R>(TestFixture::tableOfMasks(90, 5),
+                                                   TestFixture::randomValues(90 * 12, 6));
+}
+
+// Groups of rows with the same weights, each over columns of its own.
+TYPED_TEST(EvaluatorTest, SetsOfTheSameWeights) {
+    using R = typename TestFixture::Real;
+    expectSums<typename TestFixture::Evaluator, R>(TestFixture::tableOfEqualSets(90, 7),
+                                                   TestFixture::randomValues(90 * 12, 8));
 }
 
 TYPED_TEST(EvaluatorTest, RefusesWhatDoesNotFitAndWritesNothing) {

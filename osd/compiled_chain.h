@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/osd/compiled_table.h>
+#include <espalier/stencils/factored_table.h>
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace espalier::osd {
+
+/// Tables that are applied one after the other, T_n · (… · (T_1 · source)), each compiled: the two
+/// factors of a deformation table, or the level tables R_1 to R_n.
+///
+/// Immutable, and so safe to share between threads.
+template <class Real>
+class CompiledChain {
+public:
+    /// \param tables T_1 to T_n, at least one
+    /// \throws Error if there are none, if one has not the columns that the one before has rows, or
+    ///         if this processor does not have `simd`
+    /// \cost that of compiling each
+    explicit CompiledChain(std::span<const stencils::StencilTable<Real>> tables,
+                           Simd simd = bestSimd());
+
+    /// D, by its factors.
+    explicit CompiledChain(const stencils::FactoredTable<Real>& table, Simd simd = bestSimd());
+
+    Index rowCount() const { return steps_.back().rowCount(); }
+    Index columnCount() const { return steps_.front().columnCount(); }
+
+    /// Memory that it takes.
+    std::size_t byteCount() const;
+
+    /// As checkEvaluation() says, for the product of the tables. All rows of all tables but the
+    /// last are evaluated, whatever the range. Results are off the sums of the product by no more
+    /// than the bounds of CompiledTable::evaluate(), one after the other. They do not depend on the
+    /// number of threads, nor on the range, bit for bit.
+    ///
+    /// \cost that of each table; memory for the values between them
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows) const;
+
+private:
+    std::vector<CompiledTable<Real>> steps_;
+};
+
+}  // namespace espalier::osd

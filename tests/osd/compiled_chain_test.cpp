@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/osd/compiled_chain.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/refined_lattice.h"
+#include "support/zoo.h"
+
+namespace espalier::osd {
+namespace {
+
+using far::TopologyRefiner;
+using stencils::Rules;
+using stencils::StencilTable;
+using ::testing::HasSubstr;
+
+template <class Real, class Evaluator>
+std::vector<Real> evaluate(const Evaluator& evaluator) {
+    const auto random =
+        test::randomValues(3 * static_cast<std::size_t>(evaluator.columnCount()), 6);
+    std::vector<Real> result(3 * static_cast<std::size_t>(evaluator.rowCount()));
+    const auto layout = BufferDescriptor::packed(3);
+    evaluator.evaluate(std::vector<Real>(random.begin(), random.end()), layout, result, layout,
+                       {0, evaluator.rowCount()});
+    return result;
+}
+
+template <class Real>
+void expectNear(const std::vector<Real>& a, const std::vector<Real>& b, Real bound) {
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], bound) << i;
+}
+
+template <class Real>
+class CompiledChainTest : public ::testing::Test {};
+using Reals = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(CompiledChainTest, Reals);
+
+// R_3 · R_2 · R_1 is S_3.
+TYPED_TEST(CompiledChainTest, LevelTablesInTurnAreTheirProduct) {
+    constexpr auto kEpsilon = std::numeric_limits<TypeParam>::epsilon();
+    for (const auto& [name, lattice] : test::zoo()) {
+        SCOPED_TRACE(name);
+        TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
+        refiner.refineUniform(2);
+        const CompiledChain<TypeParam> chain(stencils::buildLevelTables<TypeParam>(refiner, 2));
+        const CompiledTable<TypeParam> table(stencils::buildStencils<TypeParam>(refiner, 2));
+        // Values are up to 1, rows sum to 1 and are of the same sign but for some by a half: 4 ulp
+        // for each of the three tables, and one for the weights of each.
+        expectNear(evaluate<TypeParam>(chain), evaluate<TypeParam>(table), 30 * kEpsilon);
+    }
+}
+
+TYPED_TEST(CompiledChainTest, FactorsGiveWhatTheirProductDoes) {
+    constexpr auto kEpsilon = std::numeric_limits<TypeParam>::epsilon();
+    const Lattice lattice = shapes::cylinder({.sectors = 5, .pattern = {.rings = 2}, .layers = 3});
+    const test::Refined refined(lattice, 2);
+    const auto points = test::pointsIn(refined, 40'000, 3);
+    const TopologyRefiner base(lattice.complex);
+    const auto factored =
+        stencils::bindFactored<TypeParam>(base, refined.base, 2, Rules::Siggraph96, points);
+    const auto bound =
+        stencils::bindPoints<TypeParam>(base, refined.base, 2, Rules::Siggraph96, points);
+    EXPECT_EQ(factored.statuses, bound.statuses);
+    const CompiledChain<TypeParam> chain(factored.binding.table);
+    const CompiledTable<TypeParam> table(bound.binding.table);
+    EXPECT_EQ(chain.rowCount(), table.rowCount());
+    EXPECT_EQ(chain.columnCount(), table.columnCount());
+    expectNear(evaluate<TypeParam>(chain), evaluate<TypeParam>(table), 30 * kEpsilon);
+    // Some twenty points a cell: rows of eight where those of D have 24, near the boundary as most.
+    EXPECT_LT(factored.binding.table.entryCount(), bound.binding.table.entryCount() / 2);
+    EXPECT_LT(chain.byteCount(), table.byteCount());
+}
+
+TEST(CompiledChain, RefusesTablesThatDoNotFitTogether) {
+    const StencilTable<double> two(3, {0, 1, 2}, {0, 2}, {1, 1});
+    const auto expectRefused = [](const auto& make, const char* why) {
+        try {
+            make();
+            FAIL() << "accepted; expected: " << why;
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), HasSubstr(why));
+        }
+    };
+    expectRefused([] { CompiledChain<double>(std::span<const StencilTable<double>>()); },
+                  "at least one");
+    expectRefused(
+        [&] {
+            CompiledChain<double>(std::array{two, two});
+        },
+        "table 2 of the chain has 3 columns; the one before has 2 rows");
+    expectRefused(
+        [&] {
+            CompiledChain<double>(stencils::FactoredTable<double>{two, two});
+        },
+        "the points are of 3 vertices; the table of these has 2");
+    const CompiledChain<double> one(std::array{two});
+    EXPECT_EQ(one.rowCount(), 2);
+    EXPECT_EQ(one.columnCount(), 3);
+}
+
+}  // namespace
+}  // namespace espalier::osd
