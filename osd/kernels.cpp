@@ -26,7 +26,7 @@ Simd bestSimd() {
 namespace espalier::osd::kernels {
 
 template <>
-const Kernels<float>& kernelsFor<float>(Simd simd) {
+const Kernels<float>& kernelsFor<float>([[maybe_unused]] Simd simd) {
 #ifdef ESPALIER_X86_64
     if (simd == Simd::Avx512) return avx512::kFloatKernels;
     if (simd == Simd::Avx2) return avx2::kFloatKernels;
@@ -35,7 +35,7 @@ const Kernels<float>& kernelsFor<float>(Simd simd) {
 }
 
 template <>
-const Kernels<double>& kernelsFor<double>(Simd simd) {
+const Kernels<double>& kernelsFor<double>([[maybe_unused]] Simd simd) {
 #ifdef ESPALIER_X86_64
     if (simd == Simd::Avx512) return avx512::kDoubleKernels;
     if (simd == Simd::Avx2) return avx2::kDoubleKernels;

@@ -124,9 +124,9 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
     storeLanes<width>(results, rows, count, from, to);
 }
 
-/// With more than four components and up to so many columns it pays to have components in the lanes,
-/// and to go row by row: they are read and written as they lie. Twelve poses of rows of 8 entries
-/// take a third of the time; of rows of 42, no less than before.
+/// With more than four components and up to so many columns it pays to have components in the
+/// lanes, and to go row by row: they are read and written as they lie. Twelve poses of rows of 8
+/// entries take a third of the time; of rows of 42, no less than before.
 constexpr Index kMostWideColumns = 16;
 
 /// Numbers anywhere.
