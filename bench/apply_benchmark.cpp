@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 #include <espalier/far/parallel.h>
-#include <espalier/osd/compiled_table.h>
+#include <espalier/osd/compiled_chain.h>
 #include <espalier/stencils/sparse_matrix.h>
 
 #include <cmath>
@@ -23,6 +23,7 @@
 namespace espalier {
 namespace {
 
+using bench::Tables;
 using bench::Workload;
 using far::Index;
 using far::Offset;
@@ -42,7 +43,7 @@ const Workload& workload(const std::string& key, const std::function<Workload()>
 }
 
 template <class Real>
-const StencilTable<Real>& tableOf(const Workload& workload) {
+const Tables<Real>& tablesOf(const Workload& workload) {
     if constexpr (sizeof(Real) == sizeof(float))
         return workload.inFloat;
     else
@@ -76,10 +77,9 @@ void run(benchmark::State& state, const StencilTable<Real>& table, int component
     state.counters["entries"] = static_cast<double>(table.entryCount());
 }
 
-template <class Real>
-void applyCompiled(benchmark::State& state, const StencilTable<Real>& table, int components,
-                   int threads) {
-    const osd::CompiledTable<Real> compiled(table);
+template <class Real, class Compiled>
+void applyOurs(benchmark::State& state, const Compiled& compiled, const StencilTable<Real>& table,
+               int components, int threads) {
     const auto layout = BufferDescriptor::packed(components);
     run(state, table, components, threads,
         [&](const std::vector<Real>& source, std::vector<Real>& result) {
@@ -87,17 +87,28 @@ void applyCompiled(benchmark::State& state, const StencilTable<Real>& table, int
         });
     const double csr = static_cast<double>(table.entryCount()) * (sizeof(Real) + sizeof(Index));
     state.counters["bytes of CSR"] = static_cast<double>(compiled.byteCount()) / csr;
-    state.counters["products"] = static_cast<double>(compiled.productRowCount()) / table.rowCount();
     // What must be moved: the table, and the results, which are written once.
     const double moved = static_cast<double>(compiled.byteCount()) +
                          static_cast<double>(table.rowCount()) * components * sizeof(Real);
     state.SetBytesProcessed(static_cast<Offset>(static_cast<double>(state.iterations()) * moved));
 }
 
+template <class Real>
+void applyCompiled(benchmark::State& state, const Tables<Real>& tables, int components,
+                   int threads) {
+    applyOurs(state, osd::CompiledTable<Real>(tables.table), tables.table, components, threads);
+}
+
+template <class Real>
+void applyFactors(benchmark::State& state, const Tables<Real>& tables, int components,
+                  int threads) {
+    applyOurs(state, osd::CompiledChain<Real>(*tables.factors), tables.table, components, threads);
+}
+
 /// With the number of columns known when it is compiled, for which Eigen is quicker.
 template <class Real>
-void applyEigen(benchmark::State& state, const StencilTable<Real>& table, int components,
-                int threads) {
+void applyEigen(benchmark::State& state, const Tables<Real>& tables, int components, int threads) {
+    const StencilTable<Real>& table = tables.table;
     constexpr int kComponents = 3;
     if (components != kComponents) return state.SkipWithError("made for three components");
     using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, kComponents, Eigen::RowMajor>;
@@ -111,8 +122,9 @@ void applyEigen(benchmark::State& state, const StencilTable<Real>& table, int co
 }
 
 #ifdef ESPALIER_WITH_OPENSUBDIV
-void applyOpenSubdiv(benchmark::State& state, const StencilTable<float>& table, int components,
+void applyOpenSubdiv(benchmark::State& state, const Tables<float>& tables, int components,
                      int threads) {
+    const StencilTable<float>& table = tables.table;
     namespace Osd = OpenSubdiv::Osd;
     std::vector<int> sizes, offsets;
     for (Index row = 0; row < table.rowCount(); ++row) {
@@ -132,17 +144,18 @@ void applyOpenSubdiv(benchmark::State& state, const StencilTable<float>& table, 
 struct Case {
     std::string key;
     std::function<Workload()> make;
+    bool hasFactors = false;
 };
 
 template <class Real>
 void add(const Case& chosen, int components, const std::string& who, int threads,
-         void (*apply)(benchmark::State&, const StencilTable<Real>&, int, int)) {
+         void (*apply)(benchmark::State&, const Tables<Real>&, int, int)) {
     const std::string real = sizeof(Real) == sizeof(float) ? "float" : "double";
     benchmark::RegisterBenchmark(
         ("apply/" + chosen.key + "/" + real + "/" + std::to_string(components) + "/" + who).c_str(),
         [=](benchmark::State& state) {
             const Workload& made = workload(chosen.key, chosen.make);
-            apply(state, tableOf<Real>(made), components, threads);
+            apply(state, tablesOf<Real>(made), components, threads);
         })
         ->UseRealTime()
         ->Unit(benchmark::kMillisecond);
@@ -152,7 +165,7 @@ const bool kRegistered = [] {
     const std::vector<Case> cases = {{"surface 0.4 M", [] { return bench::surface(400'000); }},
                                      {"surface 1.6 M", [] { return bench::surface(1'600'000); }},
                                      {"regular model", bench::regularModel},
-                                     {"irregular model", bench::irregularModel}};
+                                     {"irregular model", bench::irregularModel, true}};
     for (const Case& each : cases) {
 #ifdef ESPALIER_WITH_OPENSUBDIV
         add<float>(each, 3, "OpenSubdiv", 1, applyOpenSubdiv);
@@ -163,6 +176,11 @@ const bool kRegistered = [] {
         add<float>(each, 36, "Espalier", 1, applyCompiled<float>);
         add<double>(each, 3, "Eigen", 1, applyEigen<double>);
         add<double>(each, 3, "Espalier", 1, applyCompiled<double>);
+        if (!each.hasFactors) continue;
+        add<float>(each, 3, "Espalier factors", 1, applyFactors<float>);
+        add<float>(each, 3, "Espalier factors 2 threads", 2, applyFactors<float>);
+        add<float>(each, 36, "Espalier factors", 1, applyFactors<float>);
+        add<double>(each, 3, "Espalier factors", 1, applyFactors<double>);
     }
     return true;
 }();

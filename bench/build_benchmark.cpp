@@ -2,7 +2,7 @@
 #include <benchmark/benchmark.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/parallel.h>
-#include <espalier/osd/compiled_table.h>
+#include <espalier/osd/compiled_chain.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
 
@@ -77,30 +77,40 @@ void build(benchmark::State& state, const far::CellComplex& complex, int level, 
     state.counters["entries"] = entries;
 }
 
-/// Values carried level by level, as for one pose after the other: what does not depend on them is
-/// made before, as OpenSubdiv's levels are.
-void inTurn(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
+/// Values carried to a level, as for one pose after the other: what does not depend on them is made
+/// before, as OpenSubdiv's levels are.
+template <class Evaluator>
+void carry(benchmark::State& state, const far::TopologyRefiner& refiner, int level, int threads,
+           const Evaluator& evaluator) {
     const far::ThreadLimit limit(threads);
-    const far::TopologyRefiner refiner = refined(complex, level);
-    const auto values = valuesOf(complex.count(0));
-    std::vector<osd::CompiledTable<float>> tables;
-    std::vector<std::vector<float>> levels = {{values.begin(), values.end()}};
-    for (const auto& table : stencils::buildLevelTables<float>(refiner, level)) {
-        tables.emplace_back(table);
-        levels.emplace_back(3 * static_cast<std::size_t>(table.rowCount()));
-    }
+    const auto values = valuesOf(refiner.level(0).complex.count(0));
+    const std::vector<float> source(values.begin(), values.end());
+    std::vector<float> result(3 * static_cast<std::size_t>(evaluator.rowCount()));
     const auto layout = osd::BufferDescriptor::packed(3);
-    for (auto _ : state)
-        for (std::size_t k = 0; k < tables.size(); ++k) {
-            tables[k].evaluate(levels[k], layout, levels[k + 1], layout, {0, tables[k].rowCount()});
-            benchmark::ClobberMemory();
-        }
+    for (auto _ : state) {
+        evaluator.evaluate(source, layout, result, layout, {0, evaluator.rowCount()});
+        benchmark::ClobberMemory();
+    }
     const auto expected = stencils::refineValues(refiner, level, Rules::Siggraph96, values, 3);
     // Sums in single precision, level upon level.
-    if (!std::equal(expected.begin(), expected.end(), levels.back().begin(), levels.back().end(),
+    if (!std::equal(expected.begin(), expected.end(), result.begin(), result.end(),
                     [](double x, float y) { return std::abs(x - static_cast<double>(y)) < 1e-5; }))
         state.SkipWithError("the values are wrong");
     state.counters["items"] = refiner.level(level).complex.count(0);
+}
+
+/// By R_1 to R_n.
+void inTurn(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
+    const far::TopologyRefiner refiner = refined(complex, level);
+    carry(state, refiner, level, threads,
+          osd::CompiledChain<float>(stencils::buildLevelTables<float>(refiner, level)));
+}
+
+/// By S_n.
+void atOnce(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
+    const far::TopologyRefiner refiner = refined(complex, level);
+    carry(state, refiner, level, threads,
+          osd::CompiledTable<float>(stencils::buildStencils<float>(refiner, level)));
 }
 
 #ifdef ESPALIER_WITH_OPENSUBDIV
@@ -212,9 +222,11 @@ const bool kRegistered = [] {
 #ifdef ESPALIER_WITH_OPENSUBDIV
     const std::vector<Job> jobs = {{"refine", refine, refineOpenSubdiv},
                                    {"build", build, buildOpenSubdiv},
-                                   {"in turn", inTurn, inTurnOpenSubdiv}};
+                                   {"in turn", inTurn, inTurnOpenSubdiv},
+                                   {"at once", atOnce, nullptr}};
 #else
-    const std::vector<Job> jobs = {{"refine", refine}, {"build", build}, {"in turn", inTurn}};
+    const std::vector<Job> jobs = {
+        {"refine", refine}, {"build", build}, {"in turn", inTurn}, {"at once", atOnce}};
 #endif
     const bench::Mesh mesh = bench::torus(40);
     const far::CellComplex surface = far::buildMesh(mesh.vertexCount, mesh.loops);
@@ -222,7 +234,7 @@ const bool kRegistered = [] {
     for (const Job& job : jobs)
         for (int level = 3; level <= 5; ++level) {
 #ifdef ESPALIER_WITH_OPENSUBDIV
-            add(job.name + "/surface", level, "OpenSubdiv", job.theirs, mesh);
+            if (job.theirs) add(job.name + "/surface", level, "OpenSubdiv", job.theirs, mesh);
 #endif
             add(job.name + "/surface", level, "Espalier", job.ours, surface, 1);
             add(job.name + "/surface", level, "Espalier 2 threads", job.ours, surface, 2);

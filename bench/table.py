@@ -11,6 +11,8 @@ import plots
 from results import read
 
 OURS = (("Espalier", ""), ("Espalier 2 threads", ", 2 threads"))
+FORMS = dict([*OURS, ("Espalier factors", ", in factors"),
+              ("Espalier factors 2 threads", ", in factors, 2 threads")])
 
 
 def wrap(paragraph, mark=""):
@@ -50,7 +52,7 @@ def apply_rows(best):
         workload, real, components = case
         threads = 2 if who.endswith("2 threads") else 1
         share = ours["bytes_per_second"] / triad[threads]
-        what = f"{workload}, {real}" + dict(OURS)[who]
+        what = f"{workload}, {real}" + FORMS[who]
         if int(components) > 3:
             one = best["/".join([kind, workload, real, "3", who])]
             poses = int(components) // 3
@@ -67,10 +69,11 @@ def apply_rows(best):
                        f"{ours['bytes of CSR']:.2f}")
 
 
-def levels(best, job):
-    """Our runs of a job on the surface with OpenSubdiv's: (level, threads, ours, theirs)."""
+def levels(best, job, peer=None):
+    """Our runs of a job on the surface with OpenSubdiv's, of another job if `peer` is given:
+    (level, threads, ours, theirs)."""
     for level in (3, 4, 5):
-        theirs = best.get(f"{job}/surface/{level}/OpenSubdiv")
+        theirs = best.get(f"{peer or job}/surface/{level}/OpenSubdiv")
         for who, threads in OURS if theirs else ():
             yield level, threads, best[f"{job}/surface/{level}/{who}"], theirs
 
@@ -113,9 +116,10 @@ def build_rows(best):
 
 
 def in_turn_rows(best):
-    for level, threads, ours, theirs in levels(best, "in turn"):
-        yield (f"surface, levels 1 to {level}{threads}", "OpenSubdiv", milliseconds(theirs),
-               milliseconds(ours), ratio(theirs["real_time"], ours["real_time"]))
+    for job, what in (("in turn", "R_1 to R_{}"), ("at once", "S_{} at once")):
+        for level, threads, ours, theirs in levels(best, job, "in turn"):
+            yield (f"surface, {what.format(level)}{threads}", "OpenSubdiv", milliseconds(theirs),
+                   milliseconds(ours), ratio(theirs["real_time"], ours["real_time"]))
 
 
 def bind_rows(best):
@@ -201,10 +205,12 @@ What happens for every pose.
 - *regular model*: a million points bound to a box by B-splines, 64 entries a row. A subdivided
   lattice has such rows between the planes of its base vertices.
 - *irregular model*: the same points bound at level 3 to a cylinder around its irregular axis, 42
-  entries a row.
+  entries a row. *In factors*: not multiplied out. A pose moves the vertices of level 3 that the points
+  need, and these the points, by rows of 8 entries. The peers' time is that of the whole table.
 
 Ours is [`osd::CompiledTable`](../osd/compiled_table.h): rows with the same columns lie together, with
-one row in each lane of a register, and rows that are outer products as their factors. The peers are
+one row in each lane of a register; rows that are outer products as their factors; weights that come
+again once. Factors are applied by [`osd::CompiledChain`](../osd/compiled_chain.h). The peers are
 OpenSubdiv's `Osd::CpuEvaluator`, which takes float only, and Eigen's row-major product. Bytes are those
 of the compiled table over those of compressed sparse rows; the share of the triad is what the table and
 the results take, over the bytes that a + s · b moves in the same time, with as many threads: {one:.1f} GB/s
@@ -215,9 +221,9 @@ arrays take 768 MB. Every 997th row is compared with plain sums.
 
 ## Applying level by level
 
-R_1, then R_2 and so on, to values that change, where no table of the whole way is wanted: ours each
-compiled, theirs `Far::PrimvarRefiner`, single precision, from the levels of a torus of 1,600
-quadrilaterals.
+R_1, then R_2 and so on, to values that change, where no table of the whole way is wanted: ours by
+[`osd::CompiledChain`](../osd/compiled_chain.h), theirs by `Far::PrimvarRefiner`, single precision, from
+the levels of a torus of 1,600 quadrilaterals. Beside it S_n, compiled, which needs no values in between.
 
 {in_turn}
 

@@ -20,7 +20,7 @@ namespace {
 
 Workload workload(stencils::StencilTable<double> table) {
     auto inFloat = stencils::convertTable<float>(table);
-    return {std::move(inFloat), std::move(table)};
+    return {{std::move(inFloat), {}}, {std::move(table), {}}};
 }
 
 }  // namespace
@@ -96,8 +96,13 @@ Workload irregularModel() {
     const auto rest =
         stencils::refinePositions(refiner, kLevel, Rules::Siggraph96, cylinder.positions);
     const auto embedding = stencils::embedPoints(refiner.level(kLevel).complex, rest, model());
-    return workload(
+    Workload made = workload(
         stencils::buildDeformationTable<double>(refiner, kLevel, Rules::Siggraph96, embedding));
+    made.inFloat.factors =
+        stencils::buildFactoredTable<float>(refiner, kLevel, Rules::Siggraph96, embedding);
+    made.inDouble.factors =
+        stencils::buildFactoredTable<double>(refiner, kLevel, Rules::Siggraph96, embedding);
+    return made;
 }
 
 template <class Real>

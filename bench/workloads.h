@@ -2,17 +2,26 @@
 #pragma once
 
 #include <espalier/far/point.h>
+#include <espalier/stencils/factored_table.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace espalier::bench {
 
+/// A table to apply, in one precision; and its factors, where it has some.
+template <class Real>
+struct Tables {
+    stencils::StencilTable<Real> table;
+    std::optional<stencils::FactoredTable<Real>> factors;
+};
+
 /// A table to apply, in both precisions.
 struct Workload {
-    stencils::StencilTable<float> inFloat;
-    stencils::StencilTable<double> inDouble;
+    Tables<float> inFloat;
+    Tables<double> inDouble;
 };
 
 /// A mesh as its faces' loops of vertices.
@@ -42,7 +51,8 @@ bool givesBack(std::span<const Point3> moved, std::span<const Point3> points);
 /// row has 64 entries; as a subdivided lattice has between the planes of its base vertices.
 Workload regularModel();
 
-/// The same model bound at level 3 to a cylinder, whose axis is irregular, as are its ends.
+/// The same model bound at level 3 to a cylinder, whose axis is irregular, as are its ends. Has
+/// factors.
 Workload irregularModel();
 
 /// Values for the columns of a table, `components` each.

@@ -7,8 +7,26 @@
 
 namespace espalier::osd {
 
+namespace {
+
+constexpr BufferDescriptor kXyz = {0, 3, 3};
+
 template <class Real>
-std::vector<Point3> evaluateBinding(const stencils::Binding<Real>& binding,
+std::vector<Real> times(const stencils::StencilTable<Real>& table, std::span<const Real> source) {
+    std::vector<Real> result(3 * static_cast<std::size_t>(table.rowCount()));
+    CpuEvaluator::evaluate(table, source, kXyz, result, kXyz, {0, table.rowCount()});
+    return result;
+}
+
+template <class Real>
+std::vector<Real> times(const stencils::FactoredTable<Real>& table, std::span<const Real> source) {
+    return times<Real>(table.points, times<Real>(table.vertices, source));
+}
+
+}  // namespace
+
+template <class Real, class Table>
+std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& binding,
                                     std::span<const Point3> pose) {
     if (pose.size() != static_cast<std::size_t>(binding.table.columnCount()))
         throw Error("the pose has " + std::to_string(pose.size()) +
@@ -18,12 +36,9 @@ std::vector<Point3> evaluateBinding(const stencils::Binding<Real>& binding,
     source.reserve(3 * pose.size());
     for (const Point3& position : pose)
         for (const double coordinate : position) source.push_back(static_cast<Real>(coordinate));
-    const Index rowCount = binding.table.rowCount();
-    std::vector<Real> values(3 * static_cast<std::size_t>(rowCount));
-    const auto layout = BufferDescriptor::packed(3);
-    CpuEvaluator::evaluate(binding.table, source, layout, values, layout, {0, rowCount});
+    const std::vector<Real> values = times<Real>(binding.table, source);
 
-    std::vector<Point3> points(static_cast<std::size_t>(rowCount));
+    std::vector<Point3> points(values.size() / 3);
     for (std::size_t i = 0; i < points.size(); ++i)
         points[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
     for (std::size_t i = 0; i < binding.kept.size(); ++i)
@@ -35,5 +50,9 @@ template std::vector<Point3> evaluateBinding(const stencils::Binding<float>&,
                                              std::span<const Point3>);
 template std::vector<Point3> evaluateBinding(const stencils::Binding<double>&,
                                              std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(
+    const stencils::Binding<float, stencils::FactoredTable<float>>&, std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(
+    const stencils::Binding<double, stencils::FactoredTable<double>>&, std::span<const Point3>);
 
 }  // namespace espalier::osd

@@ -3,6 +3,7 @@
 
 #include <espalier/far/point.h>
 #include <espalier/stencils/binding.h>
+#include <espalier/stencils/factored_table.h>
 
 #include <span>
 #include <vector>
@@ -10,14 +11,15 @@
 namespace espalier::osd {
 
 /// The points of a bound model for a pose of the lattice: D · p', and the kept points where they
-/// were.
+/// were. Table is StencilTable<Real>, or FactoredTable<Real>. For many poses: CompiledTable, and
+/// CompiledChain.
 ///
 /// \param pose positions of the base vertices
 /// \throws Error if the pose is not of binding.table.columnCount() vertices
 /// \cost O(entries), on all threads
 /// \cite MacCracken & Joy 1996, section 5
-template <class Real>
-std::vector<Point3> evaluateBinding(const stencils::Binding<Real>& binding,
+template <class Real, class Table>
+std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& binding,
                                     std::span<const Point3> pose);
 
 }  // namespace espalier::osd

@@ -3,6 +3,7 @@
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
 #include <gtest/gtest.h>
 
 #include "support/zoo.h"
@@ -37,6 +38,26 @@ TEST(Binding, MovesWhatIsInsideAndKeepsTheRest) {
     const std::vector<Point3> expected = {{0.5 + 1.5, 0.25, 0.75}, {3, 3, 3}, {3, 1, 1}};
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(moved[i][c], expected[i][c], 1e-14);
+}
+
+// D in factors moves the vertices of the level, and these the points.
+TEST(Binding, InFactorsMovesAndKeepsTheSame) {
+    const Lattice lattice = shapes::cylinder({.sectors = 5});
+    const std::vector<Point3> points = {{0.1, 0.2, 0.3}, {5, 5, 5}, {-0.3, 0.1, 0.9}, {0, 0, 0.5}};
+    const TopologyRefiner base(lattice.complex);
+    const auto bound =
+        stencils::bindPoints<double>(base, lattice.positions, 3, Rules::Siggraph96, points);
+    const auto factored =
+        stencils::bindFactored<double>(base, lattice.positions, 3, Rules::Siggraph96, points);
+    EXPECT_EQ(factored.binding.kept, std::vector<Index>{1});
+    auto pose = lattice.positions;
+    for (Point3& p : pose) p[2] += p[0] * p[1];
+    const auto expected = evaluateBinding(bound.binding, pose);
+    const auto moved = evaluateBinding(factored.binding, pose);
+    EXPECT_EQ(moved[1], points[1]);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(moved[i][c], expected[i][c], 1e-14);
+    EXPECT_THROW(evaluateBinding(factored.binding, shapes::octahedron().positions), Error);
 }
 
 TEST(Binding, FloatIsDoubleWithinItsPrecision) {
