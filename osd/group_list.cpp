@@ -3,6 +3,7 @@
 #include <espalier/osd/number_hash.h>
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 #include <unordered_map>
 #include <utility>
@@ -35,7 +36,7 @@ std::uint64_t GroupList<Real>::hashOf(const Group& group) {
     return hash;
 }
 
-/// Sorts rows by their numbers.
+/// Sorts rows by the bits of their numbers: any order will do that has no ties but of equal rows.
 template <class Real>
 void GroupList<Real>::sortRows(Group& group) {
     const std::size_t length = group.length();
@@ -45,7 +46,7 @@ void GroupList<Real>::sortRows(Group& group) {
     std::vector<std::size_t> order(group.rows.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return std::ranges::lexicographical_compare(numbersOf(a), numbersOf(b));
+        return std::memcmp(numbersOf(a).data(), numbersOf(b).data(), length * sizeof(Real)) < 0;
     });
     std::vector<Index> rows;
     std::vector<Real> numbers;
