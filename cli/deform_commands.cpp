@@ -90,7 +90,7 @@ void runDeform(const Options& options) {
 void runBind(const Options& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
-    checkOutput(options.output, {options.model, options.rest}, ".espb");
+    checkOutput(options.output, {options.model, options.rest}, {".espb"});
     Stages stages(options.common.quiet);
     io::BoundModel file;
     const auto model = stages.run("reading", [&] {

@@ -7,6 +7,8 @@
 #include <espalier/io/lattice_file.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <system_error>
@@ -28,7 +30,7 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
 }
 
 void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,
-                 const std::string& extension) {
+                 const std::vector<std::string>& extensions) {
     std::error_code ignored;
     for (const std::string& input : inputs)
         if (std::filesystem::equivalent(output, input, ignored))
@@ -38,8 +40,11 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
         throw io::FileError(output, "cannot be written: there is no folder " + folder.string());
     const bool isSpecial = std::filesystem::exists(output, ignored) &&
                            !std::filesystem::is_regular_file(output, ignored);
-    if (!extension.empty() && output.extension() != extension && !isSpecial)
-        throw io::FileError(output, "has another extension than " + extension);
+    if (extensions.empty() || isSpecial ||
+        std::ranges::count(extensions, output.extension().string()) > 0)
+        return;
+    throw io::FileError(output,
+                        fmt::format("has another extension than {}", fmt::join(extensions, ", ")));
 }
 
 std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& stages) {

@@ -21,11 +21,11 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
                                    const CommonOptions& options, int level);
 
 /// Refuses an output that would replace one of the inputs, or whose folder does not exist, before
-/// any work is done. With an
-/// `extension` (".mtx"), also one of another extension; devices and pipes may have any.
+/// any work is done. With `extensions` (".mtx"), also one of another extension; devices and pipes
+/// may have any.
 /// \throws FileError
 void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,
-                 const std::string& extension = {});
+                 const std::vector<std::string>& extensions = {});
 
 /// Reads a model, or a lattice, in the stage "reading".
 std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& stages);

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/parallel.h>
+#include <espalier/io/matrix_file.h>
 #include <espalier/io/matrix_market.h>
+#include <espalier/io/numbered_path.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <memory>
 
+#include "bind_model.h"
+#include "choice.h"
 #include "commands.h"
 #include "pipeline.h"
 
@@ -13,37 +19,136 @@ namespace espalier::cli {
 namespace {
 
 struct Options : LatticeOptions {
+    std::string points;
+    bool levelTables = false;
+    io::PetscInt petscIntegers = io::PetscInt::Bits32;
     std::string output;
 };
 
+const std::map<std::string, io::PetscInt> kPetscIntegers = {{"32", io::PetscInt::Bits32},
+                                                            {"64", io::PetscInt::Bits64}};
+
+/// A matrix, the file that it goes to, and what its rows and columns are.
+struct Export {
+    std::filesystem::path path;
+    stencils::StencilTable<double> table;
+    std::string description;
+};
+
+std::filesystem::path levelPath(const Options& options, int k) {
+    return io::numberedPath(options.output, k, options.level);
+}
+
+Export deformation(const Options& options, Stages& stages) {
+    const auto model = readModel(options.points, stages);
+    const Lattice lattice = readLattice(options.lattice, stages);
+    BindOptions bind;
+    bind.common = options.common;
+    bind.rest = options.lattice;
+    bind.level = options.level;
+    auto bound = bindPoints(bind, model->positions(), lattice, stages);
+    return {options.output, std::move(bound.binding.table),
+            fmt::format("D at level {}: rows are the points of {}, in the order of the file, and "
+                        "empty where a point stays in place; columns are the vertices of {}",
+                        options.level, options.points, options.lattice)};
+}
+
+std::vector<Export> exports(const Options& options, Stages& stages) {
+    std::vector<Export> result;
+    if (!options.points.empty()) {
+        result.push_back(deformation(options, stages));
+        return result;
+    }
+    const RefinedFile file = readAndRefine(options, FileKind::Refinable, stages);
+    const auto& rules = options.common.rules;
+    if (!options.levelTables) {
+        auto table = stages.run("building", [&] {
+            return stencils::buildStencils(file.refiner, options.level, rules);
+        });
+        result.push_back(
+            {options.output, std::move(table),
+             fmt::format("S_{} of {}: rows are the vertices of level {}, in the order of espalier "
+                         "refine; columns are the vertices of the file",
+                         options.level, options.lattice, options.level)});
+        return result;
+    }
+    auto tables = stages.run(
+        "building", [&] { return stencils::buildLevelTables(file.refiner, options.level, rules); });
+    for (int k = 1; k <= options.level; ++k)
+        result.push_back(
+            {levelPath(options, k), std::move(tables[static_cast<std::size_t>(k) - 1]),
+             fmt::format("R_{} of {}: rows are the vertices of level {}, columns those "
+                         "of level {}, in the order of espalier refine",
+                         k, options.lattice, k, k - 1)});
+    return result;
+}
+
+/// The files of a matrix, for people.
+std::string namesOf(const std::filesystem::path& path) {
+    std::vector<std::string> names;
+    for (const auto& each : io::matrixPaths(path)) names.push_back(each.string());
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+void write(const Export& matrix, const Options& options) {
+    const io::MatrixFileOptions format{{matrix.description}, options.petscIntegers};
+    // Devices and pipes have no extension to go by: they get text.
+    if (std::ranges::count(io::matrixExtensions(), matrix.path.extension().string()) == 0)
+        io::writeMatrixMarket(matrix.path, matrix.table, format.comments);
+    else
+        io::writeMatrix(matrix.path, matrix.table, format);
+}
+
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
-    checkOutput(options.output, {options.lattice}, ".mtx");
+    std::vector<std::string> inputs = {options.lattice};
+    if (!options.points.empty()) inputs.push_back(options.points);
+    if (options.levelTables && options.level == 0)
+        throw CLI::ValidationError("--level-tables", "there are none before level 1");
+    for (int k = 1; k <= (options.levelTables ? options.level : 1); ++k) {
+        const std::filesystem::path output =
+            options.levelTables ? levelPath(options, k) : std::filesystem::path(options.output);
+        checkOutput(output, inputs, io::matrixExtensions());
+        for (const auto& path : io::matrixPaths(output)) checkOutput(path, inputs);
+    }
     Stages stages(options.common.quiet);
-    const RefinedFile file = readAndRefine(options, FileKind::Refinable, stages);
-    const auto table = stages.run("building", [&] {
-        return stencils::buildStencils(file.refiner, options.level, options.common.rules);
-    });
-    const std::vector<std::string> comments = {
-        fmt::format("S_{} of {}: rows are the vertices of level {}, in the order of espalier "
-                    "refine; columns are the vertices of the file",
-                    options.level, options.lattice, options.level)};
-    stages.run("writing", [&] { io::writeMatrixMarket(options.output, table, comments); });
-    if (!options.common.quiet)
-        fmt::print("{}: {} × {}, {} entries\n", options.output, table.rowCount(),
-                   table.columnCount(), table.entryCount());
+    for (const Export& matrix : exports(options, stages)) {
+        stages.run("writing", [&] { write(matrix, options); });
+        if (!options.common.quiet)
+            fmt::print("{}: {} × {}, {} entries\n", namesOf(matrix.path), matrix.table.rowCount(),
+                       matrix.table.columnCount(), matrix.table.entryCount());
+    }
 }
 
 }  // namespace
 
 void addStencilsCommand(CLI::App& program) {
     auto options = std::make_shared<Options>();
-    CLI::App& command = addLatticeCommand(
-        program, "stencils",
-        "Write S_N, the weights of the level-N vertices over those of the lattice, mesh or curve",
-        FileKind::Refinable, *options);
-    command.add_option("-o,--output", options->output, "The matrix: Matrix Market, .mtx")
+    CLI::App& command = addLatticeCommand(program, "stencils",
+                                          "Write the matrix that refines a lattice, mesh or curve, "
+                                          "or that deforms a model by a lattice",
+                                          FileKind::Refinable, *options);
+    CLI::Option* const points = command.add_option(
+        "--points", options->points,
+        "A model: write D, the weights of its points over the vertices of the lattice, in place of "
+        "S_N, those of the level-N vertices");
+    const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
+    addEmbeddingOptions(command, options->common);
+    const auto all = command.get_options();
+    for (auto option = all.begin() + others; option != all.end(); ++option)
+        (*option)->needs(points);
+    command
+        .add_flag("--level-tables", options->levelTables,
+                  "Write R_1 to R_N, each level over the one before, to a numbered file each")
+        ->excludes(points);
+    command
+        .add_option(
+            "-o,--output", options->output,
+            "The matrix: Matrix Market (.mtx), SciPy's archive (.npz), its arrays as a file "
+            "each (.npy), or PETSc's binary (.petsc)")
         ->required();
+    addChoice<io::PetscInt>(command, "--petsc-indices", options->petscIntegers, kPetscIntegers,
+                            "The bits of an index in the PETSc that is to read .petsc");
     command.callback([options] { run(*options); });
 }
 

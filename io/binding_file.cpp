@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/binding_file.h>
-#include <espalier/io/byte_order.h>
+#include <espalier/io/byte_output.h>
 #include <espalier/io/file.h>
 #include <zlib.h>
 
@@ -19,36 +19,6 @@ constexpr std::uint32_t kVersion = 1;
 /// What the file holds, in numbers.
 struct Sizes {
     std::int64_t rows, columns, entries, kept, nameBytes, modelBytes;
-};
-
-/// Writes numbers little-endian, and keeps their checksum.
-class ChecksummedOutput {
-public:
-    explicit ChecksummedOutput(std::ostream& out) : out_(out) {}
-
-    void bytes(std::string_view bytes) {
-        if (bytes.empty()) return;  // zlib takes a null pointer for the start of a new checksum.
-        out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        crc_ = crc32_z(crc_, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
-    }
-    template <class Number>
-    void number(Number number) {
-        char stored[sizeof number];
-        storeNumber(stored, number, std::endian::little);
-        bytes({stored, sizeof stored});
-    }
-    template <class Number>
-    void numbers(std::span<const Number> numbers) {
-        if constexpr (std::endian::native == std::endian::little)
-            bytes({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});
-        else
-            for (const Number value : numbers) number(value);
-    }
-    std::uint32_t checksum() const { return static_cast<std::uint32_t>(crc_); }
-
-private:
-    std::ostream& out_;
-    uLong crc_ = crc32_z(0, nullptr, 0);
 };
 
 /// Takes numbers off bytes that are known to be enough.
@@ -115,7 +85,7 @@ Sizes readHeader(const std::filesystem::path& path, NumberReader& in, std::uint6
 void writeBoundModel(const std::filesystem::path& path, const BoundModel& model) {
     const stencils::StencilTable<double>& table = model.binding.table;
     writeFile(path, [&](std::ostream& stream) {
-        ChecksummedOutput out(stream);
+        ChecksummedOutput out(stream, std::endian::little);
         out.bytes(kMagic);
         out.number(kVersion);
         out.number(std::uint32_t{0});

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/npy.h>
+
+#include <string>
+
+namespace espalier::io {
+
+void writeNpyHead(ByteOutput& out, std::string_view type, std::optional<std::uint64_t> length) {
+    std::string head = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': (" +
+                       (length ? std::to_string(*length) + "," : "") + "), }";
+    constexpr std::string_view kMagic("\x93NUMPY\x01\x00", 8);
+    constexpr std::size_t kAlignment = 64;
+    const std::size_t unpadded = kMagic.size() + 2 + head.size() + 1;
+    head.append((kAlignment - unpadded % kAlignment) % kAlignment, ' ');
+    head += '\n';
+    out.bytes(kMagic);
+    out.number(static_cast<std::uint16_t>(head.size()));
+    out.bytes(head);
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Matrices as `espalier stencils` writes them, read by those whom they are for.
+
+    export_test.py PATH_OF_ESPALIER
+"""
+
+import sys
+import unittest
+
+import numpy
+import scipy.io
+import scipy.sparse
+
+import program
+from program import CliTest, icosphere_points
+
+
+def petsc_matrix(path, integer):
+    """A matrix in PETSc's binary format, as its manual describes it."""
+    data = path.read_bytes()
+    size = numpy.dtype(integer).itemsize
+    kind, rows, columns, entries = numpy.frombuffer(data, integer, 4)
+    assert kind == 1211216
+    lengths = numpy.frombuffer(data, integer, rows, 4 * size)
+    indices = numpy.frombuffer(data, integer, entries, (4 + rows) * size)
+    weights = numpy.frombuffer(data, ">f8", entries, (4 + rows + entries) * size)
+    assert len(data) == (4 + rows + entries) * size + 8 * entries
+    offsets = numpy.concatenate([[0], numpy.cumsum(lengths)])
+    return scipy.sparse.csr_matrix((weights.astype(float), indices.astype(int), offsets),
+                                   shape=(rows, columns))
+
+
+class Export(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.run_program("shape", "cylinder", "--from", 0.5, 0.5, -0.5, "--to", 0.5, 0.5, 1.5,
+                         "-o", "c.ovm")
+
+    def write(self, *arguments):
+        return self.run_program("stencils", "c.ovm", *arguments).stdout
+
+    def assert_same(self, matrix, expected):
+        """To the last bit, and as many entries."""
+        self.assertEqual(matrix.shape, expected.shape)
+        self.assertEqual(matrix.nnz, expected.nnz)
+        self.assertEqual((matrix != expected).nnz, 0)
+
+    def npz(self, name):
+        return scipy.sparse.load_npz(self.path / name)
+
+    def test_every_format_holds_the_same_matrix(self):
+        for name in ["s.mtx", "s.npz", "s.npy", "s.petsc"]:
+            self.write("-n", 2, "-o", name)
+        self.write("-n", 2, "--petsc-indices", 64, "-o", "s64.petsc")
+        expected = self.npz("s.npz")
+        self.assertEqual(expected.format, "csr")
+        self.assertEqual((expected.dtype, expected.indices.dtype), (float, numpy.int32))
+        self.assertTrue(expected.has_canonical_format)
+        numpy.testing.assert_allclose(expected.sum(axis=1), 1, rtol=0, atol=1e-15)
+        self.assert_same(scipy.io.mmread(self.path / "s.mtx").tocsr(), expected)
+        self.assert_same(petsc_matrix(self.path / "s.petsc", ">i4"), expected)
+        self.assert_same(petsc_matrix(self.path / "s64.petsc", ">i8"), expected)
+        arrays = [numpy.load(self.path / f"s.{name}.npy", mmap_mode="r")
+                  for name in ["data", "indices", "indptr"]]
+        self.assert_same(scipy.sparse.csr_matrix(tuple(arrays), shape=expected.shape), expected)
+
+    def test_rows_are_in_the_order_of_refine(self):
+        self.write("-n", 2, "-o", "s.npz")
+        self.run_program("refine", "c.ovm", "-n", 2, "-o", "r.ovm")
+        base, refined = (numpy.array(self.read_ovm_positions(name)) for name in ["c.ovm", "r.ovm"])
+        numpy.testing.assert_allclose(self.npz("s.npz") @ base, refined, rtol=0, atol=1e-15)
+
+    def test_level_tables_multiply_to_the_whole(self):
+        out = self.write("-n", 3, "--level-tables", "-o", "r%d.npz")
+        self.assertEqual(len(out.splitlines()), 3)
+        self.write("-n", 3, "-o", "s.npz")
+        product = self.npz("r3.npz") @ self.npz("r2.npz") @ self.npz("r1.npz")
+        # Sums of up to some hundred products, each rounded.
+        self.assertLess(abs(product - self.npz("s.npz")).max(), 1e-14)
+        self.write("-n", 1, "--level-tables", "-o", "one.mtx")
+        self.assertTrue((self.path / "one.mtx").exists())
+
+    def test_points_give_the_deformation_matrix(self):
+        points = icosphere_points(50) + [(9, 9, 9)]
+        self.write_model(points)
+        self.write("-n", 2, "--points", "model.obj", "-o", "d.npz")
+        matrix = self.npz("d.npz")
+        base = numpy.array(self.read_ovm_positions("c.ovm"))
+        self.assertEqual(matrix.shape, (51, len(base)))
+        # At rest the points come back; the one outside has an empty row.
+        numpy.testing.assert_allclose((matrix @ base)[:50], points[:50], rtol=0, atol=1e-14)
+        self.assertEqual(matrix[50].nnz, 0)
+        # As deform moves them.
+        pose = base * [1, 1.5, 1] + [0, 0, 0.25]
+        lines = (self.path / "c.ovm").read_text().splitlines()
+        at = lines.index("Vertices") + 2
+        lines[at:at + len(pose)] = ["%.17g %.17g %.17g" % tuple(p) for p in pose]
+        (self.path / "pose.ovm").write_text("\n".join(lines) + "\n")
+        self.run_program("deform", "model.obj", "--rest", "c.ovm", "--to", "pose.ovm", "-n", 2,
+                         "-o", "moved.obj")
+        numpy.testing.assert_allclose((matrix @ pose)[:50], self.read_points("moved.obj")[:50],
+                                      rtol=0, atol=1e-14)
+        # And the nearest cell carries it, if it is asked to.
+        self.write("-n", 2, "--points", "model.obj", "--outside", "nearest", "-o", "n.npz")
+        numpy.testing.assert_allclose(self.npz("n.npz") @ base, points, rtol=0, atol=1e-12)
+
+    def test_refusals(self):
+        self.write_model(icosphere_points(5) + [(9, 9, 9)])
+        self.assertIn("s.mat: has another extension than .mtx, .npz, .npy, .petsc",
+                      self.error_of("stencils", "c.ovm", "-o", "s.mat"))
+        self.assertIn("point 5", self.error_of("stencils", "c.ovm", "-n", 1, "--points",
+                                               "model.obj", "--outside", "error", "-o", "d.npz"))
+        self.assertIn("--level-tables", self.error_of("stencils", "c.ovm", "-n", 0,
+                                                      "--level-tables", "-o", "r.npz", code=2))
+        for options in [["--outside", "nearest"], ["--points", "model.obj", "--level-tables"],
+                        ["--petsc-indices", "16"]]:
+            self.error_of("stencils", "c.ovm", *options, "-o", "d.npz", code=2)
+        self.assertIn("level 1", self.error_of("stencils", "c.ovm", "-n", 0, "--points",
+                                               "model.obj", "-o", "d.npz"))
+        self.assertFalse(list(self.path.glob("*.npz")))
+
+
+if __name__ == "__main__":
+    program.ESPALIER = sys.argv.pop(1)
+    unittest.main()

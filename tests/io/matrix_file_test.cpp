@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/matrix_file.h>
+#include <espalier/io/npy.h>
+#include <espalier/io/numpy_matrix.h>
+#include <io/model_files.h>
+
+#include <limits>
+#include <sstream>
+
+// What the formats are byte by byte. That NumPy, SciPy and PETSc read them is tested in
+// tests/cli/export_test.py.
+namespace espalier::io {
+namespace {
+
+using stencils::StencilTable;
+using test::bytesOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// Rows of 2, 0 and 1 entries over 3 columns.
+template <class Real>
+StencilTable<Real> sample() {
+    return {3, {0, 2, 2, 3}, {0, 2, 1}, {Real(0.5), Real(1) / 3, Real(-2)}};
+}
+
+template <class Integer>
+std::string petscBytes() {
+    std::string bytes;
+    const auto integers = [&](std::initializer_list<int> numbers) {
+        for (const int number : numbers)
+            bytes += bytesOf(static_cast<Integer>(number), std::endian::big);
+    };
+    integers({1211216, 3, 3, 3});  // MAT_FILE_CLASSID, rows, columns, entries
+    integers({2, 0, 1});           // entries of each row
+    integers({0, 2, 1});           // columns
+    for (const double weight : {0.5, 1.0 / 3, -2.0}) bytes += bytesOf(weight, std::endian::big);
+    return bytes;
+}
+
+TEST(MatrixFile, PetscBinaryIsBigEndianWithTheLengthsOfRows) {
+    const test::TemporaryFolder folder;
+    writeMatrix(folder / "a.petsc", sample<double>());
+    EXPECT_EQ(readFile(folder / "a.petsc"), petscBytes<std::int32_t>());
+    writeMatrix(folder / "a.petsc", sample<double>(), {.petscIntegers = PetscInt::Bits64});
+    EXPECT_EQ(readFile(folder / "a.petsc"), petscBytes<std::int64_t>());
+    // Weights in double precision, whatever the table's.
+    const StencilTable<float> single(3, {0, 1}, {0}, {0.1F});
+    writeMatrix(folder / "b.petsc", single);
+    EXPECT_TRUE(readFile(folder / "b.petsc").ends_with(bytesOf(double{0.1F}, std::endian::big)));
+}
+
+TEST(MatrixFile, NpyIsAHeadOfMultiplesOf64BytesAndTheNumbers) {
+    std::ostringstream stream;
+    ByteOutput out(stream, std::endian::little);
+    const std::vector<float> numbers = {1.5F, -2};
+    writeNpy<double>(out, std::span<const float>(numbers));
+    const std::string bytes = stream.str();
+    // NumPy's npy-format: magic, version 1.0, the length of what follows, a dictionary, spaces.
+    const std::string head = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }";
+    EXPECT_EQ(bytes.substr(0, 10), std::string("\x93NUMPY\x01\x00\x76\x00", 10));
+    EXPECT_EQ(bytes.substr(10, 118), head + std::string(117 - head.size(), ' ') + "\n");
+    EXPECT_EQ(bytes.substr(128),
+              bytesOf(1.5, std::endian::little) + bytesOf(-2.0, std::endian::little));
+}
+
+TEST(MatrixFile, ArraysOfAnyLengthComeInBlocks) {
+    // More numbers than are turned round at once.
+    std::vector<std::int32_t> numbers(10'000);
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::int32_t>(i);
+    std::ostringstream stream;
+    ByteOutput out(stream, std::endian::big);
+    out.numbersAs<std::int64_t>(std::span<const std::int32_t>(numbers));
+    std::string expected;
+    for (const std::int32_t number : numbers)
+        expected += bytesOf(std::int64_t{number}, std::endian::big);
+    EXPECT_EQ(stream.str(), expected);
+    EXPECT_EQ(out.count(), expected.size());
+}
+
+TEST(MatrixFile, FormatsGoByTheExtension) {
+    const test::TemporaryFolder folder;
+    for (const std::string& extension : matrixExtensions()) {
+        const auto path = folder / ("a" + extension);
+        writeMatrix(path, sample<float>());
+        for (const auto& each : matrixPaths(path)) EXPECT_TRUE(std::filesystem::exists(each));
+    }
+    EXPECT_EQ(matrixPaths("x/D.npy"), (std::vector<std::filesystem::path>{
+                                          "x/D.indptr.npy", "x/D.indices.npy", "x/D.data.npy"}));
+    EXPECT_THAT(
+        [&] { writeMatrix(folder / "a.mat", sample<float>()); },
+        ThrowsMessage<FileError>(HasSubstr("a.mat: is not a matrix format; expected .mtx")));
+}
+
+TEST(MatrixFile, RefusesWeightsThatAreNotFiniteAndLeavesTheOldFile) {
+    const StencilTable<double> bad(2, {0, 1, 2}, {0, 1},
+                                   {1, std::numeric_limits<double>::quiet_NaN()});
+    for (const std::string& extension : matrixExtensions()) {
+        const test::TemporaryFolder folder;
+        const auto path = folder / ("a" + extension);
+        test::putFile(path, "old");
+        EXPECT_THAT([&] { writeMatrix(path, bad); }, ThrowsMessage<Error>(HasSubstr("row 1 ")));
+        EXPECT_EQ(readFile(path), "old");
+    }
+}
+
+}  // namespace
+}  // namespace espalier::io
