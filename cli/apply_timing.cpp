@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "byte_counts.h"
@@ -16,6 +17,7 @@
 namespace espalier::cli {
 namespace {
 
+using far::Index;
 using osd::BufferDescriptor;
 using Evaluator = ApplyTiming::Evaluator;
 using Precision = ApplyTiming::Precision;
@@ -30,26 +32,77 @@ struct Poses {
     std::vector<double> values;
 };
 
-/// One form of the matrix, in one precision.
+/// A matrix in one form and precision. Refers to the tables that it is made from.
 template <class Real>
 struct Form {
+    using Evaluate = void(std::span<const Real> source, std::span<Real> result,
+                          const BufferDescriptor& layout);
+
     Evaluator evaluator;
-    const stencils::StencilTable<Real>& plain;
-    const osd::CompiledTable<Real>& compiled;
-
-    std::size_t tableBytes() const {
-        return evaluator == Evaluator::Csr ? bytesOf(plain) : compiled.byteCount();
-    }
-
-    void evaluate(std::span<const Real> source, std::span<Real> result,
-                  const BufferDescriptor& layout) const {
-        const osd::RowRange all{0, plain.rowCount()};
-        if (evaluator == Evaluator::Csr)
-            osd::CpuEvaluator::evaluate(plain, source, layout, result, layout, all);
-        else
-            compiled.evaluate(source, layout, result, layout, all);
-    }
+    Index rowCount;
+    std::size_t tableBytes;
+    Index betweenCount = 0;  ///< entries that are written and read on the way to the results
+    ExpectedSums sums;
+    std::function<Evaluate> evaluate;
 };
+
+template <class Real>
+Form<Real> plainForm(const BenchTables& tables, const stencils::StencilTable<Real>& table) {
+    return {.evaluator = Evaluator::Csr,
+            .rowCount = table.rowCount(),
+            .tableBytes = bytesOf(table),
+            .sums = {tables.inDouble, plainUlpBound},
+            .evaluate = [&table](auto source, auto result, const BufferDescriptor& layout) {
+                osd::CpuEvaluator::evaluate(table, source, layout, result, layout,
+                                            {0, table.rowCount()});
+            }};
+}
+
+/// \param compiled a table, or a chain
+template <class Compiled>
+auto evaluatorOf(const Compiled& compiled) {
+    return [&compiled](auto source, auto result, const BufferDescriptor& layout) {
+        compiled.evaluate(source, layout, result, layout, {0, compiled.rowCount()});
+    };
+}
+
+template <class Real>
+Form<Real> compiledForm(const BenchTables& tables, const osd::CompiledTable<Real>& compiled) {
+    return {.evaluator = Evaluator::Compiled,
+            .rowCount = compiled.rowCount(),
+            .tableBytes = compiled.byteCount(),
+            .sums = {tables.inDouble, compiledUlpBound},
+            .evaluate = evaluatorOf(compiled)};
+}
+
+/// \param compiled tables.factors, in this precision
+template <class Real>
+Form<Real> factoredForm(const BenchTables& tables, const osd::CompiledChain<Real>& compiled) {
+    const stencils::FactoredTable<double>& factors = tables.factors->inDouble;
+    return {.evaluator = Evaluator::Factors,
+            .rowCount = compiled.rowCount(),
+            .tableBytes = compiled.byteCount(),
+            .betweenCount = factors.vertices.rowCount(),
+            .sums = {tables.inDouble, factors, compiledUlpBound},
+            .evaluate = evaluatorOf(compiled)};
+}
+
+/// All that is timed, of each precision the plain form first.
+struct Forms {
+    std::vector<Form<float>> inFloat;
+    std::vector<Form<double>> inDouble;
+};
+
+Forms formsOf(const BenchTables& tables) {
+    Forms forms = {
+        {plainForm(tables, tables.inFloat), compiledForm(tables, tables.compiledFloat)},
+        {plainForm(tables, tables.inDouble), compiledForm(tables, tables.compiledDouble)}};
+    if (tables.factors) {
+        forms.inFloat.push_back(factoredForm(tables, tables.factors->compiledFloat));
+        forms.inDouble.push_back(factoredForm(tables, tables.factors->compiledDouble));
+    }
+    return forms;
+}
 
 template <class Real>
 std::string describe(const Form<Real>& form, const Poses& poses, int threads) {
@@ -59,23 +112,23 @@ std::string describe(const Form<Real>& form, const Poses& poses, int threads) {
 
 /// Times one form with so many threads; the speed-up is not known yet.
 template <class Real>
-ApplyTiming timeForm(const Form<Real>& form, const BenchTables& tables, const Poses& poses,
-                     int threads, double seconds) {
+ApplyTiming timeForm(const Form<Real>& form, const Poses& poses, int threads, double seconds) {
     const int components = 3 * poses.count;
     const auto layout = BufferDescriptor::packed(components);
     const std::vector<Real> source(poses.values.begin(), poses.values.end());
-    std::vector<Real> result(static_cast<std::size_t>(form.plain.rowCount() * layout.length));
+    std::vector<Real> result(static_cast<std::size_t>(form.rowCount * layout.length));
     {
         const far::ThreadLimit limit(threads);
         form.evaluate(source, result, layout);
     }
-    const UlpBound bound = form.evaluator == Evaluator::Csr ? plainUlpBound : compiledUlpBound;
     for (int pose = 0; pose < poses.count; ++pose)
-        checkResults<Real>(tables.inDouble, poses.values, result, {3 * pose, 3, components}, bound,
+        checkResults<Real>(form.sums, poses.values, result, {3 * pose, 3, components},
                            describe(form, poses, threads));
     const far::ThreadLimit limit(threads);
     const double least = quickest(seconds, [&] { form.evaluate(source, result, layout); });
-    const std::size_t bytes = form.tableBytes() + std::span(result).size_bytes();
+    const std::size_t between =
+        static_cast<std::size_t>(form.betweenCount * layout.length) * sizeof(Real);
+    const std::size_t bytes = form.tableBytes + 2 * between + std::span(result).size_bytes();
     return {.evaluator = form.evaluator,
             .precision = kPrecision<Real>,
             .poses = poses.count,
@@ -88,7 +141,14 @@ ApplyTiming timeForm(const Form<Real>& form, const BenchTables& tables, const Po
 }  // namespace
 
 std::string nameOf(Evaluator evaluator) {
-    return evaluator == Evaluator::Csr ? "csr" : "compiled";
+    switch (evaluator) {
+        case Evaluator::Compiled:
+            return "compiled";
+        case Evaluator::Factors:
+            return "factors";
+        default:
+            return "csr";
+    }
 }
 
 std::string nameOf(Precision precision) {
@@ -127,14 +187,14 @@ std::vector<ApplyTiming> timeApplying(const BenchTables& tables, std::span<const
     const auto addTimings = [&](const auto& form, const Poses& poses) {
         for (const int threads : threadCounts)
             timings.push_back(progress.run(describe(form, poses, threads), [&] {
-                return timeForm(form, tables, poses, threads, seconds);
+                return timeForm(form, poses, threads, seconds);
             }));
     };
-    for (const Evaluator evaluator : {Evaluator::Csr, Evaluator::Compiled})
-        addTimings(Form<float>{evaluator, tables.inFloat, tables.compiledFloat}, one);
-    addTimings(Form<float>{Evaluator::Compiled, tables.inFloat, tables.compiledFloat}, several);
-    for (const Evaluator evaluator : {Evaluator::Csr, Evaluator::Compiled})
-        addTimings(Form<double>{evaluator, tables.inDouble, tables.compiledDouble}, one);
+    const Forms forms = formsOf(tables);
+    for (const auto& form : forms.inFloat) addTimings(form, one);
+    for (const auto& form : forms.inFloat)
+        if (form.evaluator != Evaluator::Csr) addTimings(form, several);
+    for (const auto& form : forms.inDouble) addTimings(form, one);
     // The first timing of a precision is that of the plain evaluator with one thread.
     for (ApplyTiming& timing : timings) {
         const auto plain = std::find_if(

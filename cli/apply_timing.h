@@ -2,8 +2,10 @@
 #pragma once
 
 #include <espalier/far/point.h>
+#include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,11 +20,23 @@ struct BenchTables {
     stencils::StencilTable<float> inFloat;
     osd::CompiledTable<float> compiledFloat;
     osd::CompiledTable<double> compiledDouble;
+
+    /// The matrix left in its factors.
+    struct Factors {
+        stencils::FactoredTable<double> inDouble;
+        osd::CompiledChain<float> compiledFloat;
+        osd::CompiledChain<double> compiledDouble;
+    };
+    std::optional<Factors> factors;  ///< nothing if it has none
 };
 
 /// How a matrix was applied, and how long it took.
 struct ApplyTiming {
-    enum class Evaluator { Csr, Compiled };
+    enum class Evaluator {
+        Csr,
+        Compiled,
+        Factors  ///< both compiled, one after the other
+    };
     enum class Precision { Float, Double };
 
     Evaluator evaluator;
@@ -31,8 +45,9 @@ struct ApplyTiming {
     int threads;     ///< at most
     double seconds;  ///< a pose, of the quickest run
 
-    /// A pose, that must move: the table, once for all poses, and the results. The vertices of the
-    /// pose are left out, which a cache holds.
+    /// A pose, that must move: the table, once for all poses, and the results. Of factors both
+    /// tables, and the values between them, which are written and read once: those may be as many
+    /// as the results. The vertices of the pose are left out, which a cache holds.
     double bytes;
 
     /// How many times as fast as the plain evaluator, with one thread and of the same precision.
@@ -52,8 +67,9 @@ std::string nameOf(ApplyTiming::Precision precision);
 /// \return 3 · count numbers a vertex, vertex by vertex, pose by pose
 std::vector<double> bentPoses(std::span<const Point3> rest, int count);
 
-/// Applies a matrix to such poses with osd's evaluators: in both precisions, plain and compiled,
-/// one pose with each number of threads; then twelve poses at once, compiled and in float.
+/// Applies a matrix to such poses with osd's evaluators, with each number of threads: one pose, in
+/// both precisions, plain, compiled and, where it has factors, by these; and in float twelve poses
+/// at once, by all but the plain one.
 ///
 /// Before it is timed, what each makes is compared with what the reference evaluator does.
 ///

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "apply_timing.h"
 #include "bench_report.h"
@@ -25,25 +27,43 @@ struct Options : BindOptions {
     ReportFormat report = ReportFormat::Text;
 };
 
-template <class Real>
-osd::CompiledTable<Real> compile(const stencils::StencilTable<Real>& table, const char* stage,
-                                 Stages& stages) {
+/// A stage that makes a compiled table, or a chain.
+template <class Make>
+auto compile(const char* stage, Stages& stages, Make make) {
     return stages.run(stage, [&] {
-        osd::CompiledTable<Real> compiled(table);
+        auto compiled = make();
         stages.addBytes(compiled.byteCount());
         return compiled;
     });
 }
 
-BenchTables prepare(const stencils::StencilTable<double>& table, Stages& stages) {
+BenchTables::Factors prepareFactors(stencils::FactoredTable<double> factors, Stages& stages) {
+    auto compiledFloat = compile("compiling factors, float", stages, [&] {
+        const stencils::FactoredTable<float> rounded = {
+            stencils::convertTable<float>(factors.vertices),
+            stencils::convertTable<float>(factors.points)};
+        return osd::CompiledChain<float>(rounded);
+    });
+    auto compiledDouble = compile("compiling factors, double", stages,
+                                  [&] { return osd::CompiledChain<double>(factors); });
+    return {std::move(factors), std::move(compiledFloat), std::move(compiledDouble)};
+}
+
+BenchTables prepare(const stencils::StencilTable<double>& table,
+                    std::optional<stencils::FactoredTable<double>> factors, Stages& stages) {
     auto inFloat = stages.run("rounding to float", [&] {
         auto rounded = stencils::convertTable<float>(table);
         stages.addBytes(bytesOf(rounded));
         return rounded;
     });
-    auto compiledFloat = compile(inFloat, "compiling float", stages);
-    auto compiledDouble = compile(table, "compiling double", stages);
-    return {table, std::move(inFloat), std::move(compiledFloat), std::move(compiledDouble)};
+    auto compiledFloat =
+        compile("compiling float", stages, [&] { return osd::CompiledTable<float>(inFloat); });
+    auto compiledDouble =
+        compile("compiling double", stages, [&] { return osd::CompiledTable<double>(table); });
+    BenchTables tables{table, std::move(inFloat), std::move(compiledFloat),
+                       std::move(compiledDouble), std::nullopt};
+    if (factors) tables.factors = prepareFactors(*std::move(factors), stages);
+    return tables;
 }
 
 /// Refuses a lattice of which floats cannot hold a pose: coordinates of those are up to 1.35 times
@@ -67,7 +87,8 @@ void run(const Options& options) {
     const Lattice lattice = readLattice(options.rest, stages);
     checkRange(options, lattice);
     const BoundPoints bound = bindPoints(options, model->positions(), lattice, stages);
-    const BenchTables tables = prepare(bound.binding.table, stages);
+    auto factors = bindInFactors(options, model->positions(), lattice, stages);
+    const BenchTables tables = prepare(bound.binding.table, std::move(factors), stages);
     std::vector<int> threadCounts = {1};
     if (const int all = threadCount(options.common.threads); all > 1) threadCounts.push_back(all);
 
@@ -75,6 +96,7 @@ void run(const Options& options) {
     Stages progress(options.common.quiet);
     BenchReport bench{
         osd::bestSimd(),
+        tables,
         timeApplying(tables, lattice.positions, threadCounts, options.seconds, progress),
         {}};
     const RunReport report{bound.report, bound.binding, stages, peakMemory()};

@@ -33,6 +33,11 @@ double millionPointsPerSecond(const RunReport& run, const ApplyTiming& timing) {
 Json toJson(const RunReport& run, const BenchReport& bench) {
     Json json = toJson(run);
     json["kernels"] = nameOf(bench.simd);
+    if (bench.tables.factors) {
+        const auto& factors = bench.tables.factors->inDouble;
+        json["factors"] = {{"vertices", factors.vertices.rowCount()},
+                           {"entries", factors.entryCount()}};
+    }
     Json& rows = json["apply"] = Json::array();
     for (const ApplyTiming& timing : bench.timings)
         rows.push_back({{"evaluator", nameOf(timing.evaluator)},

@@ -14,6 +14,7 @@ namespace espalier::cli {
 /// What was measured of applying.
 struct BenchReport {
     osd::Simd simd;
+    const BenchTables& tables;
     std::vector<ApplyTiming> timings;
     std::map<int, double> triad;  ///< bytes a second, by number of threads: triad.h
 };
@@ -22,6 +23,8 @@ struct BenchReport {
 /// what was measured. In JSON, besides what run_report.h says:
 ///
 ///     kernels  baseline, avx2 or avx512: what compiled tables are evaluated with
+///     factors  {vertices, entries} of the matrix left in its factors: rows of the table that moves
+///              the vertices of the level, and entries of both; with --basis subdivision only
 ///     apply    [{evaluator, precision, poses, threads, milliseconds, million_points_per_second,
 ///              bytes, gigabytes_per_second, speedup, share_of_triad}], all a pose (ApplyTiming)
 ///     triad    [{threads, gigabytes_per_second}]

@@ -37,12 +37,18 @@ std::function<void(far::Offset)> progressOf(Stages& stages, std::size_t pointCou
 }
 
 /// MacCracken & Joy 1996, section 5.
+/// \param bind stencils::bindPoints(), or bindFactored()
+template <class Bind>
+auto refineAndBind(Bind bind, const BindOptions& options, std::span<const Point3> points,
+                   const Lattice& lattice, Stages& stages) {
+    const auto base = refineLattice(options.rest, lattice, options.common, 0);
+    return bind(base, lattice.positions, options.level, options.common.rules, points,
+                options.common.embedding, progressOf(stages, points.size()));
+}
+
 BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3> points,
                               const Lattice& lattice, Stages& stages) {
-    const auto base = refineLattice(options.rest, lattice, options.common, 0);
-    auto bound = stencils::bindPoints<double>(
-        base, lattice.positions, options.level, options.common.rules, points,
-        options.common.embedding, progressOf(stages, points.size()));
+    auto bound = refineAndBind(stencils::bindPoints<double>, options, points, lattice, stages);
     const BindingReport report = reportOf(bound, bound.largestResidual);
     return {std::move(bound.binding), report};
 }
@@ -110,6 +116,19 @@ BoundPoints bindPoints(const BindOptions& options, std::span<const Point3> point
         BoundPoints bound = bind(options, points, lattice, stages);
         stages.addBytes(bytesOf(bound.binding.table));
         return bound;
+    });
+}
+
+std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& options,
+                                                             std::span<const Point3> points,
+                                                             const Lattice& lattice,
+                                                             Stages& stages) {
+    if (options.basis != Basis::Subdivision) return std::nullopt;
+    return stages.run("binding in factors", [&] {
+        auto bound =
+            refineAndBind(stencils::bindFactored<double>, options, points, lattice, stages);
+        stages.addBytes(bytesOf(bound.binding.table));
+        return std::move(bound.binding.table);
     });
 }
 

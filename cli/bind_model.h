@@ -3,8 +3,10 @@
 
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/binding.h>
+#include <espalier/stencils/factored_table.h>
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -53,5 +55,12 @@ struct BoundPoints {
 /// Stage: binding.
 BoundPoints bindPoints(const BindOptions& options, std::span<const Point3> points,
                        const Lattice& lattice, Stages& stages);
+
+/// The matrix that bindPoints() finds, left in its factors; nothing for a basis without any: those
+/// other than subdivision. Stage: binding in factors.
+std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& options,
+                                                             std::span<const Point3> points,
+                                                             const Lattice& lattice,
+                                                             Stages& stages);
 
 }  // namespace espalier::cli

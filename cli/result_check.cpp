@@ -6,36 +6,79 @@
 #include <espalier/osd/reference_evaluator.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
+#include <utility>
 
 namespace espalier::cli {
 namespace {
 
 using far::Index;
 using far::Offset;
+using osd::BufferDescriptor;
 
-/// Σ |w · x| of a row.
-double sizeOf(const stencils::StencilTable<double>& table, Index row,
-              std::span<const double> values, const osd::BufferDescriptor& layout,
-              Offset component) {
-    double size = 0;
-    const auto columns = table.columns(row);
-    const auto weights = table.weights(row);
-    for (std::size_t k = 0; k < columns.size(); ++k)
-        size += std::abs(weights[k] * values[static_cast<std::size_t>(
-                                          layout.offset + columns[k] * layout.stride + component)]);
-    return size;
+constexpr Offset kGrain = 2048;
+
+std::size_t at(Offset index) {
+    return static_cast<std::size_t>(index);
 }
 
-/// What the reference may be off the exact sum of what was evaluated, in ulp of Real.
+/// Numbers that were rounded, packed: how large the sums are that each was made of, Σ |w · x|
+/// through all tables so far, and how far it may be off.
+struct Rounded {
+    std::vector<double> sizes, errors;
+
+    explicit Rounded(Offset count) : sizes(at(count)), errors(at(count)) {}
+};
+
 template <class Real>
-double referenceUlpBound(double entries) {
-    // Its own roundings are nothing in float; those of a weight and of a value are half an ulp
-    // each.
-    return sizeof(Real) == sizeof(double) ? plainUlpBound(entries) : 1;
+constexpr double kUlp = std::numeric_limits<Real>::epsilon();
+
+/// Numbers below the normal ones are rounded to multiples of this.
+template <class Real>
+constexpr double kLeast = std::numeric_limits<Real>::denorm_min();
+
+/// Whether weights and values, which are in double, are rounded before they are applied: by half an
+/// ulp each.
+template <class Real>
+constexpr bool kRounds = sizeof(Real) < sizeof(double);
+
+template <class Real>
+Rounded roundedValues(std::span<const double> values, const BufferDescriptor& layout, Index count) {
+    Rounded result(count * layout.length);
+    for (Index entry = 0; entry < count; ++entry)
+        for (Offset c = 0; c < layout.length; ++c) {
+            const Offset i = entry * layout.length + c;
+            const double size = std::abs(values[at(layout.offset + entry * layout.stride + c)]);
+            result.sizes[at(i)] = size;
+            if (kRounds<Real>) result.errors[at(i)] = kUlp<Real> / 2 * size + kLeast<Real>;
+        }
+    return result;
+}
+
+/// What a table makes of them.
+template <class Real>
+Rounded apply(const stencils::StencilTable<double>& table, const Rounded& source, Offset length,
+              UlpBound bound) {
+    Rounded result(table.rowCount() * length);
+    far::parallelFor(table.rowCount(), kGrain, [&](Offset first, Offset last) {
+        for (Offset i = first * length; i < last * length; ++i) {
+            const auto row = static_cast<Index>(i / length);
+            const auto columns = table.columns(row);
+            const auto weights = table.weights(row);
+            double size = 0, error = 0;
+            for (std::size_t k = 0; k < columns.size(); ++k) {
+                const std::size_t from = at(columns[k] * length + i % length);
+                size += std::abs(weights[k]) * source.sizes[from];
+                error += std::abs(weights[k]) * source.errors[from];
+            }
+            const auto entries = static_cast<double>(columns.size());
+            const double ulps = bound(entries) + (kRounds<Real> ? 0.5 : 0);
+            result.sizes[at(i)] = size;
+            result.errors[at(i)] = error + ulps * kUlp<Real> * size + entries * kLeast<Real>;
+        }
+    });
+    return result;
 }
 
 }  // namespace
@@ -49,46 +92,75 @@ double compiledUlpBound(double entries) {
     return entries <= kShort ? 4 : 4 + entries / 32;
 }
 
+ExpectedSums::ExpectedSums(const Table& matrix, UlpBound bound)
+    : matrix_(&matrix), applied_{&matrix}, summed_{&matrix}, bound_(bound) {}
+
+ExpectedSums::ExpectedSums(const Table& matrix, const stencils::FactoredTable<double>& factors,
+                           UlpBound bound)
+    : matrix_(&matrix),
+      applied_{&factors.vertices, &factors.points},
+      summed_{&matrix, &factors.points},
+      bound_(bound) {
+    if (factors.rowCount() != matrix.rowCount() || factors.columnCount() != matrix.columnCount())
+        throw Error(fmt::format("the product of the factors is {} × {}, but the matrix {} × {}",
+                                factors.rowCount(), factors.columnCount(), matrix.rowCount(),
+                                matrix.columnCount()));
+}
+
 template <class Real>
-void checkResults(const stencils::StencilTable<double>& table, std::span<const double> values,
-                  std::span<const Real> results, const osd::BufferDescriptor& layout,
-                  UlpBound bound, const std::string& who) {
-    constexpr Offset kGrain = 2048;
+ExpectedSums::Numbers ExpectedSums::of(std::span<const double> values,
+                                       const BufferDescriptor& layout) const {
     const Offset length = layout.length;
-    std::vector<double> expected(static_cast<std::size_t>(table.rowCount() * length));
-    const auto packed = osd::BufferDescriptor::packed(length);
-    far::parallelFor(table.rowCount(), kGrain, [&](Offset first, Offset last) {
-        osd::ReferenceEvaluator::evaluate(table, values, layout, expected, packed,
+    Rounded rounded = roundedValues<Real>(values, layout, matrix_->columnCount());
+    for (const Table* table : applied_) rounded = apply<Real>(*table, rounded, length, bound_);
+
+    Numbers numbers{std::vector<double>(rounded.sizes.size()), std::move(rounded.errors)};
+    const auto packed = BufferDescriptor::packed(length);
+    far::parallelFor(matrix_->rowCount(), kGrain, [&](Offset first, Offset last) {
+        osd::ReferenceEvaluator::evaluate(*matrix_, values, layout, numbers.values, packed,
                                           {static_cast<Index>(first), static_cast<Index>(last)});
         for (Offset i = first * length; i < last * length; ++i) {
             const auto row = static_cast<Index>(i / length);
-            const Offset component = i % length;
-            const auto entries = static_cast<double>(table.columns(row).size());
-            const double allowed = bound(entries) + referenceUlpBound<Real>(entries);
-            const double ulp = double{std::numeric_limits<Real>::epsilon()} *
-                               sizeOf(table, row, values, layout, component);
-            // Numbers below the normal ones are rounded to multiples of the least.
-            const double underflow =
-                (entries + 1) * double{std::numeric_limits<Real>::denorm_min()};
-            const double wanted = expected[static_cast<std::size_t>(i)];
-            const double got = double{
-                results[static_cast<std::size_t>(layout.offset + row * layout.stride + component)]};
-            // Not as >, which NaN would pass.
-            if (!(std::abs(got - wanted) <= allowed * ulp + underflow))
-                throw Error(fmt::format(
-                    "{}: coordinate {} of point {} is {:.17g}, but {:.17g} by the reference "
-                    "evaluator: {:.3g} ulp of the sum of |weight * position| apart, where {:.3g} "
-                    "are allowed",
-                    who, component, row, got, wanted, std::abs(got - wanted) / ulp, allowed));
+            // A weight of D = W · S is itself off by the roundings of a sum over the row of W,
+            // relative to Σ_k |W_ik · S_kj|: times |x_j| and over all j, that is again the size of
+            // the sums of the factors. Next to roundings to float, all of this is nothing.
+            for (const Table* table : summed_) {
+                const auto entries = static_cast<double>(table->columns(row).size());
+                numbers.allowed[at(i)] +=
+                    plainUlpBound(entries) * kUlp<double> * rounded.sizes[at(i)] +
+                    entries * kLeast<double>;
+            }
         }
     });
+    return numbers;
 }
 
-template void checkResults(const stencils::StencilTable<double>&, std::span<const double>,
-                           std::span<const float>, const osd::BufferDescriptor&, UlpBound,
-                           const std::string&);
-template void checkResults(const stencils::StencilTable<double>&, std::span<const double>,
-                           std::span<const double>, const osd::BufferDescriptor&, UlpBound,
-                           const std::string&);
+template <class Real>
+void checkResults(const ExpectedSums& sums, std::span<const double> values,
+                  std::span<const Real> results, const BufferDescriptor& layout,
+                  const std::string& who) {
+    const ExpectedSums::Numbers expected = sums.of<Real>(values, layout);
+    for (std::size_t i = 0; i < expected.values.size(); ++i) {
+        const Offset point = static_cast<Offset>(i) / layout.length;
+        const Offset component = static_cast<Offset>(i) % layout.length;
+        const double wanted = expected.values[i];
+        const double got = double{results[at(layout.offset + point * layout.stride + component)]};
+        // Not as >, which NaN would pass.
+        if (!(std::abs(got - wanted) <= expected.allowed[i]))
+            throw Error(fmt::format(
+                "{}: coordinate {} of point {} is {:.17g}, but {:.17g} by the reference "
+                "evaluator: {:.3g} apart, where {:.3g} are allowed",
+                who, component, point, got, wanted, std::abs(got - wanted), expected.allowed[i]));
+    }
+}
+
+template ExpectedSums::Numbers ExpectedSums::of<float>(std::span<const double>,
+                                                       const BufferDescriptor&) const;
+template ExpectedSums::Numbers ExpectedSums::of<double>(std::span<const double>,
+                                                        const BufferDescriptor&) const;
+template void checkResults(const ExpectedSums&, std::span<const double>, std::span<const float>,
+                           const BufferDescriptor&, const std::string&);
+template void checkResults(const ExpectedSums&, std::span<const double>, std::span<const double>,
+                           const BufferDescriptor&, const std::string&);
 
 }  // namespace espalier::cli

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "byte_counts.h"
 #include "choice.h"
@@ -34,8 +36,16 @@ Json toJson(const Stages& stages) {
     return array;
 }
 
-void printStage(const Stages::Finished& stage) {
-    fmt::print("{:<17} {:>9.3f} s", stage.name, stage.seconds);
+/// Of the column of labels, which has the names of the stages too.
+std::size_t labelWidth(const Stages& stages) {
+    std::size_t width = 17;
+    for (const Stages::Finished& stage : stages.finished())
+        width = std::max(width, stage.name.size());
+    return width;
+}
+
+void printStage(const Stages::Finished& stage, std::size_t labelWidth) {
+    fmt::print("{:<{}} {:>9.3f} s", stage.name, labelWidth, stage.seconds);
     if (stage.bytes) fmt::print("  {:>9}", formatBytes(*stage.bytes));
     if (const auto rate = gigabytesPerSecond(stage)) fmt::print("  {:>7.3f} GB/s", *rate);
     fmt::print("\n");
@@ -72,16 +82,23 @@ void printText(const RunReport& report) {
     const auto& table = report.binding.table;
     const std::size_t kept = report.binding.kept.size();
     const double bound = table.rowCount() - static_cast<double>(kept);
+    const std::size_t width = labelWidth(report.stages);
+    const auto printLine = [&](const char* label, const std::string& text) {
+        fmt::print("{:<{}} {}\n", label, width, text);
+    };
     if (report.points)
-        fmt::print("points            {} inside, {} outside, {} not converged\n",
-                   report.points->inside, report.points->outside, report.points->notConverged);
-    if (kept > 0) fmt::print("kept in place     {}\n", kept);
-    if (report.points) fmt::print("largest residual  {:.2g}\n", report.points->largestResidual);
-    fmt::print("matrix            {} × {}, {:.1f} entries a bound row, {}\n", table.rowCount(),
-               table.columnCount(), bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
-               formatBytes(bytesOf(table)));
-    for (const Stages::Finished& stage : report.stages.finished()) printStage(stage);
-    fmt::print("peak memory       {}\n", formatBytes(report.peakMemory));
+        printLine("points",
+                  fmt::format("{} inside, {} outside, {} not converged", report.points->inside,
+                              report.points->outside, report.points->notConverged));
+    if (kept > 0) printLine("kept in place", std::to_string(kept));
+    if (report.points)
+        printLine("largest residual", fmt::format("{:.2g}", report.points->largestResidual));
+    printLine("matrix", fmt::format("{} × {}, {:.1f} entries a bound row, {}", table.rowCount(),
+                                    table.columnCount(),
+                                    bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
+                                    formatBytes(bytesOf(table))));
+    for (const Stages::Finished& stage : report.stages.finished()) printStage(stage, width);
+    printLine("peak memory", formatBytes(report.peakMemory));
 }
 
 void print(const RunReport& report, ReportFormat format) {

@@ -35,8 +35,11 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///
 ///     reading, writing   of the files; not known of devices and pipes
 ///     binding            of the matrix
+///     binding in factors of both factors
 ///     rounding to float, compiling float, compiling double
 ///                        of the table that is made
+///     compiling factors, float; compiling factors, double
+///                        of both; those in float are rounded first, in the same stage
 ///     applying           that must move: the matrix, the vertices of the pose and the deformed
 ///                        points, for each pose
 struct RunReport {

@@ -7,6 +7,7 @@
 
 import json
 import os
+import re
 import sys
 import unittest
 
@@ -15,6 +16,11 @@ from program import CliTest, icosphere_points
 
 BINDING = ["reading", "binding"]
 COMPILING = ["rounding to float", "compiling float", "compiling double"]
+FACTORS = ["compiling factors, float", "compiling factors, double"]
+STAGES = [*BINDING, "binding in factors", *COMPILING, *FACTORS]
+CASES = [("csr", "float", 1), ("csr", "double", 1), ("compiled", "float", 1),
+         ("compiled", "double", 1), ("compiled", "float", 12)]
+FACTORS_CASES = [("factors", *case) for _, *case in CASES[2:]]
 REAL = {"float": 4, "double": 8}
 
 
@@ -39,26 +45,38 @@ class Bench(CliTest):
         # Each is a few products and quotients: a rounding of 1.1e-16 each.
         self.assertAlmostEqual(number / expected, 1, delta=1e-14)
 
-    def check(self, report):
+    def check(self, report, has_factors=True):
         """Every row is there, once, and each figure follows from the others."""
         threads = [triad["threads"] for triad in report["triad"]]
         rows = {(row["evaluator"], row["precision"], row["poses"], row["threads"]): row
                 for row in report["apply"]}
         self.assertEqual(len(rows), len(report["apply"]))
-        self.assertEqual(set(rows), {(*case, count) for count in threads for case in [
-            ("csr", "float", 1), ("csr", "double", 1), ("compiled", "float", 1),
-            ("compiled", "double", 1), ("compiled", "float", 12)]})
+        cases = CASES + FACTORS_CASES if has_factors else CASES
+        self.assertEqual(set(rows), {(*case, count) for count in threads for case in cases})
+        self.assertEqual([stage["name"] for stage in report["stages"]],
+                         STAGES if has_factors else BINDING + COMPILING)
         points, entries = report["matrix"]["rows"], report["matrix"]["entries"]
         stages = {stage["name"]: stage["bytes"] for stage in report["stages"]}
         triads = {triad["threads"]: triad["gigabytes_per_second"] for triad in report["triad"]}
+        self.assertEqual("factors" in report, has_factors)
+        vertices = 0
+        if has_factors:
+            vertices = report["factors"]["vertices"]
+            # Offsets of 8 bytes, columns of 4, weights of 8.
+            self.assertEqual(stages["binding in factors"], 8 * (vertices + 1) + 8 * (points + 1) +
+                             12 * report["factors"]["entries"])
         for (evaluator, precision, poses, count), row in rows.items():
             real = REAL[precision]
-            table = stages["compiling " + precision] if evaluator == "compiled" else (
-                8 * (points + 1) + (4 + real) * entries)
+            table, between = {
+                "csr": (8 * (points + 1) + (4 + real) * entries, 0),
+                "compiled": (stages["compiling " + precision], 0),
+                # Values of vertices are written, and read.
+                "factors": (stages.get("compiling factors, " + precision), 2 * vertices),
+            }[evaluator]
             self.assertGreater(row["milliseconds"], 0)
             self.assert_close_ratio(row["million_points_per_second"],
                                     points / row["milliseconds"] / 1e3)
-            self.assert_close_ratio(row["bytes"], table / poses + 3 * real * points)
+            self.assert_close_ratio(row["bytes"], table / poses + 3 * real * (points + between))
             self.assert_close_ratio(row["gigabytes_per_second"],
                                     row["bytes"] / row["milliseconds"] / 1e6)
             self.assert_close_ratio(row["speedup"], rows["csr", precision, 1, 1]["milliseconds"] /
@@ -70,7 +88,6 @@ class Bench(CliTest):
 
     def test_every_row_is_there(self):
         report = self.report("-n", 2)
-        self.assertEqual([stage["name"] for stage in report["stages"]], BINDING + COMPILING)
         self.assertEqual(report["points"], {"inside": 500, "outside": 0, "not_converged": 0})
         self.assertIn(report["kernels"], ["baseline", "avx2", "avx512"])
         threads = self.check(report)
@@ -99,19 +116,31 @@ class Bench(CliTest):
     def test_other_bases(self):
         self.run_program("shape", "box", "--cells", 3, 3, 3, "--min", -1, -1, -1, "--max", 2, 2, 2,
                          "-o", "rest.ovm")
-        report = self.report("--basis", "bspline", "--threads", 1)
-        self.assertEqual([stage["name"] for stage in report["stages"]],
-                         BINDING + COMPILING)
-        self.check(report)
+        for basis in ["bezier", "bspline"]:
+            self.check(self.report("--basis", basis, "--threads", 1), has_factors=False)
 
     def test_points_outside_alone(self):
         self.write_model([(9, 9, 9), (8, 8, 8)])
         report = self.report("--threads", 1)
         self.assertEqual(report["matrix"]["entries"], 0)
+        self.assertEqual(report["factors"], {"vertices": 0, "entries": 0})
         self.check(report)
         # Far along the tangent weights are large and of both signs: results are within the bound
-        # all the same, which goes by the sizes of products, not by their sum.
-        self.check(self.report("--outside", "nearest", "--threads", 1))
+        # all the same, which goes by the sizes of products, not by their sum. So they are in W.
+        report = self.report("--outside", "nearest", "--threads", 1)
+        self.assertGreater(report["factors"]["vertices"], 0)
+        self.check(report)
+        for far in [1e2, 1e4, 1e6]:
+            self.write_model([(far, -far, 2 * far), *icosphere_points(50)])
+            self.check(self.report("--outside", "nearest", "--threads", 1))
+
+    def test_factors_of_many_points_are_small(self):
+        # Rows of 8 vertices for those of D of up to 18, all that there are; and few vertices.
+        self.write_model(icosphere_points(5000))
+        report = self.report("-n", 2, "--threads", 1)
+        self.check(report)
+        self.assertLess(report["factors"]["vertices"], 500)
+        self.assertLess(report["factors"]["entries"], report["matrix"]["entries"] / 2)
 
     def test_lattices_of_all_sizes(self):
         # Also where floats end: what is small is rounded to multiples of the least.
@@ -125,9 +154,13 @@ class Bench(CliTest):
 
     def test_text(self):
         lines = self.run_program(*self.command, "-n", 1).stdout.splitlines()
-        stages = [line[:17].strip() for line in lines]
-        for stage in BINDING + COMPILING:
+        stages = [re.split("  +", line)[0] for line in lines]
+        for stage in STAGES:
             self.assertEqual(stages.count(stage), 1, stage)
+        # One column for the labels, as wide as the longest of them.
+        matrix = next(line for line in lines if line.startswith("matrix"))
+        self.assertEqual(len(matrix) - len(matrix[6:].lstrip()),
+                         max(len(stage) for stage in STAGES) + 1)
         head = next(i for i, line in enumerate(lines) if line.startswith("evaluator"))
         for name in ["precision", "poses", "threads", "ms a pose", "Mpoints/s", "GB/s",
                      "speed-up", "of triad"]:
@@ -135,8 +168,7 @@ class Bench(CliTest):
         rows = [line.split() for line in lines[head + 1:]]
         triads = [row for row in rows if row[0] == "triad"]
         self.assertIn(len(triads), [1, 2])
-        for case in [["csr", "float", "1"], ["csr", "double", "1"], ["compiled", "float", "1"],
-                     ["compiled", "double", "1"], ["compiled", "float", "12"]]:
+        for case in [[*map(str, case)] for case in CASES + FACTORS_CASES]:
             self.assertEqual(len([row for row in rows if row[:3] == case]), len(triads), case)
         self.assertEqual(len({len(line) for line in lines[head:-1 - len(triads)]}), 1, "aligned")
 

@@ -2,13 +2,17 @@
 #include "result_check.h"
 
 #include <espalier/far/error.h>
+#include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
+#include <espalier/stencils/composition.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace espalier::cli {
@@ -17,101 +21,264 @@ namespace {
 using far::Index;
 using far::Offset;
 using osd::BufferDescriptor;
+using stencils::FactoredTable;
+using stencils::StencilTable;
 using ::testing::HasSubstr;
 
-/// Rows of 60 entries, which sum to about 1, and values of two sets of three components.
+template <class Real>
+constexpr Real kUlp = std::numeric_limits<Real>::epsilon();
+
+/// Rows of so many entries, over columns that go on by one from row to row, round and round.
+template <class Weight>
+StencilTable<double> bandTable(Index rows, Index columnCount, Index entries, Weight weight) {
+    std::vector<Offset> offsets = {0};
+    std::vector<Index> columns;
+    std::vector<double> weights;
+    for (Index row = 0; row < rows; ++row) {
+        for (Index k = 0; k < entries; ++k) {
+            columns.push_back(row % (columnCount - entries) + k);
+            weights.push_back(weight());
+        }
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return {columnCount,
+            {offsets.begin(), offsets.end()},
+            {columns.begin(), columns.end()},
+            {weights.begin(), weights.end()}};
+}
+
+/// The same table with another weight.
+StencilTable<double> withWeight(const StencilTable<double>& table, Index row, std::size_t entry,
+                                double weight) {
+    far::Array<double> weights(table.weights().begin(), table.weights().end());
+    weights[static_cast<std::size_t>(table.offsets()[static_cast<std::size_t>(row)]) + entry] =
+        weight;
+    return {table.columnCount(),
+            {table.offsets().begin(), table.offsets().end()},
+            {table.columns().begin(), table.columns().end()},
+            std::move(weights)};
+}
+
+template <class Real>
+StencilTable<Real> rounded(const StencilTable<double>& table) {
+    return stencils::convertTable<Real>(StencilTable<double>(table));
+}
+
+/// Values of two sets of three components, and what evaluators make of them.
 template <class Real>
 class ResultCheckTest : public ::testing::Test {
 protected:
-    static constexpr Index kRows = 5000, kColumns = 90, kEntries = 60;
+    static constexpr Index kRows = 5000, kColumns = 90;
 
     ResultCheckTest() {
-        std::mt19937 random(1);
-        std::uniform_real_distribution<double> uniform(0, 2.0 / kEntries), place(-1, 1);
-        std::vector<Offset> offsets = {0};
-        std::vector<Index> columns;
-        std::vector<double> weights;
-        for (Index row = 0; row < kRows; ++row) {
-            for (Index k = 0; k < kEntries; ++k) {
-                columns.push_back(row % (kColumns - kEntries) + k);
-                weights.push_back(uniform(random));
-            }
-            offsets.push_back(static_cast<Offset>(columns.size()));
-        }
-        table = stencils::StencilTable<double>(kColumns, {offsets.begin(), offsets.end()},
-                                               {columns.begin(), columns.end()},
-                                               {weights.begin(), weights.end()});
-        for (Index i = 0; i < 6 * kColumns; ++i) values.push_back(place(random));
-        const auto rounded = [&] {
-            if constexpr (sizeof(Real) == sizeof(float))
-                return stencils::convertTable<float>(table);
-            else
-                return table;
-        }();
-        const std::vector<Real> source(values.begin(), values.end());
-        const auto layout = BufferDescriptor::packed(6);
-        plain.resize(6 * kRows);
-        osd::CpuEvaluator::evaluate(rounded, source, layout, plain, layout, {0, kRows});
-        compiled.resize(6 * kRows);
-        osd::CompiledTable<Real>(rounded).evaluate(source, layout, compiled, layout, {0, kRows});
+        for (Index i = 0; i < 6 * kColumns; ++i) values.push_back(uniform(-1, 1));
+        source.assign(values.begin(), values.end());
     }
 
-    void check(const std::vector<Real>& results, UlpBound bound) const {
+    double uniform(double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random);
+    }
+
+    /// Rows of 60 entries, which sum to about 1.
+    StencilTable<double> table() {
+        constexpr Index kEntries = 60;
+        return bandTable(kRows, kColumns, kEntries, [&] { return uniform(0, 2.0 / kEntries); });
+    }
+
+    template <class Compiled>
+    std::vector<Real> evaluate(const Compiled& compiled) const {
+        std::vector<Real> results(6 * kRows);
+        compiled.evaluate(source, layout, results, layout, {0, kRows});
+        return results;
+    }
+    std::vector<Real> evaluate(const FactoredTable<double>& factors) const {
+        return evaluate(osd::CompiledChain<Real>(
+            FactoredTable<Real>{rounded<Real>(factors.vertices), rounded<Real>(factors.points)}));
+    }
+
+    void check(const ExpectedSums& sums, const std::vector<Real>& results) const {
         for (const Offset offset : {0, 3})
-            checkResults<Real>(table, values, results, {offset, 3, 6}, bound, "the test");
+            checkResults<Real>(sums, values, results, {offset, 3, 6}, "the test");
     }
 
-    /// What is said of results of which one number is another.
-    std::string complaint(std::size_t at, Real number) const {
-        std::vector<Real> wrong = compiled;
-        wrong[at] = number;
+    /// What is said of results.
+    std::string complaint(const ExpectedSums& sums, const std::vector<Real>& results) const {
         try {
-            check(wrong, compiledUlpBound);
+            check(sums, results);
         } catch (const Error& error) {
             return error.what();
         }
         return "none";
     }
 
-    stencils::StencilTable<double> table;
+    std::mt19937 random{1};
     std::vector<double> values;
-    std::vector<Real> plain, compiled;
+    std::vector<Real> source;  ///< the values rounded
+    BufferDescriptor layout = BufferDescriptor::packed(6);
 };
 using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(ResultCheckTest, Reals);
 
 TYPED_TEST(ResultCheckTest, AcceptsWhatTheEvaluatorsMake) {
-    this->check(this->plain, plainUlpBound);
-    this->check(this->compiled, compiledUlpBound);
+    const StencilTable<double> table = this->table();
+    const StencilTable<TypeParam> applied = rounded<TypeParam>(table);
+    std::vector<TypeParam> plain(6 * this->kRows);
+    osd::CpuEvaluator::evaluate(applied, this->source, this->layout, plain, this->layout,
+                                {0, this->kRows});
+    this->check({table, plainUlpBound}, plain);
+    this->check({table, compiledUlpBound}, this->evaluate(osd::CompiledTable<TypeParam>(applied)));
 }
 
 TYPED_TEST(ResultCheckTest, NamesTheFirstThatIsOff) {
     using Real = TypeParam;
+    const StencilTable<double> table = this->table();
+    const ExpectedSums sums(table, compiledUlpBound);
+    auto results = this->evaluate(osd::CompiledTable<Real>(rounded<Real>(table)));
     // Component 4 of point 1234 is coordinate 1 of the second set. Σ |w · x| is below 2, as 60
     // weights are at most 2/60 and values at most 1: what is added is 40 ulp of it or more, and in
     // double 4 + 61/2 are allowed, in float 4 + 1.
-    const std::size_t at = 6 * 1234 + 4;
-    const Real off = 80 * std::numeric_limits<Real>::epsilon();
-    for (const Real number : {this->compiled[at] + off, this->compiled[at] - off}) {
-        const std::string text = this->complaint(at, number);
-        EXPECT_THAT(text, HasSubstr("the test: coordinate 1 of point 1234 is"));
-        EXPECT_THAT(
-            text, HasSubstr(sizeof(Real) == sizeof(float) ? "5 are allowed" : "34.5 are allowed"));
+    Real& number = results[6 * 1234 + 4];
+    const Real right = number;
+    for (const Real wrong : {right + 80 * kUlp<Real>, right - 80 * kUlp<Real>}) {
+        number = wrong;
+        EXPECT_THAT(this->complaint(sums, results),
+                    HasSubstr("the test: coordinate 1 of point 1234 is"));
     }
-    EXPECT_THAT(this->complaint(at, std::numeric_limits<Real>::quiet_NaN()),
-                HasSubstr("point 1234"));
-    EXPECT_EQ(this->complaint(at, this->compiled[at]), "none");
+    number = std::numeric_limits<Real>::quiet_NaN();
+    EXPECT_THAT(this->complaint(sums, results), HasSubstr("point 1234"));
+    number = right;
+    EXPECT_EQ(this->complaint(sums, results), "none");
+}
+
+/// A matrix of small weights, though W has large ones of both signs, as it has for points far
+/// outside: rows of W sum to 1, and those of S are nearly the same.
+template <class Real>
+class FactorsCheckTest : public ResultCheckTest<Real> {
+protected:
+    static constexpr Index kVertices = 400;
+
+    FactorsCheckTest() {
+        constexpr Index kAll = ResultCheckTest<Real>::kColumns - 1, kCorners = 8;
+        factors.vertices = bandTable(kVertices, this->kColumns, kAll,
+                                     [&] { return this->uniform(1, 1.001) / kAll; });
+        Index k = 0;
+        double rest = 1;
+        factors.points = bandTable(this->kRows, kVertices, kCorners, [&] {
+            const bool isLast = ++k % kCorners == 0;
+            const double weight = isLast ? rest : this->uniform(-1000, 1000);
+            rest = isLast ? 1 : rest - weight;
+            return weight;
+        });
+        matrix = stencils::multiply<double>(factors.points, factors.vertices);
+    }
+
+    FactoredTable<double> factors;
+    StencilTable<double> matrix;
+};
+TYPED_TEST_SUITE(FactorsCheckTest, Reals);
+
+TYPED_TEST(FactorsCheckTest, AcceptsWhatTheChainMakes) {
+    const auto results = this->evaluate(this->factors);
+    this->check({this->matrix, this->factors, compiledUlpBound}, results);
+    // They are as far off as their own sums make them, which those of the matrix do not tell.
+    EXPECT_NE(this->complaint({this->matrix, compiledUlpBound}, results), "none");
+}
+
+// Results are compared with the matrix: a chain that does what wrong factors say is wrong.
+TYPED_TEST(FactorsCheckTest, NamesTheFirstPointOfAWrongFactor) {
+    const auto expectCaught = [&](const FactoredTable<double>& wrong, const char* point) {
+        EXPECT_THAT(this->complaint({this->matrix, wrong, compiledUlpBound}, this->evaluate(wrong)),
+                    HasSubstr(point));
+    };
+    // Sizes are some thousands, and 13 ulp are allowed or, in double, 65: in float some
+    // thousandths. What is off is some 500 · 1/2, and 1000 · 1/20, as values of vertices are about
+    // 1/20.
+    FactoredTable<double> wrong = this->factors;
+    wrong.vertices = withWeight(wrong.vertices, 100, 50, 1);
+    expectCaught(wrong, " of point 93 is");  // Rows 93 to 100 have vertex 100.
+    wrong = this->factors;
+    wrong.points = withWeight(wrong.points, 1234, 2, wrong.points.weights(1234)[2] + 1000);
+    expectCaught(wrong, " of point 1234 is");
+}
+
+template <class Real>
+std::vector<double> allowedFor(const ExpectedSums& sums, const std::vector<double>& values) {
+    return sums.of<Real>(values, BufferDescriptor::packed(1)).allowed;
+}
+
+// By hand: D = (3 −2) · (1 1; 1 −1) = (1 5), of values 1 and 1.
+TEST(ExpectedSums, AllowsWhatTheBoundsOfEachTableAddUpTo) {
+    const FactoredTable<double> factors = {{2, {0, 2, 4}, {0, 1, 0, 1}, {1, 1, 1, -1}},
+                                           {2, {0, 2}, {0, 1}, {3, -2}}};
+    const StencilTable<double> matrix(2, {0, 2}, {0, 1}, {1, 5});
+    const std::vector<double> values = {1, 1};
+    const ExpectedSums byMatrix(matrix, compiledUlpBound);
+    const ExpectedSums byFactors(matrix, factors, compiledUlpBound);
+    EXPECT_EQ(byMatrix.of<double>(values, BufferDescriptor::packed(1)).values[0], 6);
+    EXPECT_EQ(byFactors.of<double>(values, BufferDescriptor::packed(1)).values[0], 6);
+
+    // The size of D's sum is 6; the reference's bound is 3/2 ulp. That of vertices is 2 each, and
+    // that of the point 3 · 2 + 2 · 2; the reference's bound is there twice, for D's weights too.
+    // Beyond that, numbers below the normal ones are allowed for: nothing beside an ulp of 1.
+    EXPECT_DOUBLE_EQ(allowedFor<double>(byMatrix, values)[0], (4 + 1.5) * 6 * kUlp<double>);
+    EXPECT_DOUBLE_EQ(allowedFor<double>(byFactors, values)[0],
+                     (3 * (4 * 2) + 2 * (4 * 2) + 4 * 10 + (1.5 + 1.5) * 10) * kUlp<double>);
+
+    // In float weights and values are half an ulp off. The reference is in double: its bound is
+    // 3 · 2^-29 of an ulp in float.
+    constexpr double kRelative = 1e-8;
+    const double matrixBound = (4 + 0.5 + 0.5) * 6 * double{kUlp<float>};
+    EXPECT_NEAR(allowedFor<float>(byMatrix, values)[0], matrixBound, kRelative * matrixBound);
+    const double vertexBound = 0.5 * 2 + (4 + 0.5) * 2;
+    const double pointBound = (3 + 2) * vertexBound + (4 + 0.5) * 10;
+    EXPECT_NEAR(allowedFor<float>(byFactors, values)[0], pointBound * double{kUlp<float>},
+                kRelative * pointBound * double{kUlp<float>});
+}
+
+// Where floats end, results and values between are multiples of the least number.
+TEST(ExpectedSums, AllowsForNumbersBelowTheNormalOnes) {
+    constexpr double kLeast = std::numeric_limits<float>::denorm_min();
+    const FactoredTable<double> factors = {{1, {0, 1}, {0}, {0.5}}, {1, {0, 1}, {0}, {10}}};
+    const StencilTable<double> matrix(1, {0, 1}, {0}, {5});
+    // A vertex at half of the least number, or of three times that, is rounded to it or to twice
+    // that, and moves ten times as far.
+    const auto check = [&](float result) {
+        const ExpectedSums sums(matrix, factors, compiledUlpBound);
+        checkResults<float>(sums, std::vector<double>{kLeast}, std::vector<float>{result},
+                            BufferDescriptor::packed(1), "");
+    };
+    check(0);
+    check(10 * static_cast<float>(kLeast));
+    EXPECT_THROW(check(100 * static_cast<float>(kLeast)), Error);
+}
+
+TEST(ExpectedSums, RefusesFactorsOfAnotherMatrix) {
+    const FactoredTable<double> factors = {{2, {0, 1}, {1}, {1}}, {1, {0, 1}, {0}, {1}}};
+    const auto expectRefused = [&](const StencilTable<double>& matrix, const char* why) {
+        try {
+            ExpectedSums(matrix, factors, compiledUlpBound);
+            FAIL() << "accepted; expected: " << why;
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), HasSubstr(why));
+        }
+    };
+    expectRefused({2, {0, 1, 2}, {0, 1}, {1, 1}}, "factors is 1 × 2, but the matrix 2 × 2");
+    expectRefused({3, {0, 1}, {0}, {1}}, "factors is 1 × 2, but the matrix 1 × 3");
 }
 
 // Rows of points that are kept in place are empty, and give exactly 0.
 TEST(ResultCheck, EmptyRows) {
-    const stencils::StencilTable<double> table(1, {0, 0}, {}, {});
-    const std::vector<double> values = {1};
-    const auto layout = BufferDescriptor::packed(1);
-    checkResults<double>(table, values, std::vector<double>{0}, layout, plainUlpBound, "");
-    EXPECT_THROW(
-        checkResults<double>(table, values, std::vector<double>{1e-300}, layout, plainUlpBound, ""),
-        Error);
+    const StencilTable<double> table(1, {0, 0}, {}, {});
+    const FactoredTable<double> factors = {{1, {0}, {}, {}}, {0, {0, 0}, {}, {}}};
+    for (const ExpectedSums& sums :
+         {ExpectedSums(table, plainUlpBound), ExpectedSums(table, factors, compiledUlpBound)}) {
+        const auto check = [&](double result) {
+            checkResults<double>(sums, std::vector<double>{1}, std::vector<double>{result},
+                                 BufferDescriptor::packed(1), "");
+        };
+        check(0);
+        EXPECT_THROW(check(1e-300), Error);
+    }
 }
 
 }  // namespace
