@@ -130,11 +130,7 @@ Index CompiledTable<Real>::productRowCount() const {
 
 template <class Real>
 std::size_t CompiledTable<Real>::byteCount() const {
-    const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
-    const CompiledRows<Real>& rows = data_->rows;
-    return bytes(rows.groups) + bytes(rows.taskStarts) + bytes(rows.groupColumns) +
-           bytes(rows.groupNumbers) + bytes(rows.groupRows) + bytes(rows.runs) +
-           bytes(rows.columns) + bytes(rows.weights) + bytes(rows.rows);
+    return data_->rows.byteCount();
 }
 
 template <class Real>

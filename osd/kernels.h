@@ -66,11 +66,35 @@ struct RowRun {
     Index rowCount;
 };
 
+/// Rows that share their columns, for the adjoint: panels of weights where size[0] is 0, else
+/// factors of outer products, both as above.
+template <class Real>
+struct AdjointRun {
+    const Real* numbers;
+    Index size[3];
+    Index columnCount;
+    const Index* rows;  ///< rowCount
+    Index rowCount;
+};
+
+/// Values of the rows: component c of row r is values[r · stride + c].
+template <class Real>
+struct RowValues {
+    const Real* values;
+    Offset stride;
+    Offset length;
+};
+
 template <class Real>
 struct Kernels {
     void (*panels)(const PanelRun<Real>& run, const Destination<Real>& to);
     void (*products)(const ProductRun<Real>& run, const Destination<Real>& to);
     void (*rows)(const RowRun<Real>& run, const Destination<Real>& to);
+    /// Σ over the rows of weight times value, for each column.
+    /// \param sums columnCount × length, one column after the other
+    /// \param values room for four numbers a row, rows to a multiple of kLanes; aligned to 64 bytes
+    void (*adjoint)(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* sums,
+                    Real* values);
 };
 
 /// \param simd one that hasSimd()

@@ -320,7 +320,113 @@ void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
     forComponents(to.length, [&]<int width>(Offset from) { evaluateRowsOf<width>(run, from, to); });
 }
 
+/// The sum of the lanes.
+template <class V>
+auto sumOf(const V& vector) {
+    constexpr int count = sizeof(vector) / sizeof(vector[0]);
+    auto sum = vector[0];
+    for (int lane = 1; lane < count; ++lane) sum += vector[lane];
+    return sum;
+}
+
+/// So many columns at a time as leave their sums in registers. Column by column in memory, with all
+/// rows for each, takes twice as long as rows by rows with sums in registers.
+constexpr Index kColumnsAtOnce = 4;
+
+/// Components of up to kColumnsAtOnce columns of panels: from column `first` on.
+/// \param values panels × width × kLanes
+template <int width, int columns, class Real>
+void sumPanelColumns(const AdjointRun<Real>& run, const Real* values, Index first, Real* sums,
+                     Offset length) {
+    constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
+    using V = typename Vector<Real, each>::Type;
+    V all[columns][width] = {};
+    const Real* weights = run.numbers + Offset{first} * lanes;
+    for (Index row = 0; row < run.rowCount; row += lanes) {
+        for (int part = 0; part < lanes; part += each)
+            for (int k = 0; k < columns; ++k) {
+                const V& weight = at<V>(weights + k * lanes + part);
+                for (int d = 0; d < width; ++d)
+                    all[k][d] += weight * at<V>(values + d * lanes + part);
+            }
+        weights += Offset{run.columnCount} * lanes;
+        values += width * lanes;
+    }
+    for (int k = 0; k < columns; ++k)
+        for (int d = 0; d < width; ++d) sums[(first + k) * length + d] = sumOf(all[k][d]);
+}
+
+/// The same of outer products: columns from (i, j, k) on along axis 0.
+template <int width, int columns, class Real>
+void sumProductColumns(const AdjointRun<Real>& run, const Real* values, Index i, Index j, Index k,
+                       Real* sums, Offset length) {
+    constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
+    using V = typename Vector<Real, each>::Type;
+    const Index n = run.size[0], m = run.size[1], l = run.size[2];
+    V all[columns][width] = {};
+    const Real* factors = run.numbers;
+    for (Index row = 0; row < run.rowCount; row += lanes) {
+        for (int part = 0; part < lanes; part += each) {
+            const Real* own = factors + part;
+            const V line = at<V>(own + (n + j) * lanes) * at<V>(own + (n + m + k) * lanes);
+            V scaled[width];
+            for (int d = 0; d < width; ++d) scaled[d] = line * at<V>(values + d * lanes + part);
+            for (int c = 0; c < columns; ++c) {
+                const V& factor = at<V>(own + (i + c) * lanes);
+                for (int d = 0; d < width; ++d) all[c][d] += factor * scaled[d];
+            }
+        }
+        factors += Offset{n + m + l} * lanes;
+        values += width * lanes;
+    }
+    const Index first = (k * m + j) * n + i;
+    for (int c = 0; c < columns; ++c)
+        for (int d = 0; d < width; ++d) sums[(first + c) * length + d] = sumOf(all[c][d]);
+}
+
+/// Calls step<columns>(first) for `count` columns, kColumnsAtOnce at a time.
+template <class Step>
+void forColumns(Index count, Step step) {
+    Index first = 0;
+    for (; first + kColumnsAtOnce <= count; first += kColumnsAtOnce)
+        step.template operator()<kColumnsAtOnce>(first);
+    for (; first < count; ++first) step.template operator()<1>(first);
+}
+
+/// Components `from` to `from` + width − 1.
+template <int width, class Real>
+void evaluateAdjointOf(const AdjointRun<Real>& run, const RowValues<Real>& source, Offset from,
+                       Real* sums, Real* values) {
+    constexpr Index lanes = kLanes<Real>;
+    for (Index first = 0; first < run.rowCount; first += lanes) {
+        Real* to = values + Offset{first} * width;
+        for (Index lane = 0; lane < lanes; ++lane) {
+            const bool isRow = first + lane < run.rowCount;
+            const Real* own =
+                source.values + (isRow ? run.rows[first + lane] * source.stride + from : 0);
+            for (int d = 0; d < width; ++d) to[d * lanes + lane] = isRow ? own[d] : 0;
+        }
+    }
+    if (run.size[0] == 0)
+        return forColumns(run.columnCount, [&]<int columns>(Index first) {
+            sumPanelColumns<width, columns>(run, values, first, sums + from, source.length);
+        });
+    for (Index k = 0; k < run.size[2]; ++k)
+        for (Index j = 0; j < run.size[1]; ++j)
+            forColumns(run.size[0], [&]<int columns>(Index i) {
+                sumProductColumns<width, columns>(run, values, i, j, k, sums + from, source.length);
+            });
+}
+
+template <class Real>
+void evaluateAdjoint(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* sums,
+                     Real* values) {
+    forComponents(source.length, [&]<int width>(Offset from) {
+        evaluateAdjointOf<width>(run, source, from, sums, values);
+    });
+}
+
 constexpr Kernels<float> kFloat = {evaluatePanels<float>, evaluateProducts<float>,
-                                   evaluateRows<float>};
+                                   evaluateRows<float>, evaluateAdjoint<float>};
 constexpr Kernels<double> kDouble = {evaluatePanels<double>, evaluateProducts<double>,
-                                     evaluateRows<double>};
+                                     evaluateRows<double>, evaluateAdjoint<double>};

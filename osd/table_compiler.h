@@ -47,6 +47,13 @@ struct CompiledRows {
     std::vector<Index> columns;
     std::vector<Real> weights;
     std::vector<Index> rows;
+
+    /// Memory that it takes.
+    std::size_t byteCount() const {
+        const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
+        return bytes(groups) + bytes(taskStarts) + bytes(groupColumns) + bytes(groupNumbers) +
+               bytes(groupRows) + bytes(runs) + bytes(columns) + bytes(weights) + bytes(rows);
+    }
 };
 
 /// Finds the form of each row of a table.

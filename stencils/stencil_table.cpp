@@ -4,8 +4,10 @@
 #include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace espalier::stencils {
 
@@ -55,6 +57,26 @@ StencilTable<To> convertTable(const StencilTable<From>& table) {
 }
 
 template <class Real>
+StencilTable<Real> transposeTable(const StencilTable<Real>& table) {
+    Array<Offset> offsets(static_cast<std::size_t>(table.columnCount()) + 1, 0);
+    for (const Index column : table.columns()) ++offsets[static_cast<std::size_t>(column) + 1];
+    std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+    std::vector<Offset> next(offsets.begin(), offsets.end() - 1);
+    Array<Index> rows(table.columns().size());
+    Array<Real> weights(rows.size());
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        const auto columns = table.columns(row);
+        for (std::size_t k = 0; k < columns.size(); ++k) {
+            const auto to = static_cast<std::size_t>(next[static_cast<std::size_t>(columns[k])]++);
+            rows[to] = row;
+            weights[to] = table.weights(row)[k];
+        }
+    }
+    return StencilTable<Real>(Trusted{}, table.rowCount(), std::move(offsets), std::move(rows),
+                              std::move(weights));
+}
+
+template <class Real>
 StencilTable<Real> selectRows(const StencilTable<Real>& table, std::span<const Index> rows) {
     return buildTableByChunks<Real>(
         static_cast<Index>(rows.size()), table.columnCount(), {},
@@ -74,6 +96,8 @@ template class StencilTable<float>;
 template class StencilTable<double>;
 template StencilTable<float> convertTable(const StencilTable<double>&);
 template StencilTable<double> convertTable(const StencilTable<float>&);
+template StencilTable<float> transposeTable(const StencilTable<float>&);
+template StencilTable<double> transposeTable(const StencilTable<double>&);
 template StencilTable<float> selectRows(const StencilTable<float>&, std::span<const Index>);
 template StencilTable<double> selectRows(const StencilTable<double>&, std::span<const Index>);
 

@@ -83,6 +83,12 @@ StencilTable<To> convertTable(StencilTable<From>&& table) {
         return convertTable<To>(std::as_const(table));
 }
 
+/// The transpose: row j holds the weights of column j, by ascending rows. Of D it carries gradients
+/// by the points to gradients by the lattice vertices.
+/// \cost O(entries + rows + columns)
+template <class Real>
+StencilTable<Real> transposeTable(const StencilTable<Real>& table);
+
 /// Some rows of a table, in the order in which they are named.
 /// \param rows those of the table, repeats allowed
 /// \cost O(entries), in parallel

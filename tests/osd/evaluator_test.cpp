@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
@@ -55,6 +56,18 @@ struct Compiled {
     };
 };
 
+/// The adjoint of the transpose.
+template <Simd simd>
+struct Adjoint {
+    template <class Real>
+    class Of : public CompiledAdjoint<Real> {
+    public:
+        explicit Of(const StencilTable<Real>& table)
+            : CompiledAdjoint<Real>(stencils::transposeTable(table),
+                                    hasSimd(simd) ? simd : bestSimd()) {}
+    };
+};
+
 /// One that applies the table, and then the identity to what that gave.
 struct Chained {
     template <class Real>
@@ -87,7 +100,10 @@ using Cases =
                      Case<Compiled<Simd::Baseline>, double>, Case<Compiled<Simd::Avx2>, float>,
                      Case<Compiled<Simd::Avx2>, double>, Case<Compiled<Simd::Avx512>, float>,
                      Case<Compiled<Simd::Avx512>, double>, Case<Chained, float>,
-                     Case<Chained, double>>;
+                     Case<Chained, double>, Case<Adjoint<Simd::Baseline>, float>,
+                     Case<Adjoint<Simd::Baseline>, double>, Case<Adjoint<Simd::Avx2>, float>,
+                     Case<Adjoint<Simd::Avx2>, double>, Case<Adjoint<Simd::Avx512>, float>,
+                     Case<Adjoint<Simd::Avx512>, double>>;
 
 template <class C>
 class EvaluatorTest : public ::testing::Test {

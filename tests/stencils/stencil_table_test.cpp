@@ -78,5 +78,21 @@ TEST(StencilTable, ConvertsBetweenPrecisions) {
     EXPECT_EQ(convertTable<double>(rounded).weights(0)[0], double(float(1. / 3)));
 }
 
+TEST(StencilTable, TransposeHasTheEntriesByColumns) {
+    const StencilTable<double> table(4, {0, 3, 3, 5}, {0, 1, 3, 1, 3}, {1, 2, 3, 4, 5});
+    const StencilTable<double> expected(3, {0, 1, 3, 3, 5}, {0, 0, 2, 0, 2}, {1, 2, 4, 3, 5});
+    EXPECT_EQ(transposeTable(table), expected);
+    EXPECT_EQ(transposeTable(expected), table);
+    EXPECT_EQ(transposeTable(StencilTable<double>(2, {0}, {}, {})),
+              StencilTable<double>(0, {0, 0, 0}, {}, {}));
+}
+
+TEST(StencilTable, SelectedRowsComeInTheOrderAskedFor) {
+    const StencilTable<float> table(4, {0, 3, 3, 5}, {0, 1, 3, 1, 3}, {1, 2, 3, 4, 5});
+    const std::vector<Index> rows = {2, 1, 2};
+    EXPECT_EQ(selectRows<float>(table, rows),
+              StencilTable<float>(4, {0, 2, 2, 4}, {1, 3, 1, 3}, {4, 5, 4, 5}));
+}
+
 }  // namespace
 }  // namespace espalier::stencils

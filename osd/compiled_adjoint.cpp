@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/parallel.h>
+#include <espalier/osd/compiled_adjoint.h>
+#include <espalier/osd/table_compiler.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace espalier::osd {
+namespace {
+
+using stencils::StencilTable;
+
+std::size_t at(Offset index) {
+    return static_cast<std::size_t>(index);
+}
+
+/// Of each column of a table, the places that it has in groupColumns, ascending.
+struct PlacesOfColumns {
+    std::vector<Offset> offsets;
+    std::vector<Offset> places;
+
+    PlacesOfColumns(std::span<const Index> groupColumns, Index columnCount)
+        : offsets(at(columnCount) + 1, 0), places(groupColumns.size()) {
+        for (const Index column : groupColumns) ++offsets[at(column) + 1];
+        std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+        std::vector<Offset> next(offsets.begin(), offsets.end() - 1);
+        for (std::size_t place = 0; place < groupColumns.size(); ++place)
+            places[at(next[at(groupColumns[place])]++)] = static_cast<Offset>(place);
+    }
+
+    std::span<const Offset> of(Index column) const {
+        return std::span(places).subspan(at(offsets[at(column)]),
+                                         at(offsets[at(column) + 1] - offsets[at(column)]));
+    }
+};
+
+/// The rows of a table that are in no group.
+template <class Real>
+StencilTable<Real> rowsAlone(const StencilTable<Real>& table, const CompiledRows<Real>& compiled) {
+    std::vector<char> isAlone(at(table.rowCount()), 0);
+    for (const Index row : compiled.rows) isAlone[at(row)] = 1;
+    far::Array<Offset> offsets = {0};
+    far::Array<Index> columns;
+    far::Array<Real> weights;
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        if (isAlone[at(row)]) {
+            columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
+            weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
+        }
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return {stencils::Trusted{}, table.columnCount(), std::move(offsets), std::move(columns),
+            std::move(weights)};
+}
+
+}  // namespace
+
+template <class Real>
+struct CompiledAdjoint<Real>::Data {
+    Index tableRowCount, tableColumnCount;
+    kernels::Kernels<Real> kernels;
+    CompiledRows<Real> rows;  ///< the groups; no runs
+    PlacesOfColumns places;
+    StencilTable<Real> alone;  ///< the other rows, transposed
+    Index mostRows = 0;        ///< of a group
+
+    /// The sums of each group for its columns: `length` numbers a place of groupColumns.
+    std::vector<Real> sumGroups(const kernels::RowValues<Real>& source) const {
+        std::vector<Real> sums(rows.groupColumns.size() * at(source.length));
+        const auto& starts = rows.taskStarts;
+        far::parallelFor(static_cast<Offset>(starts.size()) - 1, 1, [&](Offset first, Offset last) {
+            AlignedVector<Real> values(4 * at(mostRows + kernels::kLanes<Real>));
+            for (Offset g = starts[at(first)]; g < starts[at(last)]; ++g) {
+                const auto& group = rows.groups[at(g)];
+                kernels.adjoint({rows.groupNumbers.data() + group.firstNumber,
+                                 {group.size[0], group.size[1], group.size[2]},
+                                 group.columnCount,
+                                 rows.groupRows.data() + group.firstRow,
+                                 group.rowCount},
+                                source, sums.data() + group.firstColumn * source.length,
+                                values.data());
+            }
+        });
+        return sums;
+    }
+};
+
+template <class Real>
+CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd simd) {
+    if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
+    CompiledRows<Real> rows = compileRows(table);
+    auto alone = stencils::transposeTable(rowsAlone(table, rows));
+    rows.runs = {};
+    rows.columns = {};
+    rows.weights = {};
+    rows.rows = {};
+    Index mostRows = 0;
+    for (const auto& group : rows.groups) mostRows = std::max(mostRows, group.rowCount);
+    PlacesOfColumns places(rows.groupColumns, table.columnCount());
+    data_ = std::make_unique<const Data>(Data{table.rowCount(), table.columnCount(),
+                                              kernels::kernelsFor<Real>(simd), std::move(rows),
+                                              std::move(places), std::move(alone), mostRows});
+}
+
+template <class Real>
+CompiledAdjoint<Real>::~CompiledAdjoint() = default;
+template <class Real>
+CompiledAdjoint<Real>::CompiledAdjoint(CompiledAdjoint&&) noexcept = default;
+template <class Real>
+CompiledAdjoint<Real>& CompiledAdjoint<Real>::operator=(CompiledAdjoint&&) noexcept = default;
+
+template <class Real>
+Index CompiledAdjoint<Real>::rowCount() const {
+    return data_->tableColumnCount;
+}
+
+template <class Real>
+Index CompiledAdjoint<Real>::columnCount() const {
+    return data_->tableRowCount;
+}
+
+template <class Real>
+std::size_t CompiledAdjoint<Real>::byteCount() const {
+    const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
+    return data_->rows.byteCount() + bytes(data_->places.offsets) + bytes(data_->places.places) +
+           data_->alone.offsets().size_bytes() + data_->alone.columns().size_bytes() +
+           data_->alone.weights().size_bytes();
+}
+
+template <class Real>
+void CompiledAdjoint<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                                     MutableValues<Real> destination,
+                                     const BufferDescriptor& destinationLayout,
+                                     RowRange rows) const {
+    checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
+                    destinationLayout, rows);
+    const Offset length = sourceLayout.length;
+    const kernels::RowValues<Real> values = {source.data() + sourceLayout.offset,
+                                             sourceLayout.stride, length};
+    const std::vector<Real> sums = data_->sumGroups(values);
+    constexpr Offset kGrain = 64;
+    far::parallelFor(rows.last - rows.first, kGrain, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i) {
+            const auto row = static_cast<Index>(rows.first + i);
+            Real* const result =
+                destination.data() + destinationLayout.offset + row * destinationLayout.stride;
+            std::fill_n(result, length, Real{0});
+            for (const Offset place : data_->places.of(row))
+                for (Offset c = 0; c < length; ++c) result[c] += sums[at(place * length + c)];
+            const auto columns = data_->alone.columns(row);
+            const auto weights = data_->alone.weights(row);
+            for (std::size_t k = 0; k < columns.size(); ++k)
+                for (Offset c = 0; c < length; ++c)
+                    result[c] += weights[k] * values.values[columns[k] * values.stride + c];
+        }
+    });
+}
+
+template class CompiledAdjoint<float>;
+template class CompiledAdjoint<double>;
+
+}  // namespace espalier::osd

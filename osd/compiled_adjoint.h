@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/osd/evaluation.h>
+#include <espalier/osd/simd.h>
+
+#include <cstddef>
+#include <memory>
+
+namespace espalier::osd {
+
+/// The adjoint of a table, Dᵀ, in the form that is fastest to evaluate: gradients by the points of
+/// a model become gradients by the vertices of its lattice.
+///
+/// Its rows are the columns of the table, its columns the rows. The numbers lie as in
+/// CompiledTable, and are read once: sums over the rows of each group of rows that share their
+/// columns, and then the sums of these, and of the rows that are in no group, for each column of
+/// the table. No two threads add to the same number.
+///
+/// Immutable, and so safe to share between threads.
+///
+/// \cite MacCracken & Joy 1996, section 5: D is linear, and so Dᵀ is its derivative's adjoint
+template <class Real>
+class CompiledAdjoint {
+public:
+    /// \param table D, not its transpose
+    /// \param simd which kernels evaluate it
+    /// \throws Error if this processor does not have `simd`
+    /// \cost O(entries + rows log rows)
+    explicit CompiledAdjoint(const stencils::StencilTable<Real>& table, Simd simd = bestSimd());
+    ~CompiledAdjoint();
+    CompiledAdjoint(CompiledAdjoint&&) noexcept;
+    CompiledAdjoint& operator=(CompiledAdjoint&&) noexcept;
+
+    Index rowCount() const;     ///< columns of the table
+    Index columnCount() const;  ///< rows of the table
+
+    /// Memory that it takes.
+    std::size_t byteCount() const;
+
+    /// As checkEvaluation() says of a table with these rows and columns. Results are off the sums
+    /// by no more than one ulp of Σ |w · x| for each entry; in practice for the logarithm of their
+    /// number. They do not depend on the number of threads, nor on the range, bit for bit. A source
+    /// value that is not finite may reach columns of its group whose weight for it is 0.
+    ///
+    /// \cost O(entries × components), in parallel, whatever the range
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows) const;
+
+private:
+    struct Data;
+    std::unique_ptr<const Data> data_;
+};
+
+}  // namespace espalier::osd
