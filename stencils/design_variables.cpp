@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/stencils/design_variables.h>
+#include <espalier/stencils/table_builder.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+namespace espalier::stencils {
+namespace {
+
+std::size_t at(Index index) {
+    return static_cast<std::size_t>(index);
+}
+
+void checkAxis(int axis) {
+    if (axis < 0 || axis > 2)
+        throw Error("there is no axis " + std::to_string(axis) + "; expected 0 to 2");
+}
+
+/// The mirror images of points among themselves.
+class Images {
+public:
+    Images(std::span<const Point3> positions, int axis, double plane, double tolerance)
+        : positions_(positions), axis_(axis), plane_(plane), tolerance_(tolerance) {
+        order_.resize(positions.size());
+        std::iota(order_.begin(), order_.end(), Index{0});
+        std::sort(order_.begin(), order_.end(), [&](Index a, Index b) { return key(a) < key(b); });
+    }
+
+    /// \throws Error if a point has none, or several
+    Index of(Index vertex) const {
+        Point3 image = positions_[at(vertex)];
+        image[static_cast<std::size_t>(axis_)] =
+            2 * plane_ - image[static_cast<std::size_t>(axis_)];
+        const double least = image[0] - tolerance_;
+        std::vector<Index> found;
+        for (auto candidate = std::lower_bound(
+                 order_.begin(), order_.end(), least,
+                 [&](Index vertexAt, double value) { return key(vertexAt) < value; });
+             candidate != order_.end() && key(*candidate) <= image[0] + tolerance_; ++candidate)
+            if (distance(positions_[at(*candidate)], image) <= tolerance_)
+                found.push_back(*candidate);
+        if (found.size() == 1) return found.front();
+        throw Error("vertex " + std::to_string(vertex) + " has " +
+                    (found.empty() ? std::string("no mirror image")
+                                   : std::to_string(found.size()) + " mirror images") +
+                    " within " + std::to_string(tolerance_));
+    }
+
+private:
+    double key(Index vertex) const { return positions_[at(vertex)][0]; }
+    static double distance(const Point3& a, const Point3& b) {
+        return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    }
+
+    std::span<const Point3> positions_;
+    int axis_;
+    double plane_, tolerance_;
+    std::vector<Index> order_;  ///< by their first coordinate
+};
+
+}  // namespace
+
+DesignVariables::DesignVariables(Index vertexCount) {
+    if (vertexCount < 0 || vertexCount > far::kMaxIndex / 3)
+        throw Error("cannot number the coordinates of " + std::to_string(vertexCount) +
+                    " vertices");
+    for (Index i = 0; i < 3 * vertexCount; ++i) links_.push_back({i, 1});
+    isFrozen_.assign(links_.size(), 0);
+}
+
+Index DesignVariables::coordinate(Index vertex, int axis) const {
+    checkAxis(axis);
+    if (vertex < 0 || vertex >= static_cast<Index>(links_.size() / 3))
+        throw Error("there is no vertex " + std::to_string(vertex) + "; the lattice has " +
+                    std::to_string(links_.size() / 3));
+    return 3 * vertex + axis;
+}
+
+/// The coordinate that a coordinate is linked to in the end.
+DesignVariables::Link DesignVariables::rootOf(Index coordinate) const {
+    Link link = links_[at(coordinate)];
+    while (links_[at(link.to)].to != link.to) {
+        const Link& next = links_[at(link.to)];
+        link = {next.to, link.factor * next.factor};
+    }
+    return link;
+}
+
+void DesignVariables::freeze(Index vertex, int axis) {
+    isFrozen_[at(rootOf(coordinate(vertex, axis)).to)] = 1;
+}
+
+void DesignVariables::freeze(Index vertex) {
+    for (int axis = 0; axis < 3; ++axis) freeze(vertex, axis);
+}
+
+void DesignVariables::join(Index coordinate, Index to, double factor) {
+    const Link own = rootOf(coordinate), other = rootOf(to);
+    if (own.to == other.to) {
+        // x = own · root and x = factor · other · root: unless these are one, but for the rounding
+        // of a few products, only 0 is both.
+        constexpr double kRounding = 1e-12;
+        if (!(std::abs(own.factor - factor * other.factor) <= kRounding * std::abs(own.factor)))
+            isFrozen_[at(own.to)] = 1;
+        return;
+    }
+    // The lower number stays a root, so that variables come in the order of coordinates.
+    Link link = {other.to, factor * other.factor / own.factor};
+    Index from = own.to;
+    if (from < link.to) {
+        std::swap(from, link.to);
+        link.factor = 1 / link.factor;
+    }
+    links_[at(from)] = link;
+    isFrozen_[at(link.to)] = isFrozen_[at(link.to)] || isFrozen_[at(from)];
+}
+
+void DesignVariables::link(Index vertex, Index to, const std::array<double, 3>& factors) {
+    for (const double factor : factors)
+        if (!std::isfinite(factor) || factor == 0)
+            throw Error("vertex " + std::to_string(vertex) + " cannot be linked by the factor " +
+                        std::to_string(factor));
+    for (int axis = 0; axis < 3; ++axis)
+        join(coordinate(vertex, axis), coordinate(to, axis),
+             factors[static_cast<std::size_t>(axis)]);
+}
+
+void DesignVariables::mirror(std::span<const Point3> positions, int axis, double at,
+                             double tolerance) {
+    checkAxis(axis);
+    if (3 * positions.size() != links_.size())
+        throw Error("got " + std::to_string(positions.size()) + " positions for " +
+                    std::to_string(links_.size() / 3) + " vertices");
+    const Images images(positions, axis, at, tolerance);
+    std::vector<Index> found;
+    for (Index vertex = 0; vertex < static_cast<Index>(positions.size()); ++vertex)
+        found.push_back(images.of(vertex));
+    std::array<double, 3> factors = {1, 1, 1};
+    factors[static_cast<std::size_t>(axis)] = -1;
+    for (std::size_t vertex = 0; vertex < found.size(); ++vertex)
+        link(static_cast<Index>(vertex), found[vertex], factors);
+}
+
+StencilTable<double> DesignVariables::matrix() const {
+    std::vector<Index> variables(links_.size(), 0);
+    Index count = 0;
+    for (std::size_t i = 0; i < links_.size(); ++i)
+        if (links_[i].to == static_cast<Index>(i) && !isFrozen_[i]) variables[i] = count++;
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<double> weights;
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+        const Link root = rootOf(static_cast<Index>(i));
+        if (!isFrozen_[at(root.to)]) {
+            columns.push_back(variables[at(root.to)]);
+            weights.push_back(root.factor);
+        }
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return {count, std::move(offsets), std::move(columns), std::move(weights)};
+}
+
+StencilTable<double> buildJacobian(const StencilTable<double>& deformation,
+                                   const StencilTable<double>& design) {
+    if (Offset{design.rowCount()} != 3 * Offset{deformation.columnCount()})
+        throw Error("the design is of " + std::to_string(design.rowCount()) +
+                    " coordinates; expected three for each of " +
+                    std::to_string(deformation.columnCount()) + " vertices");
+    if (deformation.rowCount() > far::kMaxIndex / 3)
+        throw Error("cannot number the coordinates of " + std::to_string(deformation.rowCount()) +
+                    " points");
+    return buildTable<double>(
+        3 * deformation.rowCount(), design.columnCount(), [&](Index row, RowAccumulator& sums) {
+            const auto vertices = deformation.columns(row / 3);
+            for (std::size_t k = 0; k < vertices.size(); ++k) {
+                const double weight = deformation.weights(row / 3)[k];
+                const Index coordinate = 3 * vertices[k] + row % 3;
+                const auto variables = design.columns(coordinate);
+                for (std::size_t j = 0; j < variables.size(); ++j)
+                    sums.add(variables[j], weight * design.weights(coordinate)[j]);
+            }
+        });
+}
+
+}  // namespace espalier::stencils

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/point.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace espalier::stencils {
+
+/// The variables of a design: which displacements of the lattice an optimiser may choose.
+///
+/// At first each coordinate of each vertex is a variable. Coordinates that are linked share one,
+/// each with a factor of its own; frozen ones have none. B says how: its row 3v + c holds the
+/// weights of the variables in the displacement of coordinate c of vertex v. With D, points ×
+/// vertices, J = (D ⊗ I₃) · B is the Jacobian of the points' coordinates by the variables.
+class DesignVariables {
+public:
+    explicit DesignVariables(Index vertexCount);
+
+    /// Keeps a vertex, or one coordinate of it, where it is; and with it all that is linked to it.
+    /// \throws Error for a vertex that is not there, or an axis that is not 0 to 2
+    void freeze(Index vertex);
+    void freeze(Index vertex, int axis);
+
+    /// Makes a vertex move as another does, each coordinate times its factor: 1, 1, 1 to move
+    /// alike; −1, 1, 1 to mirror at a plane across the first axis. Links join: all that is linked
+    /// to either vertex shares their variable. What could only move by 0 to keep all links, such as
+    /// a coordinate that is its own mirror image, is frozen.
+    ///
+    /// \throws Error for a vertex that is not there; for factors that are 0 or not finite
+    void link(Index vertex, Index to, const std::array<double, 3>& factors = {1, 1, 1});
+
+    /// Links each vertex with its mirror image at a plane across an axis.
+    ///
+    /// \param positions of the vertices, at rest
+    /// \param axis 0 to 2
+    /// \param at where the plane is on that axis
+    /// \param tolerance how far an image may be from its vertex
+    /// \throws Error naming the first vertex without an image, or with more than one, in which case
+    ///         nothing is linked; if there are not as many positions as vertices
+    /// \cost O(vertices log vertices), as long as few vertices lie near others
+    void mirror(std::span<const Point3> positions, int axis, double at, double tolerance);
+
+    /// B: 3 · vertices × variables. Columns are in the order of their first coordinates.
+    StencilTable<double> matrix() const;
+
+private:
+    /// Coordinate = factor · another.
+    struct Link {
+        Index to;
+        double factor;
+    };
+    Index coordinate(Index vertex, int axis) const;
+    Link rootOf(Index coordinate) const;
+    void join(Index coordinate, Index to, double factor);
+
+    std::vector<Link> links_;     ///< one a coordinate; roots are linked to themselves
+    std::vector<char> isFrozen_;  ///< of roots
+};
+
+/// J = (D ⊗ I₃) · B: row 3i + c holds the derivatives of coordinate c of point i by the variables.
+/// J·v moves the points, Jᵀ·g (transposeTable()) carries gradients back.
+///
+/// \param deformation D, points × vertices
+/// \param design B
+/// \throws Error if B has not three rows for each column of D; if there are more than 2^31 / 3
+///         points
+/// \cost O(products of entries), in parallel
+StencilTable<double> buildJacobian(const StencilTable<double>& deformation,
+                                   const StencilTable<double>& design);
+
+}  // namespace espalier::stencils
