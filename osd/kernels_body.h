@@ -129,28 +129,29 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
 /// entries take a third of the time; of rows of 42, no less than before.
 constexpr Index kMostWideColumns = 16;
 
-/// Numbers anywhere.
-template <class Real, int count>
-struct Unaligned {
-    typedef Real Type
-        __attribute__((vector_size(count * sizeof(Real)), aligned(sizeof(Real)), may_alias));
-};
-
 /// Components `from` to `from` + width − 1 of one row of a panel, width being of a register or of
 /// a few.
 /// \param weights of the first column; those of the others kLanes apart
 template <int width, class Real>
 void evaluateComponents(const Real* weights, const Real* points, Offset pointStride,
                         Index columnCount, Real* result) {
-    using V = typename Unaligned<Real, width>::Type;
+    using V = typename Vector<Real, width>::Type;
+    // Copied, since numbers may lie anywhere: a type of less alignment loses that as an argument of
+    // a template.
+    const auto add = [&](V& sum, Index k) {
+        V own;
+        __builtin_memcpy(&own, points + k * pointStride, sizeof own);
+        sum += weights[k * kLanes<Real>] * own;
+    };
     V even = {}, odd = {};
     Index k = 0;
     for (; k + 1 < columnCount; k += 2) {
-        even += weights[k * kLanes<Real>] * at<V>(points + k * pointStride);
-        odd += weights[(k + 1) * kLanes<Real>] * at<V>(points + (k + 1) * pointStride);
+        add(even, k);
+        add(odd, k + 1);
     }
-    if (k < columnCount) even += weights[k * kLanes<Real>] * at<V>(points + k * pointStride);
-    *reinterpret_cast<V*>(result) = even + odd;
+    if (k < columnCount) add(even, k);
+    const V sum = even + odd;
+    __builtin_memcpy(result, &sum, sizeof sum);
 }
 
 /// A panel of few columns, row by row.
