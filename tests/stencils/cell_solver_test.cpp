@@ -3,6 +3,10 @@
 #include <espalier/stencils/point_location.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+#include <utility>
+
 #include "support/refined_lattice.h"
 #include "support/zoo.h"
 
@@ -29,20 +33,22 @@ TEST(CellSolver, FindsWhatTheLocatorDoes) {
              v += 1 + refined.positions.size() / 40)
             points.push_back(refined.positions[v]);
         int inCells = 0;
+        const Index cellCount = refined.complex().count(3);
+        const auto nearestTo = [&](const Point3& point) {
+            std::pair nearest(std::numeric_limits<double>::infinity(), Index{0});
+            for (Index cell = 0; cell < cellCount; ++cell)
+                nearest = std::min(nearest, {solver.distance(vec(point), CellId(cell)), cell});
+            return CellId(nearest.second);
+        };
         for (const Point3& point : points) {
             std::vector<Index> cells;
-            Index nearest = 0;
-            for (Index cell = 0; cell < refined.complex().count(3); ++cell) {
+            for (Index cell = 0; cell < cellCount; ++cell)
                 if (solver.boxOf(CellId(cell)).contains(vec(point))) cells.push_back(cell);
-                if (solver.distance(vec(point), CellId(cell)) <
-                    solver.distance(vec(point), CellId(nearest)))
-                    nearest = cell;
-            }
             const auto inside = solver.locateIn(vec(point), cells);
             inCells += inside.has_value();
             const LocatedPoint expected = locator.locate(point, true);
             const LocatedPoint found =
-                inside ? *inside : solver.locateBeside(vec(point), CellId(nearest), true);
+                inside ? *inside : solver.locateBeside(vec(point), nearestTo(point), true);
             ASSERT_EQ(found.status, expected.status) << name;
             ASSERT_EQ(found.distance, expected.distance) << name;
             ASSERT_EQ(found.residual, expected.residual) << name;
