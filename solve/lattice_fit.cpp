@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/solve/lattice_fit.h>
+#include <espalier/stencils/sparse_matrix.h>
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace espalier::solve {
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+using Columns = Eigen::MatrixX3d;
+using stencils::StencilTable;
+
+/// Directions in which the square of the matrix is below this part of its largest count as open.
+constexpr double kOpen = 1e-10;
+
+std::size_t at(Index index) {
+    return static_cast<std::size_t>(index);
+}
+
+void check(const StencilTable<double>& deformation, std::span<const Point3> misses,
+           const far::CellComplex& base, const FitOptions& options) {
+    if (deformation.columnCount() != base.count(0))
+        throw Error("the points are bound to " + std::to_string(deformation.columnCount()) +
+                    " vertices; the lattice has " + std::to_string(base.count(0)));
+    if (misses.size() != at(deformation.rowCount()))
+        throw Error("got " + std::to_string(misses.size()) + " targets for " +
+                    std::to_string(deformation.rowCount()) + " points");
+    if (misses.empty()) throw Error("there are no targets");
+    for (std::size_t i = 0; i < misses.size(); ++i) {
+        for (const double coordinate : misses[i])
+            if (!std::isfinite(coordinate))
+                throw Error("the target of point " + std::to_string(i) + " is not finite");
+        if (deformation.columns(static_cast<Index>(i)).empty())
+            throw Error("point " + std::to_string(i) +
+                        " has a target, but lies outside the lattice");
+    }
+    for (const Index vertex : options.frozen)
+        if (vertex < 0 || vertex >= base.count(0))
+            throw Error("vertex " + std::to_string(vertex) + " cannot be frozen; the lattice has " +
+                        std::to_string(base.count(0)));
+    if (!(options.strength > 0 && std::isfinite(options.strength)))
+        throw Error("a strength of " + std::to_string(options.strength) +
+                    "; expected a number above 0");
+}
+
+/// Which vertices may move, and their numbers among these.
+struct FreeVertices {
+    std::vector<Index> vertices;
+    std::vector<Index> numbers;
+    std::vector<char> isFree;
+
+    FreeVertices(Index count, std::span<const Index> frozen)
+        : numbers(at(count), 0), isFree(at(count), 1) {
+        for (const Index vertex : frozen) isFree[at(vertex)] = 0;
+        for (Index vertex = 0; vertex < count; ++vertex) {
+            if (!isFree[at(vertex)]) continue;
+            numbers[at(vertex)] = static_cast<Index>(vertices.size());
+            vertices.push_back(vertex);
+        }
+        if (vertices.empty()) throw Error("all vertices are frozen");
+    }
+
+    Index count() const { return static_cast<Index>(vertices.size()); }
+
+    /// The columns of the free vertices.
+    Matrix columnsOf(const Matrix& matrix) const {
+        Matrix selection(matrix.cols(), count());
+        selection.reserve(Eigen::VectorXi::Constant(count(), 1));
+        for (Index i = 0; i < count(); ++i) selection.insert(vertices[at(i)], i) = 1;
+        return matrix * selection;
+    }
+};
+
+/// R.
+Matrix smoothing(const far::CellComplex& base, Smoothing kind) {
+    const Index count = base.count(0);
+    Matrix result(count, count);
+    if (kind == Smoothing::None) return result;
+    result.setIdentity();
+    if (kind == Smoothing::Tikhonov) return result;
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index vertex = 0; vertex < count; ++vertex) {
+        const auto edges = base.relation(0, 1)[vertex];
+        for (const Index edge : edges)
+            for (const Index end : base.relation(1, 0)[edge])
+                if (end != vertex)
+                    entries.emplace_back(vertex, end, -1.0 / static_cast<double>(edges.size()));
+    }
+    Matrix neighbours(count, count);
+    neighbours.setFromTriplets(entries.begin(), entries.end());
+    return result + neighbours;
+}
+
+/// The normal equations of the free vertices, with a little of the identity added so that they can
+/// be factored whatever is open.
+class NormalEquations {
+public:
+    NormalEquations(Matrix matrix, Matrix smooth, double strength)
+        : matrix_(std::move(matrix)), smooth_(std::move(smooth)) {
+        square_ = matrix_.transpose() * matrix_;
+        smooth_ *= strength * std::sqrt(square_.diagonal().mean());
+        square_ += Matrix(smooth_.transpose() * smooth_);
+        largest_ = largestEigenvalue();
+        if (!(largest_ > 0)) throw Error("no target depends on a vertex that may move");
+        Matrix identity(square_.rows(), square_.cols());
+        identity.setIdentity();
+        factor_.compute(Matrix(square_ + kOpen * largest_ * identity));
+        if (factor_.info() != Eigen::Success)
+            throw Error("the normal equations of the fit cannot be factored");
+    }
+
+    /// Refines until nothing changes. Each step adds what the shift had left out (iterated Tikhonov
+    /// regularisation); what is left over is found by the matrices themselves, so that squaring
+    /// them costs no digits; and each change is a multiple of the square, so that it has no part in
+    /// open directions but by rounding: what comes out is the smallest solution.
+    Columns solve(const Columns& right) const {
+        constexpr int kMostSteps = 100;
+        Columns solution = Columns::Zero(square_.rows(), 3);
+        for (int step = 0; step < kMostSteps; ++step) {
+            const Columns left = matrix_.transpose() * (right - matrix_ * solution) -
+                                 smooth_.transpose() * (smooth_ * solution);
+            const Columns change = square_ * Columns(factor_.solve(Columns(factor_.solve(left))));
+            solution += change;
+            if (change.norm() <= std::numeric_limits<double>::epsilon() * solution.norm()) break;
+        }
+        return solution;
+    }
+
+    /// The least eigenvalue that does not count as none, and its direction.
+    struct Least {
+        double value;
+        Eigen::VectorXd direction;
+    };
+    Least least() const {
+        Eigen::VectorXd vector = start();
+        for (int step = 0; step < kPowerSteps; ++step)
+            vector = Eigen::VectorXd(factor_.solve(vector)).normalized();
+        return {vector.dot(square_ * vector), vector};
+    }
+    double largest() const { return largest_; }
+
+private:
+    static constexpr int kPowerSteps = 200;
+
+    /// Of no symmetry that an eigenvector could lack.
+    Eigen::VectorXd start() const {
+        Eigen::VectorXd vector(square_.rows());
+        for (Eigen::Index i = 0; i < vector.size(); ++i)
+            vector[i] = 1 + 0.5 * std::sin(static_cast<double>(i) * 1.7);
+        return vector.normalized();
+    }
+    double largestEigenvalue() const {
+        Eigen::VectorXd vector = start();
+        double value = 0;
+        for (int step = 0; step < kPowerSteps; ++step) {
+            vector = square_ * vector;
+            value = vector.norm();
+            if (value == 0) break;
+            vector /= value;
+        }
+        return value;
+    }
+
+    Matrix matrix_, smooth_;  ///< D, and R times its strength
+    Matrix square_;           ///< of both
+    double largest_ = 0;
+    Eigen::SimplicialLDLT<Matrix> factor_;
+};
+
+}  // namespace
+
+LatticeFit fitLattice(const StencilTable<double>& deformation, std::span<const Point3> misses,
+                      const far::CellComplex& base, const FitOptions& options) {
+    check(deformation, misses, base, options);
+    const FreeVertices free(base.count(0), options.frozen);
+    const stencils::SparseView<double> view(deformation);
+    const NormalEquations equations(free.columnsOf(Matrix(view.matrix())),
+                                    free.columnsOf(smoothing(base, options.smoothing)),
+                                    options.strength);
+    LatticeFit fit;
+    const auto least = equations.least();
+    fit.condition = least.value > kOpen * equations.largest()
+                        ? std::sqrt(equations.largest() / least.value)
+                        : std::numeric_limits<double>::infinity();
+    if (std::isinf(fit.condition) && options.undetermined == Undetermined::Refuse) {
+        Eigen::Index most = 0;
+        least.direction.cwiseAbs().maxCoeff(&most);
+        throw Error("the targets leave vertex " +
+                    std::to_string(free.vertices[at(static_cast<Index>(most))]) +
+                    " of the lattice undetermined");
+    }
+
+    Columns wanted(deformation.rowCount(), 3);
+    for (std::size_t i = 0; i < misses.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            wanted(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) = misses[i][c];
+    const Columns solution = equations.solve(wanted);
+    fit.displacements.assign(at(base.count(0)), Point3{});
+    Columns all = Columns::Zero(base.count(0), 3);
+    for (Index i = 0; i < free.count(); ++i) {
+        all.row(free.vertices[at(i)]) = solution.row(i);
+        for (std::size_t c = 0; c < 3; ++c)
+            fit.displacements[at(free.vertices[at(i)])][c] =
+                solution(i, static_cast<Eigen::Index>(c));
+    }
+    const Eigen::VectorXd distances = (view.matrix() * all - wanted).rowwise().norm();
+    fit.largestMiss = distances.maxCoeff();
+    fit.meanMiss = distances.norm() / std::sqrt(static_cast<double>(distances.size()));
+    return fit;
+}
+
+}  // namespace espalier::solve
