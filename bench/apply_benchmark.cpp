@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 #include <espalier/far/parallel.h>
+#include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/stencils/sparse_matrix.h>
 
@@ -105,6 +106,43 @@ void applyFactors(benchmark::State& state, const Tables<Real>& tables, int compo
     applyOurs(state, osd::CompiledChain<Real>(*tables.factors), tables.table, components, threads);
 }
 
+/// Dᵀ, from values of the rows to sums of the columns.
+template <class Real>
+void applyAdjoint(benchmark::State& state, const Tables<Real>& tables, int components,
+                  int threads) {
+    const far::ThreadLimit limit(threads);
+    const StencilTable<Real>& table = tables.table;
+    const osd::CompiledAdjoint<Real> adjoint(table);
+    const auto layout = BufferDescriptor::packed(components);
+    const auto source = bench::randomValues(stencils::transposeTable(table), components);
+    std::vector<Real> result(static_cast<std::size_t>(table.columnCount() * Offset{components}));
+    const auto evaluate = [&] {
+        adjoint.evaluate(source, layout, result, layout, {0, adjoint.rowCount()});
+        benchmark::ClobberMemory();
+    };
+    evaluate();
+    std::vector<double> sums(result.size(), 0), sizes(result.size(), 0);
+    for (Index row = 0; row < table.rowCount(); ++row)
+        for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+            for (int c = 0; c < components; ++c) {
+                const auto at = static_cast<std::size_t>(table.columns(row)[k] * components + c);
+                const double product =
+                    static_cast<double>(table.weights(row)[k]) *
+                    source[static_cast<std::size_t>(row * Offset{components} + c)];
+                sums[at] += product;
+                sizes[at] += std::abs(product);
+            }
+    for (std::size_t i = 0; i < result.size(); ++i)
+        if (!(std::abs(result[i] - sums[i]) <=
+              64 * std::numeric_limits<Real>::epsilon() * sizes[i]))
+            return state.SkipWithError("the result is wrong");
+    for (auto _ : state) evaluate();
+    const double csr = static_cast<double>(table.entryCount()) * (sizeof(Real) + sizeof(Index));
+    state.counters["bytes of CSR"] = static_cast<double>(adjoint.byteCount()) / csr;
+    state.SetBytesProcessed(state.iterations() * static_cast<Offset>(adjoint.byteCount() +
+                                                                     source.size() * sizeof(Real)));
+}
+
 /// With the number of columns known when it is compiled, for which Eigen is quicker.
 template <class Real>
 void applyEigen(benchmark::State& state, const Tables<Real>& tables, int components, int threads) {
@@ -176,6 +214,8 @@ const bool kRegistered = [] {
         add<float>(each, 36, "Espalier", 1, applyCompiled<float>);
         add<double>(each, 3, "Eigen", 1, applyEigen<double>);
         add<double>(each, 3, "Espalier", 1, applyCompiled<double>);
+        add<float>(each, 3, "Espalier adjoint", 1, applyAdjoint<float>);
+        add<float>(each, 3, "Espalier adjoint 2 threads", 2, applyAdjoint<float>);
         if (!each.hasFactors) continue;
         add<float>(each, 3, "Espalier factors", 1, applyFactors<float>);
         add<float>(each, 3, "Espalier factors 2 threads", 2, applyFactors<float>);

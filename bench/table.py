@@ -12,7 +12,9 @@ from results import read
 
 OURS = (("Espalier", ""), ("Espalier 2 threads", ", 2 threads"))
 FORMS = dict([*OURS, ("Espalier factors", ", in factors"),
-              ("Espalier factors 2 threads", ", in factors, 2 threads")])
+              ("Espalier factors 2 threads", ", in factors, 2 threads"),
+              ("Espalier adjoint", ", adjoint"),
+              ("Espalier adjoint 2 threads", ", adjoint, 2 threads")])
 
 
 def wrap(paragraph, mark=""):
@@ -53,6 +55,12 @@ def apply_rows(best):
         threads = 2 if who.endswith("2 threads") else 1
         share = ours["bytes_per_second"] / triad[threads]
         what = f"{workload}, {real}" + FORMS[who]
+        if "adjoint" in who:
+            forward = best["/".join([kind, *case, who.replace(" adjoint", "")])]
+            yield (what, "forward", milliseconds(forward), milliseconds(ours),
+                   ratio(forward["real_time"], ours["real_time"]), f"{share:.2f}",
+                   f"{ours['bytes of CSR']:.2f}")
+            continue
         if int(components) > 3:
             one = best["/".join([kind, workload, real, "3", who])]
             poses = int(components) // 3
@@ -215,7 +223,9 @@ OpenSubdiv's `Osd::CpuEvaluator`, which takes float only, and Eigen's row-major 
 of the compiled table over those of compressed sparse rows; the share of the triad is what the table and
 the results take, over the bytes that a + s · b moves in the same time, with as many threads: {one:.1f} GB/s
 with one, {two:.1f} with two. It is no share of the memory where a last cache holds the table; the triad's
-arrays take 768 MB. Every 997th row is compared with plain sums.
+arrays take 768 MB. Every 997th row is compared with plain sums. *Adjoint* is
+[`osd::CompiledAdjoint`](../osd/compiled_adjoint.h), from gradients by the rows to gradients by the columns,
+beside what applying takes.
 
 {apply}
 

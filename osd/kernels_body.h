@@ -321,17 +321,23 @@ void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
     forComponents(to.length, [&]<int width>(Offset from) { evaluateRowsOf<width>(run, from, to); });
 }
 
-/// The sum of the lanes.
-template <class V>
-auto sumOf(const V& vector) {
-    constexpr int count = sizeof(vector) / sizeof(vector[0]);
-    auto sum = vector[0];
-    for (int lane = 1; lane < count; ++lane) sum += vector[lane];
-    return sum;
+/// The sum of the lanes of a register, by halves.
+template <class Real, int count>
+Real sumOf(const typename Vector<Real, count>::Type& vector) {
+    if constexpr (count == 1) {
+        return vector[0];
+    } else {
+        // A copy, so that what is summed need not lie in memory.
+        const auto whole = vector;
+        typename Vector<Real, count / 2>::Type low, high;
+        __builtin_memcpy(&low, &whole, sizeof low);
+        __builtin_memcpy(&high, reinterpret_cast<const char*>(&whole) + sizeof low, sizeof high);
+        low += high;
+        return sumOf<Real, count / 2>(low);
+    }
 }
 
-/// So many columns at a time as leave their sums in registers. Column by column in memory, with all
-/// rows for each, takes twice as long as rows by rows with sums in registers.
+/// So many columns at a time as leave their sums in registers.
 constexpr Index kColumnsAtOnce = 4;
 
 /// Components of up to kColumnsAtOnce columns of panels: from column `first` on.
@@ -341,20 +347,21 @@ void sumPanelColumns(const AdjointRun<Real>& run, const Real* values, Index firs
                      Offset length) {
     constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
     using V = typename Vector<Real, each>::Type;
-    V all[columns][width] = {};
+    V all[columns * width] = {};
     const Real* weights = run.numbers + Offset{first} * lanes;
     for (Index row = 0; row < run.rowCount; row += lanes) {
-        for (int part = 0; part < lanes; part += each)
-            for (int k = 0; k < columns; ++k) {
-                const V& weight = at<V>(weights + k * lanes + part);
-                for (int d = 0; d < width; ++d)
-                    all[k][d] += weight * at<V>(values + d * lanes + part);
-            }
+        for (int part = 0; part < lanes; part += each) {
+            V own[width];
+            for (int d = 0; d < width; ++d) own[d] = at<V>(values + d * lanes + part);
+            // One loop, which is unrolled before arrays become registers.
+            for (int e = 0; e < columns * width; ++e)
+                all[e] += at<V>(weights + e / width * lanes + part) * own[e % width];
+        }
         weights += Offset{run.columnCount} * lanes;
         values += width * lanes;
     }
-    for (int k = 0; k < columns; ++k)
-        for (int d = 0; d < width; ++d) sums[(first + k) * length + d] = sumOf(all[k][d]);
+    for (int e = 0; e < columns * width; ++e)
+        sums[(first + e / width) * length + e % width] = sumOf<Real, each>(all[e]);
 }
 
 /// The same of outer products: columns from (i, j, k) on along axis 0.
@@ -364,7 +371,7 @@ void sumProductColumns(const AdjointRun<Real>& run, const Real* values, Index i,
     constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
     using V = typename Vector<Real, each>::Type;
     const Index n = run.size[0], m = run.size[1], l = run.size[2];
-    V all[columns][width] = {};
+    V all[columns * width] = {};
     const Real* factors = run.numbers;
     for (Index row = 0; row < run.rowCount; row += lanes) {
         for (int part = 0; part < lanes; part += each) {
@@ -372,17 +379,15 @@ void sumProductColumns(const AdjointRun<Real>& run, const Real* values, Index i,
             const V line = at<V>(own + (n + j) * lanes) * at<V>(own + (n + m + k) * lanes);
             V scaled[width];
             for (int d = 0; d < width; ++d) scaled[d] = line * at<V>(values + d * lanes + part);
-            for (int c = 0; c < columns; ++c) {
-                const V& factor = at<V>(own + (i + c) * lanes);
-                for (int d = 0; d < width; ++d) all[c][d] += factor * scaled[d];
-            }
+            for (int e = 0; e < columns * width; ++e)
+                all[e] += at<V>(own + (i + e / width) * lanes) * scaled[e % width];
         }
         factors += Offset{n + m + l} * lanes;
         values += width * lanes;
     }
     const Index first = (k * m + j) * n + i;
-    for (int c = 0; c < columns; ++c)
-        for (int d = 0; d < width; ++d) sums[(first + c) * length + d] = sumOf(all[c][d]);
+    for (int e = 0; e < columns * width; ++e)
+        sums[(first + e / width) * length + e % width] = sumOf<Real, each>(all[e]);
 }
 
 /// Calls step<columns>(first) for `count` columns, kColumnsAtOnce at a time.
