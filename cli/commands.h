@@ -15,5 +15,6 @@ void addStencilsCommand(CLI::App& program);
 void addCompareCommand(CLI::App& program);
 void addDeformCommands(CLI::App& program);  ///< deform, bind and apply
 void addBenchCommand(CLI::App& program);
+void addFitCommand(CLI::App& program);
 
 }  // namespace espalier::cli

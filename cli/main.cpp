@@ -27,6 +27,7 @@ int run(int argumentCount, char** arguments) {
     addStencilsCommand(program);
     addDeformCommands(program);
     addBenchCommand(program);
+    addFitCommand(program);
     addCompareCommand(program);
     try {
         program.parse(argumentCount, arguments);

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/parallel.h>
+#include <espalier/io/file.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/targets.h>
+#include <espalier/solve/lattice_fit.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bind_model.h"
+#include "choice.h"
+#include "commands.h"
+#include "pipeline.h"
+#include "run_report.h"
+
+namespace espalier::cli {
+namespace {
+
+struct Options : BindOptions {
+    std::string targets;
+    solve::FitOptions fit;
+    std::string output;
+    ReportFormat report = ReportFormat::Text;
+};
+
+const std::map<std::string, solve::Smoothing> kSmoothings = {
+    {"none", solve::Smoothing::None},
+    {"tikhonov", solve::Smoothing::Tikhonov},
+    {"laplacian", solve::Smoothing::Laplacian}};
+
+const std::map<std::string, solve::Undetermined> kUndetermined = {
+    {"smallest", solve::Undetermined::Smallest}, {"refuse", solve::Undetermined::Refuse}};
+
+/// Some points of a model, and where they are wanted.
+struct Wishes {
+    std::vector<Point3> points;
+    std::vector<Point3> misses;
+    std::vector<io::Target> targets;  ///< where a message would point
+
+    void add(const Point3& point, const io::Target& target) {
+        points.push_back(point);
+        misses.push_back({target.position[0] - point[0], target.position[1] - point[1],
+                          target.position[2] - point[2]});
+        targets.push_back(target);
+    }
+};
+
+/// Whether a file is a list of targets; otherwise it is the whole model as it is wanted.
+bool isList(const std::string& path) {
+    return std::filesystem::path(path).extension() == ".txt";
+}
+
+Wishes readWishes(const Options& options, const io::Model& model, Stages& stages) {
+    const auto points = model.positions();
+    Wishes wishes;
+    if (isList(options.targets)) {
+        const auto targets = stages.run("reading", [&] {
+            stages.addFile(options.targets);
+            return io::readTargets(options.targets, static_cast<far::Index>(points.size()));
+        });
+        for (const io::Target& target : targets)
+            wishes.add(points[static_cast<std::size_t>(target.point)], target);
+        return wishes;
+    }
+    const auto wanted = readModel(options.targets, stages);
+    if (wanted->positions().size() != points.size())
+        throw io::FileError(options.targets,
+                            fmt::format("has {} points; {} has {}", wanted->positions().size(),
+                                        options.model, points.size()));
+    for (std::size_t i = 0; i < points.size(); ++i)
+        wishes.add(points[i], {static_cast<far::Index>(i), wanted->positions()[i], 0});
+    return wishes;
+}
+
+void checkInside(const Options& options, const Wishes& wishes, const BoundPoints& bound) {
+    if (bound.binding.kept.empty()) return;
+    const io::Target& target = wishes.targets[static_cast<std::size_t>(bound.binding.kept.front())];
+    const std::string cause =
+        fmt::format("point {} lies outside the lattice {}, which cannot carry it there",
+                    target.point, options.rest);
+    throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
+                          : io::FileError(options.model, cause);
+}
+
+void printFit(const Options& options, const Wishes& wishes, const solve::LatticeFit& fit) {
+    double largest = 0;
+    for (const Point3& displacement : fit.displacements)
+        largest = std::max(largest, std::hypot(displacement[0], displacement[1], displacement[2]));
+    if (options.report == ReportFormat::Json) {
+        const nlohmann::ordered_json json = {
+            {"targets", wishes.targets.size()},
+            {"largest_miss", fit.largestMiss},
+            {"mean_miss", fit.meanMiss},
+            {"largest_displacement", largest},
+            // No number of JSON's is infinite.
+            {"condition", std::isinf(fit.condition) ? nlohmann::ordered_json()
+                                                    : nlohmann::ordered_json(fit.condition)}};
+        fmt::print("{}\n", json.dump(2));
+        return;
+    }
+    fmt::print("targets               {}\n", wishes.targets.size());
+    fmt::print("largest miss          {:.3g}\n", fit.largestMiss);
+    fmt::print("root mean square miss {:.3g}\n", fit.meanMiss);
+    fmt::print("largest displacement  {:.3g}\n", largest);
+    if (std::isinf(fit.condition))
+        fmt::print("condition             infinite: the targets leave some vertices open\n");
+    else
+        fmt::print("condition             {:.3g}\n", fit.condition);
+}
+
+void run(const Options& options) {
+    const far::ThreadLimit limit(options.common.threads);
+    checkOutput(options.output, {options.model, options.rest, options.targets});
+    io::checkLatticeTarget(options.output);
+    Stages stages(options.common.quiet);
+    const auto model = readModel(options.model, stages);
+    Lattice lattice = readLattice(options.rest, stages);
+    const Wishes wishes = readWishes(options, *model, stages);
+    const BoundPoints bound = bindPoints(options, wishes.points, lattice, stages);
+    checkInside(options, wishes, bound);
+    const auto fit = stages.run("solving", [&] {
+        return solve::fitLattice(bound.binding.table, wishes.misses, lattice.complex, options.fit);
+    });
+    for (std::size_t v = 0; v < lattice.positions.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c) lattice.positions[v][c] += fit.displacements[v][c];
+    stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
+    if (!options.common.quiet) printFit(options, wishes, fit);
+}
+
+}  // namespace
+
+void addFitCommand(CLI::App& program) {
+    auto options = std::make_shared<Options>();
+    CLI::App& command = *program.add_subcommand(
+        "fit",
+        "Find the pose of a lattice that carries points of a model to where they are wanted");
+    addModelAndRest(command, *options);
+    command
+        .add_option(
+            "--targets", options->targets,
+            "Where points are wanted: a .txt of the number of a point and three coordinates "
+            "a line; or the whole model as it is wanted, in a file of any model format")
+        ->required();
+    addBindingOptions(command, *options);
+    addChoice<solve::Smoothing>(command, "--smoothing", options->fit.smoothing, kSmoothings,
+                                "What is asked of displacements besides");
+    command
+        .add_option("--strength", options->fit.strength,
+                    "How much smoothness weighs against the targets")
+        ->capture_default_str();
+    command.add_option("--freeze", options->fit.frozen, "Vertices of the lattice that stay")
+        ->delimiter(',');
+    addChoice<solve::Undetermined>(command, "--undetermined", options->fit.undetermined,
+                                   kUndetermined,
+                                   "Where the targets leave vertices open: take the smallest "
+                                   "displacements, or refuse");
+    command.add_option("-o,--output", options->output, "The pose: .ovm, .vtu or .vtk")->required();
+    addRunOptions(command, options->common);
+    addReportOption(command, options->report);
+    command.callback([options] { run(*options); });
+}
+
+}  // namespace espalier::cli

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/file.h>
+#include <espalier/io/targets.h>
+#include <espalier/io/text_reader.h>
+
+#include <cmath>
+#include <string>
+
+namespace espalier::io {
+
+std::vector<Target> readTargets(const std::filesystem::path& path, far::Index pointCount) {
+    const std::string text = readFile(path);
+    TextReader reader(path, text);
+    reader.skipComments('#');
+    std::vector<Target> targets;
+    std::vector<std::size_t> lines(static_cast<std::size_t>(pointCount), 0);
+    while (!reader.atEnd()) {
+        Target target{};
+        target.point = reader.number<far::Index>("the number of a point");
+        target.line = reader.line();
+        if (target.point < 0 || target.point >= pointCount)
+            reader.fail("there is no point " + std::to_string(target.point) +
+                        "; the model has 0 to " + std::to_string(pointCount - 1));
+        std::size_t& before = lines[static_cast<std::size_t>(target.point)];
+        if (before != 0)
+            reader.fail("point " + std::to_string(target.point) +
+                        " has a target already, on line " + std::to_string(before));
+        before = target.line;
+        for (double& coordinate : target.position) {
+            coordinate = reader.number<double>("a coordinate");
+            if (!std::isfinite(coordinate)) reader.fail("the coordinate is not finite");
+        }
+        targets.push_back(target);
+    }
+    if (targets.empty()) throw FileError(path, "has no targets");
+    return targets;
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+#include <espalier/far/point.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+namespace espalier::io {
+
+/// Where a point of a model is wanted.
+struct Target {
+    far::Index point;  ///< its number in the model, from 0
+    Point3 position;
+    std::size_t line;  ///< of the file
+};
+
+/// Reads targets from text: for each the number of a point and three coordinates, with white space
+/// between. What follows a # is a comment, to the end of its line.
+///
+/// \param pointCount of the model
+/// \throws FileError with the line for what is no number, not finite, or no point of the model, and
+///         for a point that comes twice; if there are no targets
+std::vector<Target> readTargets(const std::filesystem::path& path, far::Index pointCount);
+
+}  // namespace espalier::io

@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`espalier fit`: the pose of a lattice from where points of a model are wanted.
+
+    fit_test.py PATH_OF_ESPALIER
+"""
+
+import json
+import math
+import sys
+import unittest
+
+import program
+from program import CliTest, icosphere_points
+
+
+class Fit(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.points = icosphere_points(400)
+        self.write_model(self.points)
+        self.run_program("shape", "cylinder", "--sectors", 5, "--from", 0.5, 0.5, -0.2,
+                         "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "rest.ovm")
+
+    def fit(self, targets, *options, out="pose.ovm"):
+        return json.loads(self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets",
+                                           targets, *options, "-n", 2, "--report", "json",
+                                           "-o", out).stdout)
+
+    def error_of_fit(self, targets, *options, code=1):
+        text = self.error_of("fit", "model.obj", "--rest", "rest.ovm", "--targets", targets,
+                             *options, "-n", 2, "-o", "pose.ovm", code=code)
+        self.assertFalse((self.path / "pose.ovm").exists())
+        return text
+
+    def write_pose(self, move):
+        """The rest lattice with each vertex moved."""
+        lines = (self.path / "rest.ovm").read_text().splitlines()
+        at = lines.index("Vertices") + 2
+        positions = [move(p) for p in self.read_ovm_positions("rest.ovm")]
+        lines[at:at + len(positions)] = ["%.17g %.17g %.17g" % p for p in positions]
+        (self.path / "known.ovm").write_text("\n".join(lines) + "\n")
+        return positions
+
+    def test_a_whole_model_gives_the_lattice_that_deformed_it(self):
+        known = self.write_pose(lambda p: (p[0] + 0.2 * math.sin(3 * p[2]), p[1] + 0.1 * p[0] * p[2],
+                                           1.2 * p[2]))
+        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "known.ovm", "-n", 2,
+                         "-o", "moved.obj")
+        report = self.fit("moved.obj", "--undetermined", "refuse")
+        self.assertEqual(report["targets"], 400)
+        self.assertLess(report["largest_miss"], 1e-12)
+        self.assert_close(self.read_ovm_positions("pose.ovm"), known, 1e-10)
+
+    def test_a_few_targets_are_reached(self):
+        (self.path / "t.txt").write_text("# where two points go\n7 0.5 0.5 1.1  # up\n\n30 0.2 0.2 0.2\n")
+        report = self.fit("t.txt")
+        self.assertEqual(report["targets"], 2)
+        self.assertIsNone(report["condition"])
+        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "pose.ovm", "-n", 2,
+                         "-o", "moved.obj")
+        moved = self.read_points("moved.obj")
+        self.assert_close([moved[7], moved[30]], [(0.5, 0.5, 1.1), (0.2, 0.2, 0.2)], 1e-12)
+        # With all of the lattice taken along, the rest of the model moves more.
+        smooth = self.fit("t.txt", "--smoothing", "laplacian", "--strength", 0.01, out="s.ovm")
+        self.assertGreater(smooth["condition"], 1)
+        self.assertGreater(smooth["largest_miss"], 1e-12)
+
+    def test_frozen_vertices_stay(self):
+        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        self.fit("t.txt", "--freeze", "0,3,4")
+        rest, pose = (self.read_ovm_positions(name) for name in ["rest.ovm", "pose.ovm"])
+        for vertex in [0, 3, 4]:
+            self.assertEqual(pose[vertex], rest[vertex])
+        self.assertNotEqual(pose, rest)
+
+    def test_text_report(self):
+        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        out = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
+                               "-o", "pose.vtu").stdout
+        for word in ["targets", "largest miss", "largest displacement", "infinite"]:
+            self.assertIn(word, out)
+
+    def test_refusals(self):
+        for text, why in [("", "t.txt: has no targets"), ("7 1 2\n", "t.txt:"),
+                          ("7 0 0 0\n400 0 0 0\n", "t.txt:2: there is no point 400"),
+                          ("-1 0 0 0\n", "t.txt:1: there is no point -1"),
+                          ("7 0 0 0\n7 1 1 1\n", "t.txt:2: point 7 has a target already, on line 1"),
+                          ("7 0 nan 0\n", "t.txt:1: the coordinate is not finite"),
+                          ("7 0 x 0\n", "t.txt:1:")]:
+            (self.path / "t.txt").write_text(text)
+            self.assertIn(why, self.error_of_fit("t.txt"))
+        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        self.assertIn("undetermined", self.error_of_fit("t.txt", "--undetermined", "refuse"))
+        self.assertIn("vertex 999", self.error_of_fit("t.txt", "--freeze", "999"))
+        self.assertIn("strength", self.error_of_fit("t.txt", "--strength", "0"))
+        self.write_model(self.points[:-1], "fewer.obj")
+        self.assertIn("fewer.obj: has 399 points; model.obj has 400",
+                      self.error_of_fit("fewer.obj"))
+        self.write_model(self.points[:7] + [(9, 9, 9)] + self.points[8:])
+        self.assertIn("t.txt:1: point 7 lies outside the lattice", self.error_of_fit("t.txt"))
+        self.error_of_fit("t.txt", "--smoothing", "much", code=2)
+
+
+if __name__ == "__main__":
+    program.ESPALIER = sys.argv.pop(1)
+    unittest.main()
