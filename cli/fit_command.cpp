@@ -3,6 +3,7 @@
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/targets.h>
+#include <espalier/io/text_reader.h>
 #include <espalier/solve/lattice_fit.h>
 #include <fmt/format.h>
 
@@ -51,7 +52,7 @@ struct Wishes {
 
 /// Whether a file is a list of targets; otherwise it is the whole model as it is wanted.
 bool isList(const std::string& path) {
-    return std::filesystem::path(path).extension() == ".txt";
+    return io::lowerCase(std::filesystem::path(path).extension().string()) == ".txt";
 }
 
 Wishes readWishes(const Options& options, const io::Model& model, Stages& stages) {
@@ -94,7 +95,7 @@ void printFit(const Options& options, const Wishes& wishes, const solve::Lattice
         const nlohmann::ordered_json json = {
             {"targets", wishes.targets.size()},
             {"largest_miss", fit.largestMiss},
-            {"mean_miss", fit.meanMiss},
+            {"rms_miss", fit.meanMiss},
             {"largest_displacement", largest},
             // No number of JSON's is infinite.
             {"condition", std::isinf(fit.condition) ? nlohmann::ordered_json()
@@ -113,6 +114,7 @@ void printFit(const Options& options, const Wishes& wishes, const solve::Lattice
 }
 
 void run(const Options& options) {
+    checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
     checkOutput(options.output, {options.model, options.rest, options.targets});
     io::checkLatticeTarget(options.output);
@@ -120,7 +122,11 @@ void run(const Options& options) {
     const auto model = readModel(options.model, stages);
     Lattice lattice = readLattice(options.rest, stages);
     const Wishes wishes = readWishes(options, *model, stages);
-    const BoundPoints bound = bindPoints(options, wishes.points, lattice, stages);
+    // A point outside is named below, by its number in the model.
+    BindOptions bind = options;
+    if (bind.common.embedding.outside == stencils::OutsidePolicy::Error)
+        bind.common.embedding.outside = stencils::OutsidePolicy::Keep;
+    const BoundPoints bound = bindPoints(bind, wishes.points, lattice, stages);
     checkInside(options, wishes, bound);
     const auto fit = stages.run("solving", [&] {
         return solve::fitLattice(bound.binding.table, wishes.misses, lattice.complex, options.fit);

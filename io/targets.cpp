@@ -18,9 +18,11 @@ std::vector<Target> readTargets(const std::filesystem::path& path, far::Index po
         Target target{};
         target.point = reader.number<far::Index>("the number of a point");
         target.line = reader.line();
+        if (targets.size() > 0 && targets.back().line == target.line)
+            reader.fail("expected one target a line");
         if (target.point < 0 || target.point >= pointCount)
-            reader.fail("there is no point " + std::to_string(target.point) +
-                        "; the model has 0 to " + std::to_string(pointCount - 1));
+            reader.fail("there is no point " + std::to_string(target.point) + "; the model has " +
+                        std::to_string(pointCount) + ", from 0 on");
         std::size_t& before = lines[static_cast<std::size_t>(target.point)];
         if (before != 0)
             reader.fail("point " + std::to_string(target.point) +
@@ -28,6 +30,9 @@ std::vector<Target> readTargets(const std::filesystem::path& path, far::Index po
         before = target.line;
         for (double& coordinate : target.position) {
             coordinate = reader.number<double>("a coordinate");
+            if (reader.line() != target.line)
+                throw FileError(path, target.line,
+                                "expected the number of a point and three coordinates");
             if (!std::isfinite(coordinate)) reader.fail("the coordinate is not finite");
         }
         targets.push_back(target);

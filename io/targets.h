@@ -17,8 +17,8 @@ struct Target {
     std::size_t line;  ///< of the file
 };
 
-/// Reads targets from text: for each the number of a point and three coordinates, with white space
-/// between. What follows a # is a comment, to the end of its line.
+/// Reads targets from text, one a line: the number of a point and three coordinates, with white
+/// space between. What follows a # is a comment, to the end of its line.
 ///
 /// \param pointCount of the model
 /// \throws FileError with the line for what is no number, not finite, or no point of the model, and

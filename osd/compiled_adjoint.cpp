@@ -93,10 +93,11 @@ CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd sim
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
     CompiledRows<Real> rows = compileRows(table);
     auto alone = stencils::transposeTable(rowsAlone(table, rows));
-    rows.runs = {};
-    rows.columns = {};
-    rows.weights = {};
-    rows.rows = {};
+    // Those of the rows alone, which are transposed now. Not = {}, which would keep the memory.
+    rows.runs = decltype(rows.runs)();
+    rows.columns = decltype(rows.columns)();
+    rows.weights = decltype(rows.weights)();
+    rows.rows = decltype(rows.rows)();
     Index mostRows = 0;
     for (const auto& group : rows.groups) mostRows = std::max(mostRows, group.rowCount);
     PlacesOfColumns places(rows.groupColumns, table.columnCount());

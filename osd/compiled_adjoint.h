@@ -39,9 +39,10 @@ public:
     std::size_t byteCount() const;
 
     /// As checkEvaluation() says of a table with these rows and columns. Results are off the sums
-    /// by no more than one ulp of Σ |w · x| for each entry; in practice for the logarithm of their
-    /// number. They do not depend on the number of threads, nor on the range, bit for bit. A source
-    /// value that is not finite may reach columns of its group whose weight for it is 0.
+    /// by no more than 4 ulp of Σ |w · x| and one more for each entry; in practice for each
+    /// doubling of their number. They do not depend on the number of threads, nor on the range, bit
+    /// for bit. A source value that is not finite may reach columns of its group whose weight for
+    /// it is 0.
     ///
     /// \cost O(entries × components), in parallel, whatever the range
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,

@@ -37,6 +37,9 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
         for (const double coordinate : misses[i])
             if (!std::isfinite(coordinate))
                 throw Error("the target of point " + std::to_string(i) + " is not finite");
+        for (const double weight : deformation.weights(static_cast<Index>(i)))
+            if (!std::isfinite(weight))
+                throw Error("point " + std::to_string(i) + " has a weight that is not finite");
         if (deformation.columns(static_cast<Index>(i)).empty())
             throw Error("point " + std::to_string(i) +
                         " has a target, but lies outside the lattice");
@@ -45,9 +48,10 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
         if (vertex < 0 || vertex >= base.count(0))
             throw Error("vertex " + std::to_string(vertex) + " cannot be frozen; the lattice has " +
                         std::to_string(base.count(0)));
-    if (!(options.strength > 0 && std::isfinite(options.strength)))
+    constexpr double kLeast = 1e-4, kMost = 1e4;
+    if (!(options.strength >= kLeast && options.strength <= kMost))
         throw Error("a strength of " + std::to_string(options.strength) +
-                    "; expected a number above 0");
+                    "; expected 0.0001 to 10000");
 }
 
 /// Which vertices may move, and their numbers among these.
@@ -213,6 +217,8 @@ LatticeFit fitLattice(const StencilTable<double>& deformation, std::span<const P
     const Eigen::VectorXd distances = (view.matrix() * all - wanted).rowwise().norm();
     fit.largestMiss = distances.maxCoeff();
     fit.meanMiss = distances.norm() / std::sqrt(static_cast<double>(distances.size()));
+    if (!all.allFinite() || !std::isfinite(fit.meanMiss))
+        throw Error("the targets are too far from the points for their squares to be numbers");
     return fit;
 }
 

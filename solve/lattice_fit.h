@@ -28,7 +28,8 @@ enum class Undetermined {
 struct FitOptions {
     Smoothing smoothing = Smoothing::None;
 
-    /// How much smoothness weighs against the targets: 1 is about as much. Above 0.
+    /// How much smoothness weighs against the targets: 1 is about as much. From 1e-4, below which
+    /// it would count as none, to 1e4, above which the targets would.
     double strength = 1e-3;
 
     std::vector<Index> frozen = {};  ///< vertices that stay where they are
@@ -50,7 +51,7 @@ struct LatticeFit {
 /// Finds the displacements d of the lattice vertices that carry points to where they are wanted
 /// (direct manipulation), in the sense of least squares: of |D d − m|² + s² |R d|², the least, and
 /// of all such d the smallest. R is nothing, the identity or the Laplacian of the edges; s is the
-/// strength times the root of the mean of the diagonals of DᵀD.
+/// strength times the root of the mean of the diagonal of DᵀD, over the vertices that may move.
 ///
 /// D is linear in the lattice, so to fit a lattice to a whole deformed model is the same, with all
 /// points as targets.
@@ -58,10 +59,11 @@ struct LatticeFit {
 /// \param deformation D: a row for each point that has a target (stencils::selectRows())
 /// \param misses of each of these points: its target, less where it is at rest
 /// \param base the lattice
-/// \throws Error naming the offender: sizes that do not match, misses that are not finite, no
-///         points, a frozen vertex that is not there, all vertices frozen, a point whose row is
-///         empty (it lies outside), a strength that is not above 0, and under Undetermined::Refuse
-///         displacements that are left open, naming a vertex
+/// \throws Error naming the offender: sizes that do not match, misses and weights that are not
+///         finite, no points, a frozen vertex that is not there, all vertices frozen, a point whose
+///         row is empty (it lies outside), a strength out of range, targets so far away that a
+///         double does not hold the sums; and under Undetermined::Refuse displacements that are
+///         left open, naming a vertex
 /// \cost O(Σ entries² of the rows + a sparse Cholesky factor of the vertices)
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p'
 LatticeFit fitLattice(const stencils::StencilTable<double>& deformation,

@@ -81,14 +81,17 @@ Index DesignVariables::coordinate(Index vertex, int axis) const {
     return 3 * vertex + axis;
 }
 
-/// The coordinate that a coordinate is linked to in the end.
-DesignVariables::Link DesignVariables::rootOf(Index coordinate) const {
-    Link link = links_[at(coordinate)];
-    while (links_[at(link.to)].to != link.to) {
-        const Link& next = links_[at(link.to)];
-        link = {next.to, link.factor * next.factor};
+/// The coordinate that a coordinate is linked to in the end; from now on directly, as are those
+/// between.
+DesignVariables::Link DesignVariables::rootOf(Index coordinate) {
+    std::vector<Index> path = {coordinate};
+    while (links_[at(path.back())].to != path.back()) path.push_back(links_[at(path.back())].to);
+    Link root = {path.back(), 1};
+    for (auto each = path.rbegin() + 1; each < path.rend(); ++each) {
+        root.factor *= links_[at(*each)].factor;
+        links_[at(*each)] = root;
     }
-    return link;
+    return root;
 }
 
 void DesignVariables::freeze(Index vertex, int axis) {
@@ -97,6 +100,17 @@ void DesignVariables::freeze(Index vertex, int axis) {
 
 void DesignVariables::freeze(Index vertex) {
     for (int axis = 0; axis < 3; ++axis) freeze(vertex, axis);
+}
+
+/// The factor between the roots of two coordinates, when one is to be `factor` times the other.
+double DesignVariables::joinedFactor(Index coordinate, Index to, double factor) {
+    const double joined = factor * rootOf(to).factor / rootOf(coordinate).factor;
+    if (!std::isnormal(joined) || !std::isnormal(1 / joined))
+        throw Error("vertices " + std::to_string(coordinate / 3) + " and " +
+                    std::to_string(to / 3) +
+                    " cannot be linked: with the links that they have, the factor between is " +
+                    std::to_string(joined));
+    return joined;
 }
 
 void DesignVariables::join(Index coordinate, Index to, double factor) {
@@ -110,7 +124,7 @@ void DesignVariables::join(Index coordinate, Index to, double factor) {
         return;
     }
     // The lower number stays a root, so that variables come in the order of coordinates.
-    Link link = {other.to, factor * other.factor / own.factor};
+    Link link = {other.to, joinedFactor(coordinate, to, factor)};
     Index from = own.to;
     if (from < link.to) {
         std::swap(from, link.to);
@@ -126,6 +140,9 @@ void DesignVariables::link(Index vertex, Index to, const std::array<double, 3>& 
             throw Error("vertex " + std::to_string(vertex) + " cannot be linked by the factor " +
                         std::to_string(factor));
     for (int axis = 0; axis < 3; ++axis)
+        joinedFactor(coordinate(vertex, axis), coordinate(to, axis),
+                     factors[static_cast<std::size_t>(axis)]);
+    for (int axis = 0; axis < 3; ++axis)
         join(coordinate(vertex, axis), coordinate(to, axis),
              factors[static_cast<std::size_t>(axis)]);
 }
@@ -136,6 +153,10 @@ void DesignVariables::mirror(std::span<const Point3> positions, int axis, double
     if (3 * positions.size() != links_.size())
         throw Error("got " + std::to_string(positions.size()) + " positions for " +
                     std::to_string(links_.size() / 3) + " vertices");
+    for (std::size_t vertex = 0; vertex < positions.size(); ++vertex)
+        for (const double coordinate : positions[vertex])
+            if (!std::isfinite(coordinate))
+                throw Error("the position of vertex " + std::to_string(vertex) + " is not finite");
     const Images images(positions, axis, at, tolerance);
     std::vector<Index> found;
     for (Index vertex = 0; vertex < static_cast<Index>(positions.size()); ++vertex)
@@ -147,18 +168,22 @@ void DesignVariables::mirror(std::span<const Point3> positions, int axis, double
 }
 
 StencilTable<double> DesignVariables::matrix() const {
+    // Links lead to lower numbers, and so to what has been resolved.
+    std::vector<Link> roots(links_.size());
     std::vector<Index> variables(links_.size(), 0);
     Index count = 0;
-    for (std::size_t i = 0; i < links_.size(); ++i)
-        if (links_[i].to == static_cast<Index>(i) && !isFrozen_[i]) variables[i] = count++;
     Array<Offset> offsets = {0};
     Array<Index> columns;
     Array<double> weights;
     for (std::size_t i = 0; i < links_.size(); ++i) {
-        const Link root = rootOf(static_cast<Index>(i));
-        if (!isFrozen_[at(root.to)]) {
-            columns.push_back(variables[at(root.to)]);
-            weights.push_back(root.factor);
+        const Link& link = links_[i];
+        const bool isRoot = link.to == static_cast<Index>(i);
+        const Link& next = roots[at(link.to)];
+        roots[i] = isRoot ? link : Link{next.to, link.factor * next.factor};
+        if (isRoot && !isFrozen_[i]) variables[i] = count++;
+        if (!isFrozen_[at(roots[i].to)]) {
+            columns.push_back(variables[at(roots[i].to)]);
+            weights.push_back(roots[i].factor);
         }
         offsets.push_back(static_cast<Offset>(columns.size()));
     }

@@ -30,7 +30,8 @@ public:
     /// to either vertex shares their variable. What could only move by 0 to keep all links, such as
     /// a coordinate that is its own mirror image, is frozen.
     ///
-    /// \throws Error for a vertex that is not there; for factors that are 0 or not finite
+    /// \throws Error for a vertex that is not there; for factors that are 0 or not finite, also as
+    ///         products with those of other links. Nothing is linked then
     void link(Index vertex, Index to, const std::array<double, 3>& factors = {1, 1, 1});
 
     /// Links each vertex with its mirror image at a plane across an axis.
@@ -40,8 +41,9 @@ public:
     /// \param at where the plane is on that axis
     /// \param tolerance how far an image may be from its vertex
     /// \throws Error naming the first vertex without an image, or with more than one, in which case
-    ///         nothing is linked; if there are not as many positions as vertices
-    /// \cost O(vertices log vertices), as long as few vertices lie near others
+    ///         nothing is linked; if there are not as many positions as vertices, or one is not
+    ///         finite
+    /// \cost O(vertices · those with about the same first coordinate)
     void mirror(std::span<const Point3> positions, int axis, double at, double tolerance);
 
     /// B: 3 · vertices × variables. Columns are in the order of their first coordinates.
@@ -54,10 +56,11 @@ private:
         double factor;
     };
     Index coordinate(Index vertex, int axis) const;
-    Link rootOf(Index coordinate) const;
+    Link rootOf(Index coordinate);
+    double joinedFactor(Index coordinate, Index to, double factor);
     void join(Index coordinate, Index to, double factor);
 
-    std::vector<Link> links_;     ///< one a coordinate; roots are linked to themselves
+    std::vector<Link> links_;     ///< one a coordinate, to a lower one; roots to themselves
     std::vector<char> isFrozen_;  ///< of roots
 };
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "table_form.h"
 
+#include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
 #include <numeric>
+#include <string>
 #include <utility>
 
 namespace espalier::stencils {
@@ -113,6 +115,11 @@ FactoredTable<Real> TableForm<FactoredTable<Real>>::build(StencilTable<double> w
 template <class Real>
 FactoredTable<Real> TableForm<FactoredTable<Real>>::gather(std::vector<BoundPart<Table>>& parts,
                                                            Index rowCount, Index columnCount) {
+    Offset vertexTotal = 0;
+    for (const BoundPart<Table>& part : parts) vertexTotal += part.table.vertices.rowCount();
+    if (vertexTotal > far::kMaxIndex)
+        throw Error("the factors would have " + std::to_string(vertexTotal) +
+                    " vertices, more than an index counts: bind fewer points at once");
     std::vector<Index> shifts;
     Array<Offset> lengths = {0};
     for (const BoundPart<Table>& part : parts) {

@@ -87,7 +87,10 @@ class Fit(CliTest):
                           ("-1 0 0 0\n", "t.txt:1: there is no point -1"),
                           ("7 0 0 0\n7 1 1 1\n", "t.txt:2: point 7 has a target already, on line 1"),
                           ("7 0 nan 0\n", "t.txt:1: the coordinate is not finite"),
-                          ("7 0 x 0\n", "t.txt:1:")]:
+                          ("7 0 x 0\n", "t.txt:1:"),
+                          ("0 5 5\n0 2 5\n5 0 3\n5 5 0\n", "t.txt:1: expected the number of a"),
+                          ("7 0 0 0 8 1 1 1\n", "t.txt:1: expected one target a line"),
+                          ("7 1e308 -1e308 0\n8 1e308 0 0\n", "too far")]:
             (self.path / "t.txt").write_text(text)
             self.assertIn(why, self.error_of_fit("t.txt"))
         (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
@@ -99,7 +102,10 @@ class Fit(CliTest):
                       self.error_of_fit("fewer.obj"))
         self.write_model(self.points[:7] + [(9, 9, 9)] + self.points[8:])
         self.assertIn("t.txt:1: point 7 lies outside the lattice", self.error_of_fit("t.txt"))
+        self.assertIn("t.txt:1: point 7 lies outside",
+                      self.error_of_fit("t.txt", "--outside", "error"))
         self.error_of_fit("t.txt", "--smoothing", "much", code=2)
+        self.assertIn("--basis", self.error_of_fit("t.txt", "--basis", "bezier", code=2))
 
 
 if __name__ == "__main__":

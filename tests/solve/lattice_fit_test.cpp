@@ -151,6 +151,17 @@ TEST(LatticeFit, TikhonovMakesThemSmaller) {
     }
 }
 
+// At both ends of what strengths may be, a lattice that is moved as a whole goes along.
+TEST(LatticeFit, HoldsTheTargetsAtEveryStrength) {
+    const Model model(shapes::box(), 20);
+    const std::vector<Point3> misses(20, Point3{0.1, 0.2, 0});
+    for (const double strength : {1e-4, 1.0, 1e4}) {
+        const LatticeFit fit =
+            model.fit(misses, {.smoothing = Smoothing::Laplacian, .strength = strength});
+        EXPECT_LT(fit.largestMiss, 1e-9) << strength;
+    }
+}
+
 // Few points of a lattice that is moved as a whole: the Laplacian of that is 0, so all of it goes
 // along, as neither the smallest displacements do nor Tikhonov's.
 TEST(LatticeFit, LaplacianCarriesTheRestAlong) {
@@ -199,7 +210,15 @@ TEST(LatticeFit, RefusesBadInputByName) {
             model.fit(misses, {.frozen = {0, 1, 2, 3, 4, 5, 6, 7}});
         },
         "all vertices are frozen");
-    for (const double strength : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+    expectRefused(
+        [&] {
+            model.fit({{1e200, 0, 0}, {0, 0, 0}, {0, 1e200, 0}});
+        },
+        "the targets are too far");
+    const StencilTable<double> broken(8, {0, 1}, {0}, {std::numeric_limits<double>::infinity()});
+    expectRefused([&] { fitLattice(broken, std::vector<Point3>(1), model.lattice.complex); },
+                  "point 0 has a weight that is not finite");
+    for (const double strength : {0.0, -1.0, 1e-5, 1e5, std::numeric_limits<double>::quiet_NaN()})
         expectRefused([&] { model.fit(misses, {.strength = strength}); }, "a strength of");
 }
 

@@ -69,6 +69,33 @@ TEST(DesignVariables, LinksThatContradictLeaveNothingBut0) {
               StencilTable<double>(2, {0, 1, 1, 2, 3, 3, 4}, {0, 1, 0, 1}, {1, 1, 1, 1}));
 }
 
+// Each factor is a number, but their product is none: in either order.
+TEST(DesignVariables, RefusesLinksWhoseProductsAreNoNumbers) {
+    for (const double factor : {1e-200, 1e200}) {
+        DesignVariables design(3);
+        design.link(1, 0, {factor, 1, 1});
+        EXPECT_THAT(
+            [&] {
+                design.link(2, 1, {factor, 1, 1});
+            },
+            ThrowsMessage<Error>(HasSubstr("vertices 2 and 1 cannot be linked")));
+        EXPECT_EQ(design.matrix().columnCount(), 6) << "nothing more is linked";
+    }
+}
+
+// Long chains of links, whichever end they begin at, lead to one variable.
+TEST(DesignVariables, ChainsLeadToTheirEnd) {
+    constexpr Index kCount = 20'000;
+    for (const bool isDescending : {false, true}) {
+        DesignVariables design(kCount);
+        for (Index i = 0; i + 1 < kCount; ++i) {
+            const Index v = isDescending ? kCount - 2 - i : i;
+            design.link(v, v + 1);
+        }
+        EXPECT_EQ(design.matrix().columnCount(), 3);
+    }
+}
+
 // 0.7 · (1 / 0.7) is not 1 in double precision: still no contradiction.
 TEST(DesignVariables, LinksThatAgreeButForRoundingAgree) {
     for (const double factor : {0.7, 1.0 / 3, 49.0, 1e-3}) {
@@ -119,6 +146,10 @@ TEST(DesignVariables, RefusesWhatIsNotThere) {
     EXPECT_THAT([&] { design.mirror(apart, 0, 1, 5); },
                 ThrowsMessage<Error>(HasSubstr("vertex 0 has 2 mirror images")));
     EXPECT_EQ(design.matrix().columnCount(), 6) << "nothing is linked";
+    const std::vector<Point3> nowhere = {{0, 0, 0},
+                                         {std::numeric_limits<double>::quiet_NaN(), 0, 0}};
+    EXPECT_THAT([&] { design.mirror(nowhere, 0, 0.5, 0.1); },
+                ThrowsMessage<Error>(HasSubstr("the position of vertex 1 is not finite")));
     EXPECT_THAT([&] { design.mirror({}, 0, 1, 5); }, ThrowsMessage<Error>(HasSubstr("positions")));
     EXPECT_THAT([&] { buildJacobian(StencilTable<double>(3, {0}, {}, {}), design.matrix()); },
                 ThrowsMessage<Error>(HasSubstr("of 6 coordinates; expected three for each of 3")));
