@@ -107,12 +107,10 @@ void applyFactors(benchmark::State& state, const Tables<Real>& tables, int compo
 }
 
 /// Dᵀ, from values of the rows to sums of the columns.
-template <class Real>
-void applyAdjoint(benchmark::State& state, const Tables<Real>& tables, int components,
-                  int threads) {
+template <class Real, class Adjoint>
+void runAdjoint(benchmark::State& state, const StencilTable<Real>& table, const Adjoint& adjoint,
+                int components, int threads) {
     const far::ThreadLimit limit(threads);
-    const StencilTable<Real>& table = tables.table;
-    const osd::CompiledAdjoint<Real> adjoint(table);
     const auto layout = BufferDescriptor::packed(components);
     const auto source = bench::randomValues(stencils::transposeTable(table), components);
     std::vector<Real> result(static_cast<std::size_t>(table.columnCount() * Offset{components}));
@@ -141,6 +139,19 @@ void applyAdjoint(benchmark::State& state, const Tables<Real>& tables, int compo
     state.counters["bytes of CSR"] = static_cast<double>(adjoint.byteCount()) / csr;
     state.SetBytesProcessed(state.iterations() * static_cast<Offset>(adjoint.byteCount() +
                                                                      source.size() * sizeof(Real)));
+}
+
+template <class Real>
+void applyAdjoint(benchmark::State& state, const Tables<Real>& tables, int components,
+                  int threads) {
+    runAdjoint(state, tables.table, osd::CompiledAdjoint<Real>(tables.table), components, threads);
+}
+
+template <class Real>
+void applyFactorsAdjoint(benchmark::State& state, const Tables<Real>& tables, int components,
+                         int threads) {
+    runAdjoint(state, tables.table, osd::CompiledAdjointChain<Real>(*tables.factors), components,
+               threads);
 }
 
 /// With the number of columns known when it is compiled, for which Eigen is quicker.
@@ -221,6 +232,8 @@ const bool kRegistered = [] {
         add<float>(each, 3, "Espalier factors 2 threads", 2, applyFactors<float>);
         add<float>(each, 36, "Espalier factors", 1, applyFactors<float>);
         add<double>(each, 3, "Espalier factors", 1, applyFactors<double>);
+        add<float>(each, 3, "Espalier factors adjoint", 1, applyFactorsAdjoint<float>);
+        add<float>(each, 3, "Espalier factors adjoint 2 threads", 2, applyFactorsAdjoint<float>);
     }
     return true;
 }();

@@ -14,7 +14,9 @@ OURS = (("Espalier", ""), ("Espalier 2 threads", ", 2 threads"))
 FORMS = dict([*OURS, ("Espalier factors", ", in factors"),
               ("Espalier factors 2 threads", ", in factors, 2 threads"),
               ("Espalier adjoint", ", adjoint"),
-              ("Espalier adjoint 2 threads", ", adjoint, 2 threads")])
+              ("Espalier adjoint 2 threads", ", adjoint, 2 threads"),
+              ("Espalier factors adjoint", ", in factors, adjoint"),
+              ("Espalier factors adjoint 2 threads", ", in factors, adjoint, 2 threads")])
 
 
 def wrap(paragraph, mark=""):
@@ -224,7 +226,7 @@ of the compiled table over those of compressed sparse rows; the share of the tri
 the results take, over the bytes that a + s · b moves in the same time, with as many threads: {one:.1f} GB/s
 with one, {two:.1f} with two. It is no share of the memory where a last cache holds the table; the triad's
 arrays take 768 MB. Every 997th row is compared with plain sums. *Adjoint* is
-[`osd::CompiledAdjoint`](../osd/compiled_adjoint.h), from gradients by the rows to gradients by the columns,
+[`osd::CompiledAdjoint`](../osd/compiled_adjoint.h), of factors `osd::CompiledAdjointChain`, from gradients by the rows to gradients by the columns,
 beside what applying takes.
 
 {apply}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/stencils/factored_table.h>
 
@@ -45,6 +46,42 @@ public:
 
 private:
     std::vector<CompiledTable<Real>> steps_;
+};
+
+/// The adjoint of such a chain, T_1ᵀ · (… · (T_nᵀ · source)): gradients by the points of a model
+/// become gradients by the vertices of its lattice.
+///
+/// Immutable, and so safe to share between threads.
+template <class Real>
+class CompiledAdjointChain {
+public:
+    /// \param tables T_1 to T_n, not their transposes, at least one
+    /// \throws Error as CompiledChain
+    /// \cost that of compiling each
+    explicit CompiledAdjointChain(std::span<const stencils::StencilTable<Real>> tables,
+                                  Simd simd = bestSimd());
+
+    /// Dᵀ, by the factors of D.
+    explicit CompiledAdjointChain(const stencils::FactoredTable<Real>& table,
+                                  Simd simd = bestSimd());
+
+    Index rowCount() const { return steps_.back().rowCount(); }         ///< columns of T_1
+    Index columnCount() const { return steps_.front().columnCount(); }  ///< rows of T_n
+
+    /// Memory that it takes.
+    std::size_t byteCount() const;
+
+    /// As checkEvaluation() says, for the transpose of the product. Results are off its sums by no
+    /// more than the bounds of CompiledAdjoint::evaluate(), one after the other. They do not depend
+    /// on the number of threads, nor on the range, bit for bit.
+    ///
+    /// \cost that of each table; memory for the values between them
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows) const;
+
+private:
+    std::vector<CompiledAdjoint<Real>> steps_;  ///< T_nᵀ first
 };
 
 }  // namespace espalier::osd

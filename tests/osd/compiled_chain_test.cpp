@@ -76,6 +76,32 @@ TYPED_TEST(CompiledChainTest, FactorsGiveWhatTheirProductDoes) {
     EXPECT_LT(chain.byteCount(), table.byteCount());
 }
 
+// ⟨W S x, g⟩ = ⟨x, Sᵀ Wᵀ g⟩.
+TYPED_TEST(CompiledChainTest, FactorsHaveTheirAdjoint) {
+    using Real = TypeParam;
+    const Lattice lattice = shapes::cylinder({.sectors = 5});
+    const test::Refined refined(lattice, 2);
+    const auto factors =
+        stencils::bindFactored<Real>(TopologyRefiner(lattice.complex), refined.base, 2,
+                                     Rules::Siggraph96, test::pointsIn(refined, 3000, 3))
+            .binding.table;
+    const CompiledAdjointChain<Real> adjoint(factors);
+    EXPECT_EQ(adjoint.rowCount(), factors.columnCount());
+    EXPECT_EQ(adjoint.columnCount(), factors.rowCount());
+    EXPECT_GT(adjoint.byteCount(), 0U);
+    const auto moved = evaluate<Real>(CompiledChain<Real>(factors));
+    const auto gradients = evaluate<Real>(adjoint);
+    const auto g = test::randomValues(moved.size(), 6), x = test::randomValues(gradients.size(), 6);
+    double left = 0, right = 0, size = 0;
+    for (std::size_t i = 0; i < g.size(); ++i) {
+        left += double{moved[i]} * g[i];
+        size += std::abs(double{moved[i]} * g[i]);
+    }
+    for (std::size_t i = 0; i < x.size(); ++i) right += double{gradients[i]} * x[i];
+    // Some ulp of each of the sums, and the rounding of values to the precision.
+    EXPECT_NEAR(left, right, 20 * std::numeric_limits<Real>::epsilon() * size);
+}
+
 TEST(CompiledChain, RefusesTablesThatDoNotFitTogether) {
     const StencilTable<double> two(3, {0, 1, 2}, {0, 2}, {1, 1});
     const auto expectRefused = [](const auto& make, const char* why) {
@@ -98,6 +124,11 @@ TEST(CompiledChain, RefusesTablesThatDoNotFitTogether) {
             CompiledChain<double>(stencils::FactoredTable<double>{two, two});
         },
         "the points are of 3 vertices; the table of these has 2");
+    expectRefused(
+        [&] {
+            CompiledAdjointChain<double>(std::array{two, two});
+        },
+        "table 2 of the chain has 3 columns");
     const CompiledChain<double> one(std::array{two});
     EXPECT_EQ(one.rowCount(), 2);
     EXPECT_EQ(one.columnCount(), 3);

@@ -68,22 +68,33 @@ struct Adjoint {
     };
 };
 
+template <class Real>
+StencilTable<Real> identity(Index count) {
+    far::Array<Offset> offsets(static_cast<std::size_t>(count) + 1);
+    far::Array<Index> columns(static_cast<std::size_t>(count));
+    std::iota(offsets.begin(), offsets.end(), Offset{0});
+    std::iota(columns.begin(), columns.end(), Index{0});
+    return {count, std::move(offsets), columns, far::Array<Real>(columns.size(), Real{1})};
+}
+
 /// One that applies the table, and then the identity to what that gave.
 struct Chained {
     template <class Real>
     class Of : public CompiledChain<Real> {
     public:
         explicit Of(const StencilTable<Real>& table)
-            : CompiledChain<Real>(std::array{table, identity(table.rowCount())}) {}
+            : CompiledChain<Real>(std::array{table, identity<Real>(table.rowCount())}) {}
+    };
+};
 
-    private:
-        static StencilTable<Real> identity(Index count) {
-            far::Array<Offset> offsets(static_cast<std::size_t>(count) + 1);
-            far::Array<Index> columns(static_cast<std::size_t>(count));
-            std::iota(offsets.begin(), offsets.end(), Offset{0});
-            std::iota(columns.begin(), columns.end(), Index{0});
-            return {count, std::move(offsets), columns, far::Array<Real>(columns.size(), Real{1})};
-        }
+/// The adjoint of the identity and the transpose.
+struct AdjointChained {
+    template <class Real>
+    class Of : public CompiledAdjointChain<Real> {
+    public:
+        explicit Of(const StencilTable<Real>& table)
+            : CompiledAdjointChain<Real>(
+                  std::array{identity<Real>(table.rowCount()), stencils::transposeTable(table)}) {}
     };
 };
 
@@ -93,17 +104,16 @@ struct Case {
     using Evaluator = typename E::template Of<R>;
     using Real = R;
 };
-using Cases =
-    ::testing::Types<Case<Direct<ReferenceEvaluator>, float>,
-                     Case<Direct<ReferenceEvaluator>, double>, Case<Direct<CpuEvaluator>, float>,
-                     Case<Direct<CpuEvaluator>, double>, Case<Compiled<Simd::Baseline>, float>,
-                     Case<Compiled<Simd::Baseline>, double>, Case<Compiled<Simd::Avx2>, float>,
-                     Case<Compiled<Simd::Avx2>, double>, Case<Compiled<Simd::Avx512>, float>,
-                     Case<Compiled<Simd::Avx512>, double>, Case<Chained, float>,
-                     Case<Chained, double>, Case<Adjoint<Simd::Baseline>, float>,
-                     Case<Adjoint<Simd::Baseline>, double>, Case<Adjoint<Simd::Avx2>, float>,
-                     Case<Adjoint<Simd::Avx2>, double>, Case<Adjoint<Simd::Avx512>, float>,
-                     Case<Adjoint<Simd::Avx512>, double>>;
+using Cases = ::testing::Types<
+    Case<Direct<ReferenceEvaluator>, float>, Case<Direct<ReferenceEvaluator>, double>,
+    Case<Direct<CpuEvaluator>, float>, Case<Direct<CpuEvaluator>, double>,
+    Case<Compiled<Simd::Baseline>, float>, Case<Compiled<Simd::Baseline>, double>,
+    Case<Compiled<Simd::Avx2>, float>, Case<Compiled<Simd::Avx2>, double>,
+    Case<Compiled<Simd::Avx512>, float>, Case<Compiled<Simd::Avx512>, double>, Case<Chained, float>,
+    Case<Chained, double>, Case<Adjoint<Simd::Baseline>, float>,
+    Case<Adjoint<Simd::Baseline>, double>, Case<Adjoint<Simd::Avx2>, float>,
+    Case<Adjoint<Simd::Avx2>, double>, Case<Adjoint<Simd::Avx512>, float>,
+    Case<Adjoint<Simd::Avx512>, double>, Case<AdjointChained, float>, Case<AdjointChained, double>>;
 
 template <class C>
 class EvaluatorTest : public ::testing::Test {
