@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/file.h>
+#include <espalier/io/finite.h>
 #include <espalier/io/matrix_market.h>
 #include <espalier/io/text_output.h>
 #include <espalier/io/text_reader.h>
@@ -45,9 +46,6 @@ void writeEntries(TextOutput& out, const StencilTable<Real>& table) {
         const auto columns = table.columns(row);
         const auto weights = table.weights(row);
         for (std::size_t i = 0; i < columns.size(); ++i) {
-            if (!std::isfinite(weights[i]))
-                throw Error("row " + std::to_string(row) + " of the table has a weight of " +
-                            formatNumber(weights[i]) + ", which Matrix Market does not hold");
             out.number(std::int64_t{row} + 1);
             out.text(" ");
             out.number(std::int64_t{columns[i]} + 1);
@@ -217,6 +215,7 @@ private:
 template <class Real>
 void writeMatrixMarket(const std::filesystem::path& path, const StencilTable<Real>& table,
                        std::span<const std::string> comments) {
+    checkFinite(table);
     writeFile(path, [&](std::ostream& stream) {
         TextOutput out(stream);
         out.text(kBanner);

@@ -297,8 +297,8 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
     }
 }
 
-/// The lengths of rows of regular level tables: of surfaces 4, 6 and 9, of lattices 8, 12, 18 and
-/// 27, of curves 2 and 3.
+/// The commonest lengths of rows of level tables have loops of their own: of surfaces 4, 6 and 9,
+/// of lattices 8 and 12. Those of 18 and 27 have more weights than there are registers.
 template <int width, class Real>
 void evaluateRowsOf(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     if (run.isShared) switch (run.length) {
@@ -337,7 +337,7 @@ Real sumOf(const typename Vector<Real, count>::Type& vector) {
     }
 }
 
-/// So many columns at a time as leave their sums in registers.
+/// So many columns at a time as leave their sums in registers, or most of them.
 constexpr Index kColumnsAtOnce = 4;
 
 /// Components of up to kColumnsAtOnce columns of panels: from column `first` on.

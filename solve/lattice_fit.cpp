@@ -54,20 +54,15 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
                     "; expected 0.0001 to 10000");
 }
 
-/// Which vertices may move, and their numbers among these.
+/// Which vertices may move.
 struct FreeVertices {
     std::vector<Index> vertices;
-    std::vector<Index> numbers;
-    std::vector<char> isFree;
 
-    FreeVertices(Index count, std::span<const Index> frozen)
-        : numbers(at(count), 0), isFree(at(count), 1) {
+    FreeVertices(Index count, std::span<const Index> frozen) {
+        std::vector<char> isFree(at(count), 1);
         for (const Index vertex : frozen) isFree[at(vertex)] = 0;
-        for (Index vertex = 0; vertex < count; ++vertex) {
-            if (!isFree[at(vertex)]) continue;
-            numbers[at(vertex)] = static_cast<Index>(vertices.size());
-            vertices.push_back(vertex);
-        }
+        for (Index vertex = 0; vertex < count; ++vertex)
+            if (isFree[at(vertex)]) vertices.push_back(vertex);
         if (vertices.empty()) throw Error("all vertices are frozen");
     }
 

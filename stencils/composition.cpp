@@ -3,7 +3,6 @@
 #include <espalier/far/parallel.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/repeated_rows.h>
-#include <espalier/stencils/table_builder.h>
 #include <espalier/stencils/vertex_parents.h>
 
 #include <algorithm>
