@@ -86,9 +86,6 @@ StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
 
 /// The product of two tables: row i is Σ_k left(i, k) · right(k, ·). Sums are made in double.
 ///
-/// Nested lattices: with D_child, of points bound to a lattice, and D_parent, of that lattice's
-/// vertices bound to another, D_child · D_parent carries the points with the outer one.
-///
 /// \param order which rows of `left` lead to the same columns. The result does not depend on it,
 ///        only the time
 /// \throws Error if left.columnCount() is not right.rowCount()

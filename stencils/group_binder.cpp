@@ -14,20 +14,10 @@ namespace {
 
 using Eigen::Vector3d;
 using far::CellId;
+using Extent = far::TopologyRefiner::Extent;
 
 Vector3d at(std::span<const Point3> points, Index i) {
     return Vector3d(points[static_cast<std::size_t>(i)].data());
-}
-
-/// The boxes of a level may miss those of the last one by the rounding of the sums between, which
-/// is relative to where the lattice lies: some 100 times 1e-16 a level.
-constexpr double kSlack = 1e-12;
-
-double largestCoordinate(std::span<const Point3> positions) {
-    double largest = 0;
-    for (const Point3& position : positions)
-        for (const double coordinate : position) largest = std::max(largest, std::abs(coordinate));
-    return largest;
 }
 
 /// The cells sought for each point: those of point i are cells[offsets[i]] to … [i + 1], ascending.
@@ -91,8 +81,7 @@ PartBinder<Table>::PartBinder(const far::TopologyRefiner& base, std::span<const 
     : level_(level),
       seekNearest_(options.outside == OutsidePolicy::Nearest),
       scale_(CellSolver::scaleOf(positions, options.tolerance)),
-      descent_(base, positions, rules,
-               scale_.tolerance + kSlack * (scale_.size + largestCoordinate(positions))) {}
+      descent_(base, positions, rules, scale_) {}
 
 template <class Table>
 std::vector<BoundPart<Table>> PartBinder<Table>::bind(std::span<const Point3> points) const {
@@ -112,7 +101,7 @@ std::vector<BoundPart<Table>> PartBinder<Table>::bind(std::span<const Point3> po
 template <class Table>
 BoundPart<Table> PartBinder<Table>::bindInside(std::span<const Point3> points,
                                                std::vector<Index>& unsettled) const {
-    const auto found = descent_.descend(points, level_, Sought::Containing);
+    const auto found = descent_.descend(points, level_, Sought::Containing, Extent::Cells);
     if (!found)
         return bindWith<Table>(
             points.size(), 0,
@@ -145,7 +134,8 @@ BoundPart<Table> PartBinder<Table>::bindInside(std::span<const Point3> points,
 /// Binds points that are in no cell by the nearest one.
 template <class Table>
 BoundPart<Table> PartBinder<Table>::bindBeside(std::span<const Point3> points) const {
-    const auto found = descent_.descend(points, level_, Sought::Nearest);
+    // Whether a place beside a cell is on the boundary, its neighbours know.
+    const auto found = descent_.descend(points, level_, Sought::Nearest, Extent::Ring);
     const far::CellComplex& complex = found->refiner.level(level_).complex;
     const CellSolver solver(complex, found->positions, scale_);
     const auto cells = cellsOfPoints(*found, points.size(), [](Index, Index) { return true; });

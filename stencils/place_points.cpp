@@ -23,6 +23,24 @@ void checkPositions(const far::CellComplex& complex, std::span<const Point3> pos
     }
 }
 
+void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positions, int level) {
+    if (base.dimension() != 3)
+        throw Error("points can be bound to a lattice only, not to a complex of dimension " +
+                    std::to_string(base.dimension()));
+    if (base.maxLevel() != 0)
+        throw Error("points are bound to a base that has not been refined; this one has " +
+                    std::to_string(base.maxLevel()) + " levels more");
+    if (level < 1)
+        throw Error("points are bound to level 1 or above, not to level " + std::to_string(level));
+    const far::Level& lattice = base.level(0);
+    checkPositions(lattice.complex, positions);
+    // Without boundary control there may be no next level: refining says what is missing.
+    bool isLeft = false;
+    for (Index vertex = 0; vertex < lattice.complex.count(0); ++vertex)
+        isLeft = isLeft || !lattice.strata.isOpen({0, vertex});
+    if (!isLeft) far::TopologyRefiner(base).refineUniform(1);
+}
+
 double checkedTolerance(double tolerance) {
     if (std::isfinite(tolerance) && tolerance >= 0) return tolerance;
     throw Error("the tolerance is " + std::to_string(tolerance) + "; expected 0 or more");

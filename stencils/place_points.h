@@ -22,6 +22,11 @@ inline std::array<double, 3> toArray(const Eigen::Vector3d& v) {
 /// \throws Error if `positions` are not one a vertex, or not finite
 void checkPositions(const far::CellComplex& complex, std::span<const Point3> positions);
 
+/// Checks that points can be bound to a level of a base.
+/// \throws Error for a base that is no lattice or has been refined, and a level below 1; as
+///         checkPositions(); and what refining a base throws of which nothing is left
+void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positions, int level);
+
 /// The tolerance, if it is one.
 /// \throws Error if it is not finite or negative
 double checkedTolerance(double tolerance);

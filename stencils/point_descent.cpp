@@ -4,6 +4,7 @@
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -11,11 +12,23 @@ namespace espalier::stencils {
 
 using Eigen::Vector3d;
 using Bound = std::optional<CellBound>;
+using Extent = far::TopologyRefiner::Extent;
 
 namespace {
 
 Vector3d at(std::span<const Point3> positions, Index index) {
     return Vector3d(positions[static_cast<std::size_t>(index)].data());
+}
+
+/// The boxes of a level may miss those of the last one by the rounding of the sums between, which
+/// is relative to where the lattice lies: some 100 times 1e-16 a level.
+constexpr double kSlack = 1e-12;
+
+double largestCoordinate(std::span<const Point3> positions) {
+    double largest = 0;
+    for (const Point3& position : positions)
+        for (const double coordinate : position) largest = std::max(largest, std::abs(coordinate));
+    return largest;
 }
 
 /// The cells that have a bound, or those that have none.
@@ -119,11 +132,11 @@ void keepNearest(const far::CellComplex& complex, std::span<const Point3> positi
 }  // namespace
 
 PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                           Rules rules, double margin)
+                           Rules rules, CellSolver::Scale scale)
     : base_(base),
       positions_(positions),
       rules_(rules),
-      margin_(margin),
+      margin_(scale.tolerance + kSlack * (scale.size + largestCoordinate(positions))),
       bounds_([&] {
           const CellBounds bounds(base.level(0), positions, base.options().creasing);
           std::vector<Bound> result;
@@ -133,7 +146,7 @@ PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Poi
       }()),
       bounded_(cellsWith(bounds_, true)),
       unbounded_(cellsWith(bounds_, false)),
-      tree_(boxesOf(bounds_, bounded_, margin)) {}
+      tree_(boxesOf(bounds_, bounded_, margin_)) {}
 
 PointDescent::Candidates PointDescent::baseCandidates(std::span<const Point3> points,
                                                       Sought sought) const {
@@ -170,7 +183,7 @@ PointDescent::Candidates PointDescent::baseCandidates(std::span<const Point3> po
 }
 
 std::optional<FoundCells> PointDescent::descend(std::span<const Point3> points, int level,
-                                                Sought sought) const {
+                                                Sought sought, Extent extent) const {
     FoundCells found{base_, {}, {positions_.begin(), positions_.end()}, {}, {}, {}};
     Candidates candidates = baseCandidates(points, sought);
     candidates.filter(
@@ -180,10 +193,7 @@ std::optional<FoundCells> PointDescent::descend(std::span<const Point3> points, 
         if (sought == Sought::Nearest)
             keepNearest(parent, found.positions, points, margin_, candidates);
         if (candidates.cells.empty()) return std::nullopt;
-        // Whether a place beside a cell is on the boundary, its neighbours know.
-        const bool isEnough = k + 1 == level && sought == Sought::Containing;
-        found.refiner.refineAround(candidates.cells, isEnough ? far::TopologyRefiner::Extent::Cells
-                                                              : far::TopologyRefiner::Extent::Ring);
+        found.refiner.refineAround(candidates.cells, k + 1 == level ? extent : Extent::Ring);
         found.tables.push_back(buildLevelTable(found.refiner, k + 1, rules_));
         found.positions = applyLevelTable(found.tables.back(), found.positions);
 

@@ -4,6 +4,7 @@
 #include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/box_tree.h>
+#include <espalier/stencils/cell_solver.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -36,17 +37,17 @@ struct FoundCells {
 class PointDescent {
 public:
     /// \param base a lattice at level 0; must outlive this, as the positions of its vertices
-    /// \param margin how far from the box of a cell, as a length, a point still counts as in it
     PointDescent(const far::TopologyRefiner& base, std::span<const Point3> positions, Rules rules,
-                 double margin);
+                 CellSolver::Scale scale);
 
     /// \param level 1 or above
+    /// \param extent how much of the level is made around the cells that were sought
     /// \return nothing if no cell is sought
     /// \throws TopologyError as far::TopologyRefiner::refineAround()
     /// \cost O(points × (level + log base cells)), once the lattice is fine enough to tell the
     ///       points apart
-    std::optional<FoundCells> descend(std::span<const Point3> points, int level,
-                                      Sought sought) const;
+    std::optional<FoundCells> descend(std::span<const Point3> points, int level, Sought sought,
+                                      far::TopologyRefiner::Extent extent) const;
 
 private:
     struct Candidates;
@@ -55,7 +56,7 @@ private:
     const far::TopologyRefiner& base_;
     std::span<const Point3> positions_;
     Rules rules_;
-    double margin_;
+    double margin_;  ///< how far from the box of a cell a point still counts as in it
     std::vector<std::optional<CellBound>> bounds_;  ///< of the base cells
     std::vector<Index> bounded_, unbounded_;        ///< those that have one, and the others
     BoxTree tree_;                                  ///< over these

@@ -1,46 +1,136 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/local_binding.h>
+#include <espalier/stencils/nested_lattices.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <limits>
 
 #include "support/refined_lattice.h"
 #include "support/zoo.h"
 
-// A lattice embedded in another moves with it, and carries its model along: x' = D_child · D_parent
-// · p', one table.
+// A lattice in another moves with it, and carries its model along.
 namespace espalier::stencils {
 namespace {
 
-StencilTable<double> bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points) {
-    return bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions, level,
-                              Rules::Siggraph96, points, {.outside = OutsidePolicy::Error})
+using test::vec;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr auto kRules = Rules::Siggraph96;
+constexpr int kLevel = 2;
+
+StencilTable<double> bindTo(const Lattice& lattice, const std::vector<Point3>& points) {
+    return bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions, kLevel,
+                              kRules, points, {.outside = OutsidePolicy::Error})
         .binding.table;
 }
 
-TEST(NestedLattices, AreOneTable) {
-    const Lattice parent = shapes::cylinder({.sectors = 5});
-    const Lattice child =
+std::vector<Point3> moved(std::vector<Point3> positions, double amount, unsigned seed) {
+    const auto random = test::randomValues(3 * positions.size(), seed);
+    for (std::size_t i = 0; i < random.size(); ++i) positions[i / 3][i % 3] += amount * random[i];
+    return positions;
+}
+
+/// A box in a cylinder, and points in the box.
+struct Nest {
+    Lattice parent = shapes::cylinder({.sectors = 5});
+    far::TopologyRefiner parentBase{parent.complex};
+    Lattice child =
         shapes::box({.cells = {2, 1, 1}, .min = {-0.3, -0.2, 0.3}, .max = {0.3, 0.2, 0.7}});
-    const auto points = test::pointsIn(test::Refined(child, 2), 200, 3);
-    const auto ofChild = bindTo(child, 2, points);
-    const auto ofParent = bindTo(parent, 2, child.positions);
-    const auto nested = multiply<double>(ofChild, ofParent);
-    EXPECT_EQ(nested.rowCount(), 200);
-    EXPECT_EQ(nested.columnCount(), parent.complex.count(0));
-    // At rest the points come back.
-    const auto atRest = applyLevelTable(nested, parent.positions);
-    // A pose moves the child, and that its points.
-    auto pose = parent.positions;
-    const auto random = test::randomValues(3 * pose.size(), 4);
-    for (std::size_t i = 0; i < random.size(); ++i) pose[i / 3][i % 3] += 0.2 * random[i];
-    const auto expected = applyLevelTable(ofChild, applyLevelTable(ofParent, pose));
-    const auto moved = applyLevelTable(nested, pose);
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
-            EXPECT_NEAR(atRest[i][c], points[i][c], 1e-14);
-            EXPECT_NEAR(moved[i][c], expected[i][c], 1e-14);
+    std::vector<Point3> points = test::pointsIn(test::Refined(child, kLevel), 200, 3);
+    StencilTable<double> ofChild = bindTo(child, points);
+
+    StencilTable<double> nest(const std::vector<Point3>& childPose,
+                              const EmbeddingOptions& options = {}) const {
+        return nestTables(ofChild, childPose, parentBase, parent.positions, kLevel, kRules,
+                          options);
+    }
+};
+
+// Sums of some hundred products of weights and coordinates near 1.
+constexpr double kRounding = 1e-14;
+
+void expectNear(const std::vector<Point3>& got, const std::vector<Point3>& expected) {
+    ASSERT_EQ(got.size(), expected.size());
+    for (std::size_t i = 0; i < got.size(); ++i)
+        EXPECT_LT((vec(got[i]) - vec(expected[i])).cwiseAbs().maxCoeff(), kRounding) << i;
+}
+
+TEST(NestedLattices, AreOneTable) {
+    const Nest nest;
+    const auto table = nest.nest(nest.child.positions);
+    EXPECT_EQ(table.rowCount(), 200);
+    EXPECT_EQ(table.columnCount(), nest.parent.complex.count(0));
+    expectNear(applyLevelTable(table, nest.parent.positions), nest.points);
+    const auto pose = moved(nest.parent.positions, 0.2, 4);
+    const auto carried = applyLevelTable(bindTo(nest.parent, nest.child.positions), pose);
+    expectNear(applyLevelTable(table, pose), applyLevelTable(nest.ofChild, carried));
+}
+
+// A posed child in a parent that turns, stretches and shears: the map of the parent is affine then,
+// so the points must go where it takes what the child makes of them. To add the displacements of
+// the child after the parent's would leave them as they were, in a frame that has turned.
+TEST(NestedLattices, PoseTheChildInTheFrameOfTheParent) {
+    const Nest nest;
+    const auto childPose = moved(nest.child.positions, 0.1, 5);
+    Eigen::Affine3d map = Eigen::Affine3d::Identity();
+    map.translate(Eigen::Vector3d(1, -2, 3));
+    map.rotate(Eigen::AngleAxisd(1.5, Eigen::Vector3d(1, 2, 3).normalized()));
+    map.scale(Eigen::Vector3d(2, 0.5, 1));
+    const auto mapped = [&](std::vector<Point3> points) {
+        for (Point3& p : points) {
+            const Eigen::Vector3d q = map * vec(p);
+            p = {q[0], q[1], q[2]};
         }
+        return points;
+    };
+    expectNear(applyLevelTable(nest.nest(childPose), mapped(nest.parent.positions)),
+               mapped(applyLevelTable(nest.ofChild, childPose)));
+}
+
+// In a parent that bends: each vertex of the posed child goes where the parent takes a point there.
+TEST(NestedLattices, PosedVerticesGoAsPointsOfTheParentDo) {
+    const Nest nest;
+    const auto childPose = moved(nest.child.positions, 0.1, 6);
+    const auto pose = moved(nest.parent.positions, 0.2, 7);
+    expectNear(
+        applyLevelTable(nest.nest(childPose), pose),
+        applyLevelTable(nest.ofChild, applyLevelTable(bindTo(nest.parent, childPose), pose)));
+}
+
+TEST(NestedLattices, GoAsDeepAsWanted) {
+    const Nest nest;
+    const Lattice outermost =
+        shapes::box({.cells = {2, 2, 2}, .min = {-2, -2, -1}, .max = {2, 2, 2}});
+    const far::TopologyRefiner base(outermost.complex);
+    const auto table = nestTables(nest.nest(nest.child.positions), nest.parent.positions, base,
+                                  outermost.positions, kLevel, kRules);
+    const auto pose = moved(outermost.positions, 0.2, 8);
+    const auto parentPose = applyLevelTable(bindTo(outermost, nest.parent.positions), pose);
+    expectNear(applyLevelTable(table, pose),
+               applyLevelTable(nest.nest(nest.child.positions), parentPose));
+}
+
+TEST(NestedLattices, RefuseWhatDoesNotFit) {
+    const Nest nest;
+    auto outside = nest.child.positions;
+    outside[3] = {5, 0, 0};
+    for (const auto policy : {OutsidePolicy::Keep, OutsidePolicy::Error})
+        EXPECT_THAT([&] { nest.nest(outside, {.outside = policy}); },
+                    ThrowsMessage<Error>(
+                        HasSubstr("vertex 3 of the child lies outside of the parent lattice")));
+    EXPECT_EQ(nest.nest(outside, {.outside = OutsidePolicy::Nearest}).rowCount(), 200);
+    outside.pop_back();
+    EXPECT_THAT([&] { nest.nest(outside); },
+                ThrowsMessage<Error>(HasSubstr("got 11 positions for 12 vertices of the child")));
+    auto nowhere = nest.child.positions;
+    nowhere[2][1] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THAT([&] { nest.nest(nowhere); }, ThrowsMessage<Error>(HasSubstr("vertex 2 of the ")));
 }
 
 }  // namespace

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+#include <espalier/stencils/nested_lattices.h>
+
+#include <string>
+
+namespace espalier::stencils {
+
+StencilTable<double> nestTables(const StencilTable<double>& child,
+                                std::span<const Point3> childPose,
+                                const far::TopologyRefiner& parent,
+                                std::span<const Point3> parentRest, int level, Rules rules,
+                                const EmbeddingOptions& options) {
+    if (childPose.size() != static_cast<std::size_t>(child.columnCount()))
+        throw Error("got " + std::to_string(childPose.size()) + " positions for " +
+                    std::to_string(child.columnCount()) + " vertices of the child");
+    EmbeddingOptions embedding = options;
+    if (embedding.outside == OutsidePolicy::Error) embedding.outside = OutsidePolicy::Keep;
+    const auto bound = bindPoints<double>(parent, parentRest, level, rules, childPose, embedding);
+    // A vertex that stays where it is has no row of weights.
+    if (!bound.binding.kept.empty())
+        throw Error("vertex " + std::to_string(bound.binding.kept.front()) +
+                    " of the child lies outside of the parent lattice");
+    return multiply<double>(child, bound.binding.table);
+}
+
+}  // namespace espalier::stencils

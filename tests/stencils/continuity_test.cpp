@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/continuity.h>
+#include <espalier/stencils/local_binding.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "support/refined_lattice.h"
+#include "support/threads.h"
+#include "support/zoo.h"
+
+namespace espalier::stencils {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr auto kRules = Rules::Siggraph96;
+
+/// The faces of a lattice all of whose vertices satisfy a condition.
+template <class Condition>
+std::vector<Index> facesWhere(const Lattice& lattice, Condition condition) {
+    std::vector<Index> faces;
+    for (Index face = 0; face < lattice.complex.count(2); ++face) {
+        const auto vertices = lattice.complex.relation(2, 0)[face];
+        if (std::all_of(vertices.begin(), vertices.end(), [&](Index v) {
+                return condition(lattice.positions[static_cast<std::size_t>(v)]);
+            }))
+            faces.push_back(face);
+    }
+    return faces;
+}
+
+template <class Condition>
+std::vector<Index> verticesWhere(const Lattice& lattice, Condition condition) {
+    std::vector<Index> vertices;
+    for (std::size_t v = 0; v < lattice.positions.size(); ++v)
+        if (condition(lattice.positions[v])) vertices.push_back(static_cast<Index>(v));
+    return vertices;
+}
+
+// A box is the tricubic B-spline with a layer 2P₀ − P₁ around it, whose first derivative on a side
+// is P₁ − P₀, and whose second is 0.
+TEST(Continuity, OfASideOfABoxIsALayerOrTwo) {
+    const Lattice box = shapes::box({.cells = {4, 3, 3}, .max = {4, 3, 3}});
+    const far::TopologyRefiner base(box.complex);
+    const auto side = facesWhere(box, [](const Point3& p) { return p[0] == 0; });
+    ASSERT_EQ(side.size(), 9U);
+    EXPECT_EQ(verticesHoldingFaces(base, kRules, side, Continuity::C0),
+              verticesWhere(box, [](const Point3& p) { return p[0] == 0; }));
+    for (const auto continuity : {Continuity::C1, Continuity::C2})
+        EXPECT_EQ(verticesHoldingFaces(base, kRules, side, continuity),
+                  verticesWhere(box, [](const Point3& p) { return p[0] <= 1; }));
+}
+
+// Inside, the place of a knot of the cubic B-spline is made by (1, 4, 1)/6, its first derivative by
+// (−1, 0, 1)/2, its second by (1, −2, 1): the same three layers.
+TEST(Continuity, OfAPlaneInsideABoxIsThreeLayers) {
+    const Lattice box = shapes::box({.cells = {6, 2, 2}, .max = {6, 2, 2}});
+    const far::TopologyRefiner base(box.complex);
+    const auto plane = facesWhere(box, [](const Point3& p) { return p[0] == 3; });
+    ASSERT_EQ(plane.size(), 4U);
+    for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2})
+        EXPECT_EQ(verticesHoldingFaces(base, kRules, plane, continuity),
+                  verticesWhere(box, [](const Point3& p) { return p[0] >= 2 && p[0] <= 4; }));
+}
+
+/// The slow way: a whole level, the vertices of it that lie on the faces, and what they depend on.
+struct WholeLevel {
+    far::TopologyRefiner refiner;
+    int level;
+    far::ByEntity<std::uint8_t> isHeld;
+
+    WholeLevel(const far::TopologyRefiner& base, int levels, const std::vector<Index>& faces)
+        : refiner(base), level(levels) {
+        refiner.refineUniform(levels);
+        const far::CellComplex& complex = base.level(0).complex;
+        for (int d = 0; d <= 3; ++d)
+            isHeld[static_cast<std::size_t>(d)].resize(static_cast<std::size_t>(complex.count(d)));
+        for (const Index face : faces)
+            for (int d = 0; d <= 2; ++d)
+                for (const Index part : complex.relation(2, d)[face])
+                    isHeld[static_cast<std::size_t>(d)][static_cast<std::size_t>(part)] = 1;
+        for (int k = 1; k <= level; ++k) isHeld = refiner.refinement(k).inherit(isHeld);
+    }
+
+    const far::CellComplex& complex() const { return refiner.level(level).complex; }
+
+    std::set<Index> held() const {
+        std::set<Index> vertices;
+        for (std::size_t v = 0; v < isHeld[0].size(); ++v)
+            if (isHeld[0][v]) vertices.insert(static_cast<Index>(v));
+        return vertices;
+    }
+    /// The vertices of the cells that have one of some vertices.
+    std::set<Index> around(const std::set<Index>& vertices) const {
+        std::set<Index> result;
+        for (const Index v : vertices)
+            for (const Index cell : complex().relation(0, 3)[v])
+                for (const Index w : complex().relation(3, 0)[cell]) result.insert(w);
+        return result;
+    }
+    StencilTable<double> rows(const std::set<Index>& vertices) const {
+        return buildStencils<double>(refiner, level, kRules,
+                                     std::vector<Index>(vertices.begin(), vertices.end()));
+    }
+    std::vector<Index> columns(const std::set<Index>& vertices) const {
+        const auto table = rows(vertices);
+        std::set<Index> result;
+        for (Index row = 0; row < table.rowCount(); ++row)
+            for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                if (std::abs(table.weights(row)[k]) > 1e-11) result.insert(table.columns(row)[k]);
+        return {result.begin(), result.end()};
+    }
+};
+
+/// Some faces of a lattice to hold: its boundary, a corner of that, and one face inside.
+std::vector<std::vector<Index>> partsOf(const far::CellComplex& complex) {
+    std::vector<std::vector<Index>> parts(2);
+    std::optional<Index> inside;
+    for (Index face = 0; face < complex.count(2); ++face)
+        if (complex.relation(2, 3)[face].size() == 1)
+            parts[0].push_back(face);
+        else
+            inside = face;
+    const Index corner = complex.relation(2, 0)[parts[0].front()][0];
+    for (const Index face : parts[0]) {
+        const auto vertices = complex.relation(2, 0)[face];
+        if (std::find(vertices.begin(), vertices.end(), corner) != vertices.end())
+            parts[1].push_back(face);
+    }
+    if (inside) parts.push_back({*inside});
+    return parts;
+}
+
+// In lattices of every kind: whatever level is looked at, from the second on, the faces depend on
+// the same vertices, and so do the cells beside them.
+TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
+    for (const auto& [name, lattice] : test::zoo())
+        for (const auto boundary : {far::Boundary::Sharp, far::Boundary::EdgeOnly}) {
+            const far::TopologyRefiner base(lattice.complex,
+                                            {.boundary = boundary, .marks = lattice.marks});
+            for (const auto& faces : partsOf(lattice.complex))
+                for (const int level : {2, 3}) {
+                    if (level == 3 && lattice.complex.count(3) > 12) continue;
+                    SCOPED_TRACE(name + ", level " + std::to_string(level));
+                    const WholeLevel whole(base, level, faces);
+                    EXPECT_EQ(verticesHoldingFaces(base, kRules, faces, Continuity::C0),
+                              whole.columns(whole.held()));
+                    for (const auto continuity : {Continuity::C1, Continuity::C2})
+                        EXPECT_EQ(verticesHoldingFaces(base, kRules, faces, continuity),
+                                  whole.columns(whole.around(whole.held())));
+                }
+        }
+}
+
+// With the vertices of C1 frozen, all that moves near the faces does so as h³ or so: from one level
+// to the next, where distances are halved, the vertices just beyond those that stay move less than
+// a quarter as far. So first and second differences vanish.
+TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        if (lattice.complex.count(3) > 12) continue;
+        const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
+        for (const auto& faces : partsOf(lattice.complex)) {
+            SCOPED_TRACE(name);
+            const auto frozen = verticesHoldingFaces(base, kRules, faces, Continuity::C1);
+            double before = 0;
+            for (const int level : {2, 3}) {
+                const WholeLevel whole(base, level, faces);
+                const auto table = whole.rows(whole.around(whole.around(whole.held())));
+                double farthest = 0;
+                for (Index row = 0; row < table.rowCount(); ++row) {
+                    double sum = 0;
+                    for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                        if (!std::binary_search(frozen.begin(), frozen.end(),
+                                                table.columns(row)[k]))
+                            sum += std::abs(table.weights(row)[k]);
+                    farthest = std::max(farthest, sum);
+                }
+                if (level == 3) {
+                    EXPECT_LT(farthest, 0.25 * before + 1e-12);
+                }
+                before = farthest;
+            }
+        }
+    }
+}
+
+/// A model in a lattice, and a part of it to hold.
+struct Held {
+    Lattice lattice = shapes::box({.cells = {6, 4, 4}, .max = {6, 4, 4}});
+    far::TopologyRefiner base{lattice.complex};
+    std::vector<Point3> part;
+
+    explicit Held(unsigned seed = 5) {
+        for (const Point3& p : test::pointsIn(test::Refined(lattice, 1), 400, seed))
+            if (p[0] < 1.8) part.push_back(p);
+    }
+    std::vector<Index> freeze(Continuity continuity, int level = 2) const {
+        return verticesHoldingPoints(base, lattice.positions, level, kRules, part, continuity);
+    }
+    /// Positions with all vertices moved but the frozen ones.
+    std::vector<Point3> pose(const std::vector<Index>& frozen) const {
+        auto positions = lattice.positions;
+        const auto random = test::randomValues(3 * positions.size(), 7);
+        for (std::size_t i = 0; i < random.size(); ++i)
+            if (!std::binary_search(frozen.begin(), frozen.end(), static_cast<Index>(i / 3)))
+                positions[i / 3][i % 3] += random[i];
+        return positions;
+    }
+    /// How far points go when all that is not frozen moves.
+    double largestMove(const std::vector<Index>& frozen, const std::vector<Point3>& points) const {
+        const auto table =
+            bindPoints<double>(base, lattice.positions, 2, kRules, points).binding.table;
+        const auto moved = applyLevelTable(table, pose(frozen));
+        const auto atRest = applyLevelTable(table, lattice.positions);
+        double largest = 0;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            largest = std::max(largest, (test::vec(moved[i]) - test::vec(atRest[i])).lpNorm<1>());
+        return largest;
+    }
+};
+
+TEST(Continuity, HeldPointsStay) {
+    const Held held;
+    const auto frozen = held.freeze(Continuity::C0);
+    // Sums of at most 64 products of numbers below 10, in double.
+    EXPECT_LT(held.largestMove(frozen, held.part), 1e-13);
+    // None is frozen in vain.
+    for (std::size_t i = 0; i < frozen.size(); ++i) {
+        auto fewer = frozen;
+        fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+        EXPECT_GT(held.largestMove(fewer, held.part), 1e-9) << frozen[i];
+    }
+    EXPECT_LT(frozen.size(), held.lattice.positions.size());
+}
+
+// The points beside, by half a cell of the level in each direction, stay as well.
+TEST(Continuity, WhatIsBesideHeldPointsStaysToo) {
+    const Held held;
+    for (const auto continuity : {Continuity::C1, Continuity::C2}) {
+        const auto frozen = held.freeze(continuity);
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double step : {-0.125, 0.125}) {
+                auto moved = held.part;
+                for (Point3& p : moved)
+                    p[static_cast<std::size_t>(axis)] =
+                        std::clamp(p[static_cast<std::size_t>(axis)] + step, 0.0, axis ? 4.0 : 6.0);
+                EXPECT_LT(held.largestMove(frozen, moved), 1e-13);
+            }
+        const auto least = held.freeze(Continuity::C0);
+        EXPECT_TRUE(std::includes(frozen.begin(), frozen.end(), least.begin(), least.end()));
+    }
+}
+
+// What happens in the middle of a base cell is made by all 4³ vertices around. A point on a corner
+// of the lattice is made by that alone; its cell of level 2 and those around reach as far as 1/2,
+// and the point there, of level 1, depends on that of vertex 1, which depends on 0 to 2.
+TEST(Continuity, OfPointsInTheMiddleAndInACorner) {
+    Held held;
+    const auto block = [&](double low, double high) {
+        return verticesWhere(held.lattice, [&](const Point3& p) {
+            return std::all_of(p.begin(), p.end(), [&](double c) { return c >= low && c <= high; });
+        });
+    };
+    held.part = {{1.4, 1.4, 1.4}};
+    EXPECT_EQ(held.freeze(Continuity::C2), block(0, 3));
+    held.part = {{0, 0, 0}};
+    EXPECT_EQ(held.freeze(Continuity::C0), block(0, 0));
+    EXPECT_EQ(held.freeze(Continuity::C1), block(0, 2));
+}
+
+TEST(Continuity, PointsOutsideAskForNothing) {
+    Held held;
+    held.part = {{-1, 0, 0}, {1e9, 0, 0}, {std::numeric_limits<double>::quiet_NaN(), 0, 0}};
+    for (const auto continuity : {Continuity::C0, Continuity::C2})
+        EXPECT_TRUE(held.freeze(continuity).empty());
+}
+
+TEST(Continuity, DoesNotDependOnThreads) {
+    const Held held(9);
+    const auto expected = held.freeze(Continuity::C2);
+    for (const int threads : {1, 5})
+        test::withThreads(threads, [&] { EXPECT_EQ(held.freeze(Continuity::C2), expected); });
+}
+
+TEST(Continuity, RefusesWhatCannotBeHeld) {
+    Held held;
+    const auto hold = [&](const far::TopologyRefiner& base, std::vector<Index> faces) {
+        return [&base, faces] { verticesHoldingFaces(base, kRules, faces, Continuity::C0); };
+    };
+    EXPECT_THAT(hold(held.base, {}), ThrowsMessage<Error>(HasSubstr("there are no faces to hold")));
+    EXPECT_THAT(hold(held.base, {0, 9999}),
+                ThrowsMessage<Error>(HasSubstr("there is no face 9999 to hold; the lattice has ")));
+    EXPECT_THAT(hold(held.base, {-1}), ThrowsMessage<Error>(HasSubstr("there is no face -1")));
+    const far::TopologyRefiner open(held.lattice.complex, {.boundary = far::Boundary::Open});
+    EXPECT_THAT(hold(open, {0}), ThrowsMessage<Error>(HasSubstr("without boundary control")));
+    far::TopologyRefiner refined(held.lattice.complex);
+    refined.refineUniform(1);
+    EXPECT_THAT(hold(refined, {0}), ThrowsMessage<Error>(HasSubstr("has not been refined")));
+    held.part.clear();
+    EXPECT_THAT([&] { held.freeze(Continuity::C1); },
+                ThrowsMessage<Error>(HasSubstr("there are no points to hold")));
+    held.part = {{1, 1, 1}};
+    EXPECT_THAT([&] { held.freeze(Continuity::C1, 0); },
+                ThrowsMessage<Error>(HasSubstr("level 1 or above")));
+}
+
+}  // namespace
+}  // namespace espalier::stencils
