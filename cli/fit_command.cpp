@@ -15,6 +15,7 @@
 #include "bind_model.h"
 #include "choice.h"
 #include "commands.h"
+#include "held_part.h"
 #include "pipeline.h"
 #include "run_report.h"
 
@@ -23,6 +24,7 @@ namespace {
 
 struct Options : BindOptions {
     std::string targets;
+    HoldOptions hold;
     solve::FitOptions fit;
     std::string output;
     ReportFormat report = ReportFormat::Text;
@@ -87,13 +89,15 @@ void checkInside(const Options& options, const Wishes& wishes, const BoundPoints
                           : io::FileError(options.model, cause);
 }
 
-void printFit(const Options& options, const Wishes& wishes, const solve::LatticeFit& fit) {
+void printFit(const Options& options, const Wishes& wishes, std::size_t heldCount,
+              const solve::LatticeFit& fit) {
     double largest = 0;
     for (const Point3& displacement : fit.displacements)
         largest = std::max(largest, std::hypot(displacement[0], displacement[1], displacement[2]));
     if (options.report == ReportFormat::Json) {
         const nlohmann::ordered_json json = {
             {"targets", wishes.targets.size()},
+            {"held_vertices", heldCount},
             {"largest_miss", fit.largestMiss},
             {"rms_miss", fit.meanMiss},
             {"largest_displacement", largest},
@@ -104,6 +108,7 @@ void printFit(const Options& options, const Wishes& wishes, const solve::Lattice
         return;
     }
     fmt::print("targets               {}\n", wishes.targets.size());
+    if (options.hold.box) fmt::print("held vertices         {}\n", heldCount);
     fmt::print("largest miss          {:.3g}\n", fit.largestMiss);
     fmt::print("root mean square miss {:.3g}\n", fit.meanMiss);
     fmt::print("largest displacement  {:.3g}\n", largest);
@@ -128,13 +133,16 @@ void run(const Options& options) {
         bind.common.embedding.outside = stencils::OutsidePolicy::Keep;
     const BoundPoints bound = bindPoints(bind, wishes.points, lattice, stages);
     checkInside(options, wishes, bound);
+    const auto held = heldVertices(options.hold, options, model->positions(), lattice);
+    solve::FitOptions fitOptions = options.fit;
+    fitOptions.frozen.insert(fitOptions.frozen.end(), held.begin(), held.end());
     const auto fit = stages.run("solving", [&] {
-        return solve::fitLattice(bound.binding.table, wishes.misses, lattice.complex, options.fit);
+        return solve::fitLattice(bound.binding.table, wishes.misses, lattice.complex, fitOptions);
     });
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) lattice.positions[v][c] += fit.displacements[v][c];
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
-    if (!options.common.quiet) printFit(options, wishes, fit);
+    if (!options.common.quiet) printFit(options, wishes, held.size(), fit);
 }
 
 }  // namespace
@@ -160,6 +168,7 @@ void addFitCommand(CLI::App& program) {
         ->capture_default_str();
     command.add_option("--freeze", options->fit.frozen, "Vertices of the lattice that stay")
         ->delimiter(',');
+    addHoldOptions(command, options->hold, *options);
     addChoice<solve::Undetermined>(command, "--undetermined", options->fit.undetermined,
                                    kUndetermined,
                                    "Where the targets leave vertices open: take the smallest "

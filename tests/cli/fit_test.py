@@ -74,6 +74,28 @@ class Fit(CliTest):
             self.assertEqual(pose[vertex], rest[vertex])
         self.assertNotEqual(pose, rest)
 
+    def test_what_is_held_stays(self):
+        self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 6, "--from", 0.5, 0.5, -0.2,
+                         "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "rest.ovm")
+        rest = self.read_ovm_positions("rest.ovm")
+        layer = [sum(p[2] < -0.2 + k * 1.4 / 6 + 1e-9 for p in rest) for k in range(3)]
+        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        # A cap of the cylinder, in a box without height.
+        for continuity, count in [("c0", layer[0]), ("c1", layer[1]), ("c2", layer[1])]:
+            report = self.fit("t.txt", "--hold", -9, -9, -0.2, 9, 9, -0.2, "--continuity", continuity)
+            self.assertEqual(report["held_vertices"], count)
+            pose = self.read_ovm_positions("pose.ovm")
+            self.assertEqual([p for p, q in zip(pose, rest) if q[2] < -0.2 + 1e-9],
+                             [q for q in rest if q[2] < -0.2 + 1e-9])
+        # A part of the model.
+        self.assertGreater(self.fit("t.txt", "--hold", 0, 0, 0, 1, 1, 0.3)["held_vertices"], layer[0])
+        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "pose.ovm", "-n", 2,
+                         "-o", "moved.obj")
+        moved = self.read_points("moved.obj")
+        held = [i for i, p in enumerate(self.points) if p[2] <= 0.3]
+        self.assert_close([moved[i] for i in held], [self.points[i] for i in held], 1e-14)
+        self.assert_close([moved[7]], [(0.5, 0.5, 1.1)], 1e-12)
+
     def test_text_report(self):
         (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
         out = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
@@ -96,6 +118,12 @@ class Fit(CliTest):
         (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
         self.assertIn("undetermined", self.error_of_fit("t.txt", "--undetermined", "refuse"))
         self.assertIn("vertex 999", self.error_of_fit("t.txt", "--freeze", "999"))
+        self.assertIn("--hold: no point of model.obj lies in the box, and no face of the boundary "
+                      "of rest.ovm", self.error_of_fit("t.txt", "--hold", 5, 5, 5, 6, 6, 6))
+        self.assertIn("--hold: the box runs from 1 to 0",
+                      self.error_of_fit("t.txt", "--hold", 0, 1, 0, 1, 0, 1))
+        self.assertIn("--hold", self.error_of_fit("t.txt", "--continuity", "c1", code=2))
+        self.assertIn("--hold", self.error_of_fit("t.txt", "--hold", 0, 1, 0, code=2))
         self.assertIn("strength", self.error_of_fit("t.txt", "--strength", "0"))
         self.write_model(self.points[:-1], "fewer.obj")
         self.assertIn("fewer.obj: has 399 points; model.obj has 400",

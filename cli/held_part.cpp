@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "held_part.h"
+
+#include <espalier/far/error.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "choice.h"
+#include "pipeline.h"
+
+namespace espalier::cli {
+namespace {
+
+using far::Index;
+using stencils::Continuity;
+
+const std::map<std::string, Continuity> kContinuities = {
+    {"c0", Continuity::C0}, {"c1", Continuity::C1}, {"c2", Continuity::C2}};
+
+bool isIn(const std::array<double, 6>& box, const Point3& point) {
+    for (std::size_t c = 0; c < 3; ++c)
+        if (!(point[c] >= box[c] && point[c] <= box[c + 3])) return false;
+    return true;
+}
+
+/// The faces of the boundary that lie in a box with all their vertices.
+std::vector<Index> boundaryFacesIn(const std::array<double, 6>& box, const Lattice& lattice) {
+    std::vector<Index> faces;
+    for (Index face = 0; face < lattice.complex.count(2); ++face) {
+        if (lattice.complex.relation(2, 3)[face].size() != 1) continue;
+        const auto vertices = lattice.complex.relation(2, 0)[face];
+        if (std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
+                return isIn(box, lattice.positions[static_cast<std::size_t>(vertex)]);
+            }))
+            faces.push_back(face);
+    }
+    return faces;
+}
+
+}  // namespace
+
+void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options) {
+    CLI::Option* box =
+        command
+            .add_option("--hold", hold.box,
+                        "What lies in this box stays: points of the model, and faces of the "
+                        "lattice's boundary")
+            ->type_name("X0 Y0 Z0 X1 Y1 Z1");
+    addChoice<Continuity>(command, "--continuity", hold.continuity, kContinuities,
+                          "How what is held meets what moves: in its place, with its tangent "
+                          "planes, or with its curvatures");
+    CLI::Option* continuity = command.get_option("--continuity")->needs(box);
+    for (const CLI::Option* option : {box, continuity}) options.ofSubdivision.push_back(option);
+}
+
+std::vector<Index> heldVertices(const HoldOptions& hold, const BindOptions& options,
+                                std::span<const Point3> points, const Lattice& lattice) {
+    if (!hold.box) return {};
+    const auto& box = *hold.box;
+    for (std::size_t c = 0; c < 3; ++c)
+        if (!(box[c] <= box[c + 3]))
+            throw Error(fmt::format("--hold: the box runs from {} to {}; expected it to ascend",
+                                    box[c], box[c + 3]));
+    const auto base = refineLattice(options.rest, lattice, options.common, 0);
+    std::vector<Point3> part;
+    std::copy_if(points.begin(), points.end(), std::back_inserter(part),
+                 [&](const Point3& point) { return isIn(box, point); });
+    // Without boundary control a level does not reach as far as its faces.
+    const auto faces = base.boundary() == far::Boundary::Open ? std::vector<Index>()
+                                                              : boundaryFacesIn(box, lattice);
+    if (part.empty() && faces.empty())
+        throw Error(
+            fmt::format("--hold: no point of {} lies in the box, and no face of the "
+                        "boundary of {}",
+                        options.model, options.rest));
+    std::vector<Index> held;
+    if (!part.empty())
+        held = stencils::verticesHoldingPoints(base, lattice.positions, options.level,
+                                               options.common.rules, part, hold.continuity,
+                                               options.common.embedding.tolerance);
+    if (!faces.empty()) {
+        const auto ofFaces =
+            stencils::verticesHoldingFaces(base, options.common.rules, faces, hold.continuity);
+        held.insert(held.end(), ofFaces.begin(), ofFaces.end());
+    }
+    std::sort(held.begin(), held.end());
+    held.erase(std::unique(held.begin(), held.end()), held.end());
+    return held;
+}
+
+}  // namespace espalier::cli
