@@ -65,23 +65,32 @@ struct CompiledAdjoint<Real>::Data {
     CompiledRows<Real> rows;  ///< the groups; no runs
     PlacesOfColumns places;
     StencilTable<Real> alone;  ///< the other rows, transposed
-    Index mostRows = 0;        ///< of a group
+    Index mostColumns = 0;     ///< of a group
+
+    /// Whether it pays to look ahead from group `g`: not where the next one has the same numbers,
+    /// which then are in the cache. To ask for their rows alone costs more than it saves.
+    bool isFollowed(Offset g) const {
+        return g + 1 < std::ssize(rows.groups) &&
+               rows.groups[at(g + 1)].firstNumber > rows.groups[at(g)].firstNumber;
+    }
 
     /// The sums of each group for its columns: `length` numbers a place of groupColumns.
     std::vector<Real> sumGroups(const kernels::RowValues<Real>& source) const {
         std::vector<Real> sums(rows.groupColumns.size() * at(source.length));
         const auto& starts = rows.taskStarts;
         far::parallelFor(static_cast<Offset>(starts.size()) - 1, 1, [&](Offset first, Offset last) {
-            AlignedVector<Real> values(4 * at(mostRows + kernels::kLanes<Real>));
+            AlignedVector<Real> lanes(4 * at(mostColumns * kernels::kLanes<Real>));
             for (Offset g = starts[at(first)]; g < starts[at(last)]; ++g) {
                 const auto& group = rows.groups[at(g)];
-                kernels.adjoint({rows.groupNumbers.data() + group.firstNumber,
-                                 {group.size[0], group.size[1], group.size[2]},
-                                 group.columnCount,
-                                 rows.groupRows.data() + group.firstRow,
-                                 group.rowCount},
-                                source, sums.data() + group.firstColumn * source.length,
-                                values.data());
+                kernels.adjoint(
+                    {rows.groupNumbers.data() + group.firstNumber,
+                     {group.size[0], group.size[1], group.size[2]},
+                     group.columnCount,
+                     rows.groupRows.data() + group.firstRow,
+                     group.rowCount,
+                     isFollowed(g) ? std::ssize(rows.groupRows) - group.firstRow : 0,
+                     isFollowed(g) ? std::ssize(rows.groupNumbers) - group.firstNumber : 0},
+                    source, sums.data() + group.firstColumn * source.length, lanes.data());
             }
         });
         return sums;
@@ -98,12 +107,12 @@ CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd sim
     rows.columns = decltype(rows.columns)();
     rows.weights = decltype(rows.weights)();
     rows.rows = decltype(rows.rows)();
-    Index mostRows = 0;
-    for (const auto& group : rows.groups) mostRows = std::max(mostRows, group.rowCount);
+    Index mostColumns = 0;
+    for (const auto& group : rows.groups) mostColumns = std::max(mostColumns, group.columnCount);
     PlacesOfColumns places(rows.groupColumns, table.columnCount());
     data_ = std::make_unique<const Data>(Data{table.rowCount(), table.columnCount(),
                                               kernels::kernelsFor<Real>(simd), std::move(rows),
-                                              std::move(places), std::move(alone), mostRows});
+                                              std::move(places), std::move(alone), mostColumns});
 }
 
 template <class Real>

@@ -4,6 +4,8 @@
 #include <espalier/far/index.h>
 #include <espalier/osd/simd.h>
 
+#include <utility>
+
 // The inner loops of compiled tables, compiled once for each kind of processor and chosen when the
 // program runs. They see plain arrays only: nothing that is inline elsewhere may be compiled here
 // with instructions that other processors lack.
@@ -75,6 +77,11 @@ struct AdjointRun {
     Index columnCount;
     const Index* rows;  ///< rowCount
     Index rowCount;
+
+    // How many there are from `rows` and from `numbers` on that this run takes and those after it
+    // do: to look ahead at. 0 where that is not worth it.
+    Offset rowsToCome;
+    Offset numbersToCome;
 };
 
 /// Values of the rows: component c of row r is values[r · stride + c].
@@ -91,10 +98,10 @@ struct Kernels {
     void (*products)(const ProductRun<Real>& run, const Destination<Real>& to);
     void (*rows)(const RowRun<Real>& run, const Destination<Real>& to);
     /// Σ over the rows of weight times value, for each column.
-    /// \param sums columnCount × length, one column after the other
-    /// \param values room for four numbers a row, rows to a multiple of kLanes; aligned to 64 bytes
-    void (*adjoint)(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* sums,
-                    Real* values);
+    /// \param result columnCount × length, one column after the other
+    /// \param sums room for 4 · kLanes numbers a column, aligned to 64 bytes
+    void (*adjoint)(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* result,
+                    Real* sums);
 };
 
 /// \param simd one that hasSimd()

@@ -321,35 +321,50 @@ void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
     forComponents(to.length, [&]<int width>(Offset from) { evaluateRowsOf<width>(run, from, to); });
 }
 
-/// The sum of the lanes of a register, by halves.
+/// The sum of the lanes of a register, by halves. Not by way of memory, which would keep what is
+/// summed there.
 template <class Real, int count>
 Real sumOf(const typename Vector<Real, count>::Type& vector) {
-    if constexpr (count == 1) {
-        return vector[0];
+    if constexpr (count == 2) {
+        return vector[0] + vector[1];
     } else {
-        // A copy, so that what is summed need not lie in memory.
-        const auto whole = vector;
-        typename Vector<Real, count / 2>::Type low, high;
-        __builtin_memcpy(&low, &whole, sizeof low);
-        __builtin_memcpy(&high, reinterpret_cast<const char*>(&whole) + sizeof low, sizeof high);
-        low += high;
-        return sumOf<Real, count / 2>(low);
+        return [&]<int... i>(std::integer_sequence<int, i...>) {
+            return sumOf<Real, count / 2>(
+                __builtin_shufflevector(vector, vector, i...) +
+                __builtin_shufflevector(vector, vector, (i + count / 2)...));
+        }
+        (std::make_integer_sequence<int, count / 2>());
     }
 }
 
-/// So many columns at a time as leave their sums in registers, or most of them.
-constexpr Index kColumnsAtOnce = 4;
+/// So many columns at a time as leave their sums in registers.
+template <int width>
+constexpr Index kColumnsAtOnce = ESPALIER_REGISTER_BYTES == 64 || width < 4 ? 4 : 3;
 
-/// Components of up to kColumnsAtOnce columns of panels: from column `first` on.
-/// \param values panels × width × kLanes
+/// So many panels at a time as leave their numbers in the nearest cache, where the columns of an
+/// outer product read them again and again. Of rows without end, that takes twice the time.
+constexpr Index kPanelsAtOnce = 16;
+
+/// Some panels of rows that share their columns.
+template <class Real>
+struct PanelBlock {
+    const Real* numbers;
+    const Real* values;  ///< panels × width × kLanes
+    Index panelCount;
+};
+
+/// Adds to the sums of some columns of panels, from column `first` on.
+/// \param sums of all columns: columns × width × kRegister
 template <int width, int columns, class Real>
-void sumPanelColumns(const AdjointRun<Real>& run, const Real* values, Index first, Real* sums,
-                     Offset length) {
+void addPanelColumns(const PanelBlock<Real>& block, Index columnCount, Index first, Real* sums) {
     constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
     using V = typename Vector<Real, each>::Type;
-    V all[columns * width] = {};
-    const Real* weights = run.numbers + Offset{first} * lanes;
-    for (Index row = 0; row < run.rowCount; row += lanes) {
+    V* const to = reinterpret_cast<V*>(sums) + Offset{first} * width;
+    V all[columns * width];
+    for (int e = 0; e < columns * width; ++e) all[e] = to[e];
+    const Real* weights = block.numbers + Offset{first} * lanes;
+    const Real* values = block.values;
+    for (Index panel = 0; panel < block.panelCount; ++panel) {
         for (int part = 0; part < lanes; part += each) {
             V own[width];
             for (int d = 0; d < width; ++d) own[d] = at<V>(values + d * lanes + part);
@@ -357,23 +372,25 @@ void sumPanelColumns(const AdjointRun<Real>& run, const Real* values, Index firs
             for (int e = 0; e < columns * width; ++e)
                 all[e] += at<V>(weights + e / width * lanes + part) * own[e % width];
         }
-        weights += Offset{run.columnCount} * lanes;
+        weights += Offset{columnCount} * lanes;
         values += width * lanes;
     }
-    for (int e = 0; e < columns * width; ++e)
-        sums[(first + e / width) * length + e % width] = sumOf<Real, each>(all[e]);
+    for (int e = 0; e < columns * width; ++e) to[e] = all[e];
 }
 
 /// The same of outer products: columns from (i, j, k) on along axis 0.
 template <int width, int columns, class Real>
-void sumProductColumns(const AdjointRun<Real>& run, const Real* values, Index i, Index j, Index k,
-                       Real* sums, Offset length) {
+void addProductColumns(const PanelBlock<Real>& block, const Index (&size)[3], Index i, Index j,
+                       Index k, Real* sums) {
     constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
     using V = typename Vector<Real, each>::Type;
-    const Index n = run.size[0], m = run.size[1], l = run.size[2];
-    V all[columns * width] = {};
-    const Real* factors = run.numbers;
-    for (Index row = 0; row < run.rowCount; row += lanes) {
+    const Index n = size[0], m = size[1], l = size[2];
+    V* const to = reinterpret_cast<V*>(sums) + Offset{(k * m + j) * n + i} * width;
+    V all[columns * width];
+    for (int e = 0; e < columns * width; ++e) all[e] = to[e];
+    const Real* factors = block.numbers;
+    const Real* values = block.values;
+    for (Index panel = 0; panel < block.panelCount; ++panel) {
         for (int part = 0; part < lanes; part += each) {
             const Real* own = factors + part;
             const V line = at<V>(own + (n + j) * lanes) * at<V>(own + (n + m + k) * lanes);
@@ -385,50 +402,117 @@ void sumProductColumns(const AdjointRun<Real>& run, const Real* values, Index i,
         factors += Offset{n + m + l} * lanes;
         values += width * lanes;
     }
-    const Index first = (k * m + j) * n + i;
-    for (int e = 0; e < columns * width; ++e)
-        sums[(first + e / width) * length + e % width] = sumOf<Real, each>(all[e]);
+    for (int e = 0; e < columns * width; ++e) to[e] = all[e];
 }
 
 /// Calls step<columns>(first) for `count` columns, kColumnsAtOnce at a time.
-template <class Step>
+template <int width, class Step>
 void forColumns(Index count, Step step) {
     Index first = 0;
-    for (; first + kColumnsAtOnce <= count; first += kColumnsAtOnce)
-        step.template operator()<kColumnsAtOnce>(first);
+    for (; first + kColumnsAtOnce<width> <= count; first += kColumnsAtOnce<width>)
+        step.template operator()<kColumnsAtOnce<width>>(first);
     for (; first < count; ++first) step.template operator()<1>(first);
 }
+
+/// Components `from` to `from` + width − 1 of some rows, as PanelBlock has them; 0 beyond them.
+template <int width, class Real>
+void loadLanes(const RowValues<Real>& source, Offset from, const Index* rows, Index rowCount,
+               Real* values) {
+    constexpr Index lanes = kLanes<Real>;
+    const Real* const entries = source.values + from;
+    const Offset stride = source.stride;
+    const auto load = [&](Index lane) {
+        const Real* own = entries + rows[lane] * stride;
+        for (int d = 0; d < width; ++d) values[d * lanes + lane] = own[d];
+    };
+    for (; rowCount >= lanes; rowCount -= lanes, rows += lanes, values += width * lanes)
+        for (Index lane = 0; lane < lanes; ++lane) load(lane);
+    if (rowCount == 0) return;
+    for (Offset e = 0; e < width * lanes; ++e) values[e] = 0;
+    for (Index lane = 0; lane < rowCount; ++lane) load(lane);
+}
+
+/// Asks the memory for what the next block takes, in as many steps as the columns of this one are
+/// summed in: else the first of these would wait for all of it, which takes a third of the time.
+template <class Real>
+class Foresight {
+public:
+    Foresight(const Real* numbers, Offset numberCount, const Index* rows, Offset rowCount,
+              Offset steps)
+        : numbers_(numbers),
+          numbersEnd_(numbers + numberCount),
+          numbersEach_(numberCount / steps + 1),
+          rows_(rows),
+          rowsEnd_(rows + rowCount),
+          rowsEach_(rowCount / steps + 1) {}
+
+    void step(const RowValues<Real>& source) {
+        constexpr Offset line = 64 / sizeof(Real);
+        const Real* const numbersUpTo =
+            numbersEnd_ - numbers_ < numbersEach_ ? numbersEnd_ : numbers_ + numbersEach_;
+        for (; numbers_ < numbersUpTo; numbers_ += line) __builtin_prefetch(numbers_);
+        const Index* const rowsUpTo = rowsEnd_ - rows_ < rowsEach_ ? rowsEnd_ : rows_ + rowsEach_;
+        for (; rows_ < rowsUpTo; ++rows_)
+            __builtin_prefetch(source.values + *rows_ * source.stride);
+    }
+
+private:
+    const Real* numbers_;
+    const Real* numbersEnd_;
+    Offset numbersEach_;  ///< in a step
+    const Index* rows_;
+    const Index* rowsEnd_;
+    Offset rowsEach_;
+};
 
 /// Components `from` to `from` + width − 1.
 template <int width, class Real>
 void evaluateAdjointOf(const AdjointRun<Real>& run, const RowValues<Real>& source, Offset from,
-                       Real* sums, Real* values) {
-    constexpr Index lanes = kLanes<Real>;
-    for (Index first = 0; first < run.rowCount; first += lanes) {
-        Real* to = values + Offset{first} * width;
-        for (Index lane = 0; lane < lanes; ++lane) {
-            const bool isRow = first + lane < run.rowCount;
-            const Real* own =
-                source.values + (isRow ? run.rows[first + lane] * source.stride + from : 0);
-            for (int d = 0; d < width; ++d) to[d * lanes + lane] = isRow ? own[d] : 0;
-        }
-    }
-    if (run.size[0] == 0)
-        return forColumns(run.columnCount, [&]<int columns>(Index first) {
-            sumPanelColumns<width, columns>(run, values, first, sums + from, source.length);
-        });
-    for (Index k = 0; k < run.size[2]; ++k)
-        for (Index j = 0; j < run.size[1]; ++j)
-            forColumns(run.size[0], [&]<int columns>(Index i) {
-                sumProductColumns<width, columns>(run, values, i, j, k, sums + from, source.length);
+                       Real* result, Real* sums) {
+    constexpr int each = kRegister<Real>;
+    constexpr Index lanes = kLanes<Real>, rowsAtOnce = kPanelsAtOnce * lanes;
+    const bool isProduct = run.size[0] > 0;
+    const Offset numbersOfRow =
+        isProduct ? run.size[0] + run.size[1] + run.size[2] : run.columnCount;
+    for (Offset e = 0; e < Offset{run.columnCount} * width * each; ++e) sums[e] = 0;
+    alignas(64) Real values[width * rowsAtOnce];
+    for (Index first = 0; first < run.rowCount; first += rowsAtOnce) {
+        const Index count = run.rowCount - first < rowsAtOnce ? run.rowCount - first : rowsAtOnce;
+        loadLanes<width>(source, from, run.rows + first, count, values);
+        const PanelBlock<Real> block = {run.numbers + first * numbersOfRow, values,
+                                        (count + lanes - 1) / lanes};
+        if (!isProduct) {
+            forColumns<width>(run.columnCount, [&]<int columns>(Index column) {
+                addPanelColumns<width, columns>(block, run.columnCount, column, sums);
             });
+            continue;
+        }
+        const Offset next = first + count, steps = Offset{run.size[1]} * run.size[2];
+        const Offset rowsLeft = run.rowsToCome - next;
+        const Offset numbersLeft = run.numbersToCome - next * numbersOfRow;
+        Foresight<Real> foresight(
+            run.numbers + next * numbersOfRow,
+            numbersLeft < rowsAtOnce * numbersOfRow ? numbersLeft : rowsAtOnce * numbersOfRow,
+            run.rows + next, rowsLeft < rowsAtOnce ? rowsLeft : rowsAtOnce, steps);
+        for (Index k = 0; k < run.size[2]; ++k)
+            for (Index j = 0; j < run.size[1]; ++j) {
+                foresight.step(source);
+                forColumns<width>(run.size[0], [&]<int columns>(Index i) {
+                    addProductColumns<width, columns>(block, run.size, i, j, k, sums);
+                });
+            }
+    }
+    for (Index column = 0; column < run.columnCount; ++column)
+        for (int d = 0; d < width; ++d, sums += each)
+            result[column * source.length + from + d] =
+                sumOf<Real, each>(at<typename Vector<Real, each>::Type>(sums));
 }
 
 template <class Real>
-void evaluateAdjoint(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* sums,
-                     Real* values) {
+void evaluateAdjoint(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* result,
+                     Real* sums) {
     forComponents(source.length, [&]<int width>(Offset from) {
-        evaluateAdjointOf<width>(run, source, from, sums, values);
+        evaluateAdjointOf<width>(run, source, from, result, sums);
     });
 }
 
