@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# Finds PETSc of real double scalars, by its pkg-config file, and the MPI that it is built on:
+# PetscReal_FOUND, and the target PetscReal::petsc. Integers may have either size.
+find_package(PkgConfig QUIET)
+find_package(MPI QUIET COMPONENTS CXX)
+if(PKG_CONFIG_FOUND)
+  pkg_check_modules(PetscReal_PC QUIET IMPORTED_TARGET GLOBAL PETSc)
+endif()
+# How Debian compiled its own is no matter of ours: -D_FORTIFY_SOURCE=2 warns where nothing is
+# optimised.
+if(TARGET PkgConfig::PetscReal_PC)
+  set_target_properties(PkgConfig::PetscReal_PC PROPERTIES INTERFACE_COMPILE_OPTIONS "")
+endif()
+
+# A build of PETSc has one kind of scalar.
+if(PetscReal_PC_FOUND AND MPI_CXX_FOUND)
+  include(CheckCXXSourceCompiles)
+  include(CMakePushCheckState)
+  cmake_push_check_state(RESET)
+  set(CMAKE_REQUIRED_LIBRARIES PkgConfig::PetscReal_PC MPI::MPI_CXX)
+  check_cxx_source_compiles("
+    #include <petscmat.h>
+    static_assert(static_cast<PetscScalar*>(nullptr) == static_cast<double*>(nullptr));
+    int main() { return PetscFinalize() == 0 ? 0 : 1; }" PetscReal_SCALARS_ARE_DOUBLE)
+  cmake_pop_check_state()
+endif()
+
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(PetscReal
+  REQUIRED_VARS PetscReal_PC_FOUND MPI_CXX_FOUND PetscReal_SCALARS_ARE_DOUBLE
+  VERSION_VAR PetscReal_PC_VERSION)
+
+if(PetscReal_FOUND AND NOT TARGET PetscReal::petsc)
+  add_library(PetscReal::petsc INTERFACE IMPORTED)
+  set_target_properties(PetscReal::petsc PROPERTIES
+    INTERFACE_LINK_LIBRARIES "PkgConfig::PetscReal_PC;MPI::MPI_CXX")
+endif()

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/petsc/agreement.h>
+#include <espalier/petsc/distributed_table.h>
+#include <espalier/petsc/error_capture.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+
+namespace espalier::petsc {
+namespace {
+
+using stencils::StencilTable;
+
+static_assert(std::is_same_v<PetscScalar, double>, "takes a PETSc of real double scalars");
+
+constexpr Offset kMaxPetscInt = std::numeric_limits<PetscInt>::max();
+
+PetscInt toPetscInt(Offset value) {
+    return static_cast<PetscInt>(value);
+}
+
+void checkPetscInt(Offset value, const std::string& what) {
+    if (value > kMaxPetscInt)
+        throw Error(std::to_string(value) + " " + what + "; PETSc's integers have " +
+                    std::to_string(8 * sizeof(PetscInt)) + " bits");
+}
+
+void checkInitialised() {
+    PetscBool initialised = PETSC_FALSE;
+    PetscInitialized(&initialised);
+    if (!initialised)
+        throw Error("PETSc is not initialised: call PetscInitialize() before spreading a table");
+}
+
+/// What a rank sees without the others.
+void checkOwn(const StencilTable<double>& rows, Index ownVertexCount, int components,
+              int componentsOfRank0) {
+    if (components < 1) throw Error("got " + std::to_string(components) + " components");
+    if (components != componentsOfRank0)
+        throw Error("got " + std::to_string(components) + " components, rank 0 has " +
+                    std::to_string(componentsOfRank0));
+    if (ownVertexCount < 0) throw Error("got " + std::to_string(ownVertexCount) + " own vertices");
+    checkPetscInt(rows.entryCount(), "entries on one rank");
+    for (Index row = 0; row < rows.rowCount(); ++row)
+        for (const double weight : rows.weights(row))
+            if (!std::isfinite(weight))
+                throw Error("row " + std::to_string(row) + " has a weight of " +
+                            std::to_string(weight));
+}
+
+/// The range of this rank, where each has so many.
+OwnedRange rangeOf(MPI_Comm comm, Offset count) {
+    std::int64_t last = 0;
+    const std::int64_t own = count;
+    checkMpi(MPI_Scan(&own, &last, 1, MPI_INT64_T, MPI_SUM, comm));
+    return {last - count, last};
+}
+
+Offset sumOf(MPI_Comm comm, Offset count) {
+    std::int64_t sum = count;
+    checkMpi(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_INT64_T, MPI_SUM, comm));
+    return sum;
+}
+
+/// Calls body with the columns as PETSc's integers, which may be ours.
+template <class Body>
+void withColumns(const StencilTable<double>& rows, Body body) {
+    if constexpr (std::is_same_v<PetscInt, Index>)
+        body(rows.columns().data());
+    else
+        body(far::Array<PetscInt>(rows.columns().begin(), rows.columns().end()).data());
+}
+
+/// An array in a vector that has none of its own.
+class Placed {
+public:
+    Placed(const ErrorCapture& errors, Vec vector, std::span<const double> values)
+        : vector_(vector) {
+        errors.check(VecPlaceArray(vector, values.data()));
+    }
+    ~Placed() { VecResetArray(vector_); }
+    Placed(const Placed&) = delete;
+    Placed& operator=(const Placed&) = delete;
+
+private:
+    Vec vector_;
+};
+
+void checkSize(std::size_t got, Offset count, int components, const char* what) {
+    if (got != static_cast<std::size_t>(count) * static_cast<std::size_t>(components))
+        throw Error("got " + std::to_string(got) + " numbers for " + std::to_string(count) + " " +
+                    what + " of " + std::to_string(components) + " components");
+}
+
+}  // namespace
+
+// After PetscFinalize() there is nothing that could be freed.
+void DistributedTable::Destroy::operator()(Mat matrix) const {
+    PetscBool initialised = PETSC_FALSE;
+    PetscInitialized(&initialised);
+    if (initialised) MatDestroy(&matrix);
+}
+
+void DistributedTable::Destroy::operator()(Vec vector) const {
+    PetscBool initialised = PETSC_FALSE;
+    PetscInitialized(&initialised);
+    if (initialised) VecDestroy(&vector);
+}
+
+DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ownRows,
+                                   Index ownVertexCount, int components)
+    : components_(components) {
+    checkInitialised();
+    int componentsOfRank0 = components;
+    checkMpi(MPI_Bcast(&componentsOfRank0, 1, MPI_INT, 0, comm));
+    checkOnAllRanks(comm,
+                    [&] { checkOwn(ownRows, ownVertexCount, components, componentsOfRank0); });
+
+    ownPoints_ = rangeOf(comm, ownRows.rowCount());
+    ownVertices_ = rangeOf(comm, ownVertexCount);
+    pointCount_ = sumOf(comm, ownRows.rowCount());
+    vertexCount_ = sumOf(comm, ownVertexCount);
+    checkOnAllRanks(comm, [&] {
+        if (ownRows.columnCount() != vertexCount_)
+            throw Error("the rows are over " + std::to_string(ownRows.columnCount()) +
+                        " vertices; the ranks own " + std::to_string(vertexCount_));
+        checkPetscInt(pointCount_ * components, "components of points");
+        checkPetscInt(vertexCount_ * components, "components of vertices");
+    });
+
+    const ErrorCapture errors;
+    // MATAIJ, for on one rank MatCreateMAIJ takes its matrix for a MATSEQAIJ, unseen.
+    Mat matrix = nullptr;
+    errors.check(MatCreate(comm, &matrix));
+    matrix_.reset(matrix);
+    errors.check(MatSetSizes(matrix, ownRows.rowCount(), ownVertexCount, toPetscInt(pointCount_),
+                             toPetscInt(vertexCount_)));
+    errors.check(MatSetType(matrix, MATAIJ));
+    const std::vector<PetscInt> offsets(ownRows.offsets().begin(), ownRows.offsets().end());
+    withColumns(ownRows, [&](const PetscInt* columns) {
+        // Each does nothing for a matrix of the other type.
+        errors.check(MatSeqAIJSetPreallocationCSR(matrix, offsets.data(), columns,
+                                                  ownRows.weights().data()));
+        errors.check(MatMPIAIJSetPreallocationCSR(matrix, offsets.data(), columns,
+                                                  ownRows.weights().data()));
+    });
+    Mat blocked = nullptr;
+    errors.check(MatCreateMAIJ(matrix, components, &blocked));
+    blocked_.reset(blocked);
+    PetscInt ghosts = 0;
+    errors.check(MatGetGhosts(matrix, &ghosts, nullptr));
+    ghostCount_ = ghosts;
+
+    const auto makeVector = [&](Owned<Vec>& owned, Offset own, Offset all) {
+        Vec vector = nullptr;
+        errors.check(VecCreateMPIWithArray(comm, components, toPetscInt(own * components),
+                                           toPetscInt(all * components), nullptr, &vector));
+        owned.reset(vector);
+    };
+    makeVector(points_, ownPoints_.count(), pointCount_);
+    makeVector(vertices_, ownVertices_.count(), vertexCount_);
+}
+
+DistributedTable::DistributedTable(MPI_Comm comm, const stencils::Binding<double>& own,
+                                   Index ownVertexCount)
+    : DistributedTable(comm, own.table, ownVertexCount, 3) {
+    checkOnAllRanks(comm, [&] {
+        if (own.kept.size() != own.keptAt.size())
+            throw Error(std::to_string(own.kept.size()) + " points are kept, at " +
+                        std::to_string(own.keptAt.size()) + " places");
+        for (const Index point : own.kept)
+            if (point < 0 || point >= own.table.rowCount())
+                throw Error("point " + std::to_string(point) + " cannot be kept; there are " +
+                            std::to_string(own.table.rowCount()));
+    });
+    kept_ = own.kept;
+    keptAt_ = own.keptAt;
+}
+
+void DistributedTable::evaluate(std::span<const double> ownVertexValues,
+                                std::span<double> ownPointValues) {
+    checkOnAllRanks(PetscObjectComm(reinterpret_cast<PetscObject>(matrix())), [&] {
+        checkSize(ownVertexValues.size(), ownVertices_.count(), components_, "vertices");
+        checkSize(ownPointValues.size(), ownPoints_.count(), components_, "points");
+    });
+    {
+        const ErrorCapture errors;
+        const Placed source(errors, vertices_.get(), ownVertexValues);
+        const Placed destination(errors, points_.get(), ownPointValues);
+        errors.check(MatMult(blocked(), vertices_.get(), points_.get()));
+    }
+    for (std::size_t i = 0; i < kept_.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            ownPointValues[3 * static_cast<std::size_t>(kept_[i]) + c] = keptAt_[i][c];
+}
+
+void DistributedTable::evaluateAdjoint(std::span<const double> ownPointGradients,
+                                       std::span<double> ownVertexGradients) {
+    checkOnAllRanks(PetscObjectComm(reinterpret_cast<PetscObject>(matrix())), [&] {
+        checkSize(ownPointGradients.size(), ownPoints_.count(), components_, "points");
+        checkSize(ownVertexGradients.size(), ownVertices_.count(), components_, "vertices");
+    });
+    const ErrorCapture errors;
+    const Placed source(errors, points_.get(), ownPointGradients);
+    const Placed destination(errors, vertices_.get(), ownVertexGradients);
+    errors.check(MatMultTranspose(blocked(), points_.get(), vertices_.get()));
+}
+
+}  // namespace espalier::petsc

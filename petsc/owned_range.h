@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+
+namespace espalier::petsc {
+
+using far::Index;
+using far::Offset;
+
+/// The points, or the lattice vertices, of one rank: first to last − 1 of all. Those of rank 0 come
+/// first, then those of rank 1.
+struct OwnedRange {
+    Offset first = 0;
+    Offset last = 0;
+
+    Offset count() const { return last - first; }
+    friend bool operator==(const OwnedRange&, const OwnedRange&) = default;
+};
+
+/// The part of `rank` of an even split, as PetscSplitOwnership makes it: the first ranks have one
+/// more where it does not come out even.
+/// \throws Error unless total ≥ 0 and 0 ≤ rank < size
+OwnedRange evenRange(Offset total, int rank, int size);
+
+}  // namespace espalier::petsc

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/petsc/distributed_table.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "ranks.h"
+#include "refusals.h"
+
+// What is wrong on the last rank only is thrown on all of them: a rank that went on would wait
+// until the test times out.
+namespace espalier::petsc {
+namespace {
+
+using test::Spread;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string errorOf(const std::function<void()>& body) {
+    try {
+        body();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+bool isLast() {
+    return test::rank() == test::rankCount() - 1;
+}
+
+std::string lastRank() {
+    return "rank " + std::to_string(test::rankCount() - 1) + ": ";
+}
+
+constexpr Index kPoints = 40, kVertices = 10;
+
+class DistributedTableErrors : public ::testing::Test {
+protected:
+    std::string errorOfTable(const stencils::StencilTable<double>& rows, Offset ownVertexCount,
+                             int components = 3) const {
+        return errorOf([&] {
+            DistributedTable(MPI_COMM_WORLD, rows, static_cast<Index>(ownVertexCount), components);
+        });
+    }
+
+    const stencils::StencilTable<double> table_ = test::randomTable(kPoints, kVertices, 1);
+    const OwnedRange points_ = test::ownRange(kPoints, Spread::Even);
+    const OwnedRange vertices_ = test::ownRange(kVertices, Spread::Even);
+    const stencils::StencilTable<double> rows_ = test::ownRows(table_, points_);
+};
+
+TEST_F(DistributedTableErrors, PetscIsNotInitialised) {
+    EXPECT_THAT(test::refusalBeforeInitialisation, HasSubstr("PetscInitialize()"));
+}
+
+TEST_F(DistributedTableErrors, WeightsThatAreNotFinite) {
+    for (const double weight :
+         {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
+        const stencils::StencilTable<double> bad(stencils::Trusted{}, kVertices, {0, 0, 1, 2},
+                                                 {3, 4}, {0.5, weight});
+        const std::string error = errorOfTable(isLast() ? bad : rows_, vertices_.count());
+        EXPECT_THAT(error, StartsWith(lastRank() + "row 2 has a weight of "));
+    }
+}
+
+TEST_F(DistributedTableErrors, VerticesThatAreNotTheColumns) {
+    EXPECT_THAT(errorOfTable(rows_, vertices_.count() + (isLast() ? 2 : 0)),
+                StartsWith("rank 0: the rows are over 10 vertices; the ranks own 12"));
+    const auto wider = test::ownRows(test::randomTable(kPoints, kVertices + 1, 1), points_);
+    EXPECT_THAT(errorOfTable(isLast() ? wider : rows_, vertices_.count()),
+                StartsWith(lastRank() + "the rows are over 11 vertices; the ranks own 10"));
+    EXPECT_THAT(errorOfTable(rows_, isLast() ? -1 : vertices_.count()),
+                StartsWith(lastRank() + "got -1 own vertices"));
+}
+
+TEST_F(DistributedTableErrors, Components) {
+    EXPECT_THAT(errorOfTable(rows_, vertices_.count(), 0), StartsWith("rank 0: got 0 components"));
+    if (test::rankCount() > 1) {
+        EXPECT_THAT(errorOfTable(rows_, vertices_.count(), isLast() ? 2 : 3),
+                    StartsWith(lastRank() + "got 2 components, rank 0 has 3"));
+    }
+}
+
+TEST_F(DistributedTableErrors, MoreThanPetscCounts) {
+    if (sizeof(PetscInt) > 4) GTEST_SKIP() << "PETSc's integers have 64 bits";
+    constexpr Index kMany = 1'000'000'000;
+    const stencils::StencilTable<double> none(kMany, {0}, {}, {});
+    EXPECT_THAT(errorOfTable(none, test::ownRange(kMany, Spread::Even).count()),
+                HasSubstr("3000000000 components of vertices; PETSc's integers have 32 bits"));
+}
+
+TEST_F(DistributedTableErrors, KeptPointsThatAreNotThere) {
+    stencils::Binding<double> own{rows_, {}, {}, 0};
+    if (isLast()) own.kept = {rows_.rowCount()};
+    const auto make = [&] {
+        DistributedTable(MPI_COMM_WORLD, own, static_cast<Index>(vertices_.count()));
+    };
+    EXPECT_EQ(errorOf(make), lastRank() + "1 points are kept, at 0 places");
+    if (isLast()) own.keptAt = {{1, 2, 3}};
+    const std::string error = errorOf(make);
+    EXPECT_THAT(error, StartsWith(lastRank() + "point "));
+    EXPECT_THAT(error, HasSubstr(" cannot be kept"));
+}
+
+TEST_F(DistributedTableErrors, SizesOfValues) {
+    DistributedTable distributed(MPI_COMM_WORLD, rows_, static_cast<Index>(vertices_.count()));
+    const auto pointNumbers = static_cast<std::size_t>(3 * points_.count());
+    const auto vertexNumbers = static_cast<std::size_t>(3 * vertices_.count());
+    const std::size_t extra = isLast() ? 1 : 0;
+    std::vector<double> points(pointNumbers, 7), vertices(vertexNumbers, 7);
+    std::vector<double> morePoints(pointNumbers + extra, 7), moreVertices(vertexNumbers + extra, 7);
+    EXPECT_THAT(errorOf([&] { distributed.evaluate(moreVertices, points); }),
+                StartsWith(lastRank() + "got "));
+    EXPECT_THAT(errorOf([&] { distributed.evaluate(vertices, morePoints); }),
+                HasSubstr("points of 3 components"));
+    EXPECT_THAT(errorOf([&] { distributed.evaluateAdjoint(morePoints, vertices); }),
+                HasSubstr("points of 3 components"));
+    EXPECT_THAT(errorOf([&] { distributed.evaluateAdjoint(points, moreVertices); }),
+                HasSubstr("vertices of 3 components"));
+    EXPECT_EQ(points, std::vector<double>(pointNumbers, 7)) << "nothing is written";
+    EXPECT_EQ(vertices, std::vector<double>(vertexNumbers, 7)) << "nothing is written";
+    EXPECT_EQ(errorOf([&] { distributed.evaluate(vertices, points); }), "no error");
+}
+
+TEST_F(DistributedTableErrors, EvenRanges) {
+    EXPECT_THROW(evenRange(-1, 0, 1), Error);
+    EXPECT_THROW(evenRange(5, -1, 2), Error);
+    EXPECT_THROW(evenRange(5, 2, 2), Error);
+    EXPECT_THROW(evenRange(5, 0, 0), Error);
+}
+
+}  // namespace
+}  // namespace espalier::petsc

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/reference_evaluator.h>
+#include <espalier/petsc/distributed_table.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <set>
+
+#include "ranks.h"
+
+// Every rank makes the whole table, alike, and gives its own part; what comes back is its own part
+// of what the reference gives for the whole.
+namespace espalier::petsc {
+namespace {
+
+using stencils::StencilTable;
+using test::Spread;
+
+constexpr Index kPoints = 301, kVertices = 97;
+
+std::vector<double> reference(const StencilTable<double>& table, const std::vector<double>& values,
+                              int components) {
+    std::vector<double> result(static_cast<std::size_t>(table.rowCount() * components));
+    const auto layout = osd::BufferDescriptor::packed(components);
+    osd::ReferenceEvaluator::evaluate(table, values, layout, result, layout, {0, table.rowCount()});
+    return result;
+}
+
+/// For each result the sum of its products' sizes and how many they are: what bounds its rounding.
+std::vector<double> bounds(const StencilTable<double>& table, const std::vector<double>& values,
+                           int components) {
+    std::vector<double> result;
+    for (Index row = 0; row < table.rowCount(); ++row)
+        for (int c = 0; c < components; ++c) {
+            double size = 0;
+            for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                size += std::abs(
+                    table.weights(row)[k] *
+                    values[static_cast<std::size_t>(table.columns(row)[k] * components + c)]);
+            // Two sums of n products in different orders: each is off by n/2 ulp of the size for
+            // the products and the sums.
+            result.push_back(static_cast<double>(table.columns(row).size()) *
+                             std::numeric_limits<double>::epsilon() * size);
+        }
+    return result;
+}
+
+void expectOwnPart(const std::vector<double>& got, const std::vector<double>& all,
+                   const std::vector<double>& bound, OwnedRange own, int components) {
+    ASSERT_EQ(got.size(), static_cast<std::size_t>(own.count() * components));
+    const auto first = static_cast<std::size_t>(own.first * components);
+    for (std::size_t i = 0; i < got.size(); ++i)
+        EXPECT_LE(std::abs(got[i] - all[first + i]), bound[first + i]) << "number " << i;
+}
+
+struct Case {
+    Spread points, vertices;
+    int components;
+};
+
+class DistributedTableTest : public ::testing::TestWithParam<Case> {};
+
+// No component count stands for another in MATMAIJ: 1 is D itself, 3 has a kernel of its own, 13
+// has not.
+INSTANTIATE_TEST_SUITE_P(Spreads, DistributedTableTest,
+                         ::testing::Values(Case{Spread::Even, Spread::Even, 3},
+                                           Case{Spread::Even, Spread::Even, 1},
+                                           Case{Spread::Even, Spread::Even, 13},
+                                           Case{Spread::Uneven, Spread::Even, 3},
+                                           Case{Spread::Even, Spread::Uneven, 3},
+                                           Case{Spread::AllOnFirst, Spread::AllOnLast, 3},
+                                           Case{Spread::AllOnLast, Spread::AllOnFirst, 3},
+                                           Case{Spread::Even, Spread::AllOnLast, 2},
+                                           Case{Spread::AllOnFirst, Spread::Uneven, 1}));
+
+TEST_P(DistributedTableTest, EvaluatesAsTheReference) {
+    const int components = GetParam().components;
+    const auto table = test::randomTable(kPoints, kVertices, 1);
+    const OwnedRange points = test::ownRange(kPoints, GetParam().points);
+    const OwnedRange vertices = test::ownRange(kVertices, GetParam().vertices);
+    DistributedTable distributed(MPI_COMM_WORLD, test::ownRows(table, points),
+                                 static_cast<Index>(vertices.count()), components);
+    EXPECT_EQ(distributed.ownPoints().count(), points.count());
+    EXPECT_EQ(distributed.ownVertices().count(), vertices.count());
+    EXPECT_EQ(distributed.components(), components);
+    EXPECT_EQ(distributed.pointCount(), kPoints);
+    EXPECT_EQ(distributed.vertexCount(), kVertices);
+
+    const auto values = test::randomValues(static_cast<std::size_t>(kVertices * components), 2);
+    std::vector<double> got(static_cast<std::size_t>(points.count() * components), 99);
+    distributed.evaluate(test::ownValues(values, vertices, components), got);
+    expectOwnPart(got, reference(table, values, components), bounds(table, values, components),
+                  points, components);
+
+    const auto transpose = stencils::transposeTable(table);
+    const auto gradients = test::randomValues(static_cast<std::size_t>(kPoints * components), 3);
+    std::vector<double> back(static_cast<std::size_t>(vertices.count() * components), 99);
+    distributed.evaluateAdjoint(test::ownValues(gradients, points, components), back);
+    expectOwnPart(back, reference(transpose, gradients, components),
+                  bounds(transpose, gradients, components), vertices, components);
+}
+
+TEST_P(DistributedTableTest, CountsWhatItNeedsOfOthers) {
+    const auto table = test::randomTable(kPoints, kVertices, 1);
+    const OwnedRange points = test::ownRange(kPoints, GetParam().points);
+    const OwnedRange vertices = test::ownRange(kVertices, GetParam().vertices);
+    const auto rows = test::ownRows(table, points);
+    const DistributedTable distributed(MPI_COMM_WORLD, rows, static_cast<Index>(vertices.count()),
+                                       GetParam().components);
+    std::set<Index> others;
+    for (const Index column : rows.columns())
+        if (column < distributed.ownVertices().first || column >= distributed.ownVertices().last)
+            others.insert(column);
+    EXPECT_EQ(distributed.ghostCount(), static_cast<Offset>(others.size()));
+}
+
+// Bit for bit, however messages arrive: the same table again and again, and another made alike.
+TEST(DistributedTable, RepeatsItself) {
+    constexpr Index kMany = 20'000;
+    const auto table = test::randomTable(kMany, kVertices, 4);
+    const OwnedRange points = test::ownRange(kMany, Spread::Uneven);
+    const OwnedRange vertices = test::ownRange(kVertices, Spread::Even);
+    const auto rows = test::ownRows(table, points);
+    const auto values = test::ownValues(test::randomValues(3 * kVertices, 5), vertices, 3);
+    const auto gradients = test::ownValues(test::randomValues(3 * kMany, 6), points, 3);
+    std::vector<double> forward(gradients.size()), back(values.size());
+    std::vector<double> firstForward, firstBack;
+    for (int made = 0; made < 2; ++made) {
+        DistributedTable distributed(MPI_COMM_WORLD, rows, static_cast<Index>(vertices.count()));
+        for (int repetition = 0; repetition < 50; ++repetition) {
+            distributed.evaluate(values, forward);
+            distributed.evaluateAdjoint(gradients, back);
+            if (firstForward.empty() && firstBack.empty()) {
+                firstForward = forward;
+                firstBack = back;
+            }
+            EXPECT_EQ(forward, firstForward);
+            EXPECT_EQ(back, firstBack);
+        }
+    }
+}
+
+TEST(DistributedTable, MovesWithItsMatrices) {
+    const auto table = test::randomTable(kPoints, kVertices, 1);
+    const OwnedRange points = test::ownRange(kPoints, Spread::Even);
+    const OwnedRange vertices = test::ownRange(kVertices, Spread::Even);
+    const auto make = [&](int components) {
+        return DistributedTable(MPI_COMM_WORLD, test::ownRows(table, points),
+                                static_cast<Index>(vertices.count()), components);
+    };
+    DistributedTable distributed = make(1);
+    distributed = make(3);
+    DistributedTable moved = std::move(distributed);
+    PetscInt rows = 0, columns = 0;
+    ASSERT_EQ(MatGetSize(moved.matrix(), &rows, &columns), 0);
+    EXPECT_EQ(rows, kPoints);
+    EXPECT_EQ(columns, kVertices);
+    ASSERT_EQ(MatGetLocalSize(moved.blocked(), &rows, &columns), 0);
+    EXPECT_EQ(rows, 3 * points.count());
+    EXPECT_EQ(columns, 3 * vertices.count());
+    std::vector<double> got(static_cast<std::size_t>(3 * points.count()));
+    const auto values = test::randomValues(3 * kVertices, 2);
+    moved.evaluate(test::ownValues(values, vertices, 3), got);
+    expectOwnPart(got, reference(table, values, 3), bounds(table, values, 3), points, 3);
+}
+
+TEST(DistributedTable, MayHaveNoPointsAtAll) {
+    const OwnedRange vertices = test::ownRange(kVertices, Spread::Even);
+    DistributedTable distributed(MPI_COMM_WORLD, test::randomTable(0, kVertices, 1),
+                                 static_cast<Index>(vertices.count()));
+    std::vector<double> none, gradients(static_cast<std::size_t>(3 * vertices.count()), 7);
+    distributed.evaluate(gradients, none);
+    distributed.evaluateAdjoint(none, gradients);
+    EXPECT_EQ(gradients, std::vector<double>(gradients.size(), 0));
+}
+
+TEST(EvenRange, IsThatOfPetsc) {
+    for (const Offset total : {0, 1, 2, 7, 97, 1000}) {
+        PetscInt local = PETSC_DECIDE;
+        auto all = static_cast<PetscInt>(total);
+        ASSERT_EQ(PetscSplitOwnership(MPI_COMM_WORLD, &local, &all), 0);
+        const OwnedRange own = evenRange(total, test::rank(), test::rankCount());
+        EXPECT_EQ(own.count(), local);
+        std::int64_t last = 0;
+        const std::int64_t count = own.count();
+        MPI_Scan(&count, &last, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+        EXPECT_EQ(own.last, last);
+    }
+}
+
+}  // namespace
+}  // namespace espalier::petsc

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/petsc/distributed_table.h>
+#include <gtest/gtest.h>
+#include <petscsys.h>
+
+#include <cstdio>
+#include <string>
+
+#include "refusals.h"
+
+namespace espalier::test {
+
+std::string refusalBeforeInitialisation;
+
+namespace {
+
+/// What failed on a rank that does not print otherwise.
+class FailurePrinter : public ::testing::EmptyTestEventListener {
+public:
+    explicit FailurePrinter(int rank) : rank_(rank) {}
+    void OnTestPartResult(const ::testing::TestPartResult& result) override {
+        if (result.failed())
+            std::fprintf(stderr, "rank %d: %s:%d: %s\n", rank_, result.file_name(),
+                         result.line_number(), result.message());
+    }
+
+private:
+    int rank_;
+};
+
+std::string refusal() {
+    try {
+        petsc::DistributedTable(MPI_COMM_WORLD, stencils::StencilTable<double>(), 0);
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "none";
+}
+
+}  // namespace
+}  // namespace espalier::test
+
+int main(int argumentCount, char** arguments) {
+    using namespace espalier;
+    ::testing::InitGoogleTest(&argumentCount, arguments);
+    test::refusalBeforeInitialisation = test::refusal();
+    if (PetscInitialize(&argumentCount, &arguments, nullptr, nullptr)) return 2;
+    int rank = 0;
+    MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+    if (rank != 0) {
+        auto& listeners = ::testing::UnitTest::GetInstance()->listeners();
+        delete listeners.Release(listeners.default_result_printer());
+        listeners.Append(new test::FailurePrinter(rank));
+    }
+    const int result = RUN_ALL_TESTS();
+    return PetscFinalize() ? 2 : result;
+}

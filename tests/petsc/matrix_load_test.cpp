@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/io/petsc_binary.h>
+#include <espalier/petsc/error_capture.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <petscmat.h>
+
+#include <bit>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "ranks.h"
+#include "support/temporary_folder.h"
+
+// Files that io writes, read by PETSc itself.
+namespace espalier::petsc {
+namespace {
+
+/// The file of the test, in a folder of rank 0, which writes it.
+class MatrixLoad : public ::testing::Test {
+protected:
+    static constexpr auto kOwnIntegers =
+        sizeof(PetscInt) == 4 ? io::PetscInt::Bits32 : io::PetscInt::Bits64;
+    static constexpr auto kOtherIntegers =
+        sizeof(PetscInt) == 4 ? io::PetscInt::Bits64 : io::PetscInt::Bits32;
+
+    MatrixLoad() {
+        if (test::rank() == 0) {
+            folder_.emplace();
+            path_ = (*folder_ / "D.petsc").string();
+        }
+        auto length = static_cast<int>(path_.size());
+        MPI_Bcast(&length, 1, MPI_INT, 0, MPI_COMM_WORLD);
+        path_.resize(static_cast<std::size_t>(length));
+        MPI_Bcast(path_.data(), length, MPI_CHAR, 0, MPI_COMM_WORLD);
+    }
+    ~MatrixLoad() override {
+        MPI_Barrier(MPI_COMM_WORLD);
+        MatDestroy(&matrix_);
+    }
+
+    void write(const stencils::StencilTable<double>& table, io::PetscInt integers) const {
+        if (test::rank() == 0) io::writePetscBinary(path_, table, integers);
+        MPI_Barrier(MPI_COMM_WORLD);
+    }
+
+    void load() {
+        const ErrorCapture errors;
+        PetscViewer viewer = nullptr;
+        errors.check(PetscViewerBinaryOpen(MPI_COMM_WORLD, path_.c_str(), FILE_MODE_READ, &viewer));
+        errors.check(MatCreate(MPI_COMM_WORLD, &matrix_));
+        errors.check(MatSetType(matrix_, MATAIJ));
+        const PetscErrorCode loaded = MatLoad(matrix_, viewer);
+        PetscViewerDestroy(&viewer);
+        errors.check(loaded);
+    }
+
+    std::optional<test::TemporaryFolder> folder_;
+    std::string path_;
+    Mat matrix_ = nullptr;
+};
+
+TEST_F(MatrixLoad, GivesEveryWeightToTheLastBit) {
+    const auto table = test::randomTable(203, 31, 9);
+    write(table, kOwnIntegers);
+    load();
+    PetscInt rows = 0, columns = 0, first = 0, last = 0;
+    ASSERT_EQ(MatGetSize(matrix_, &rows, &columns), 0);
+    EXPECT_EQ(rows, table.rowCount());
+    EXPECT_EQ(columns, table.columnCount());
+    ASSERT_EQ(MatGetOwnershipRange(matrix_, &first, &last), 0);
+    const OwnedRange own = evenRange(rows, test::rank(), test::rankCount());
+    EXPECT_EQ(first, own.first);
+    EXPECT_EQ(last, own.last);
+    for (PetscInt row = first; row < last; ++row) {
+        PetscInt count = 0;
+        const PetscInt* at = nullptr;
+        const PetscScalar* values = nullptr;
+        ASSERT_EQ(MatGetRow(matrix_, row, &count, &at, &values), 0);
+        const auto expected = table.columns(static_cast<Index>(row));
+        const auto weights = table.weights(static_cast<Index>(row));
+        EXPECT_EQ(count, static_cast<PetscInt>(expected.size()));
+        for (std::size_t k = 0; k < std::min(expected.size(), static_cast<std::size_t>(count));
+             ++k) {
+            EXPECT_EQ(at[k], expected[k]);
+            EXPECT_EQ(std::bit_cast<std::uint64_t>(values[k]),
+                      std::bit_cast<std::uint64_t>(weights[k]));
+        }
+        ASSERT_EQ(MatRestoreRow(matrix_, row, &count, &at, &values), 0);
+    }
+}
+
+// A PETSc reads files of its own integers only; it says so, and does not misread the others.
+TEST_F(MatrixLoad, RefusesIntegersOfTheOtherSize) {
+    write(test::randomTable(20, 5, 9), kOtherIntegers);
+    try {
+        load();
+        ADD_FAILURE() << "was loaded";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), ::testing::HasSubstr("Not a matrix"));
+    }
+}
+
+}  // namespace
+}  // namespace espalier::petsc

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/petsc/owned_range.h>
+#include <espalier/stencils/stencil_table.h>
+#include <mpi.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <span>
+#include <vector>
+
+namespace espalier::test {
+
+using petsc::OwnedRange;
+using stencils::Index;
+using stencils::StencilTable;
+
+inline int rank() {
+    int result = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &result);
+    return result;
+}
+
+inline int rankCount() {
+    int result = 0;
+    MPI_Comm_size(MPI_COMM_WORLD, &result);
+    return result;
+}
+
+/// The ways in which points and vertices are spread here.
+enum class Spread {
+    Even,
+    Uneven,  ///< 1/16, 2/16 and so on, and the last rank has the rest
+    AllOnFirst,
+    AllOnLast
+};
+
+inline OwnedRange ownRange(far::Offset total, Spread spread) {
+    const int me = rank(), size = rankCount();
+    const OwnedRange none{me == 0 ? 0 : total, me == 0 ? 0 : total};
+    switch (spread) {
+        case Spread::Even:
+            return petsc::evenRange(total, me, size);
+        case Spread::Uneven: {
+            const auto from = [&](int r) {
+                return r == size ? total : ((1 << r) - 1) * total / 16;
+            };
+            return {from(me), from(me + 1)};
+        }
+        case Spread::AllOnFirst:
+            return me == 0 ? OwnedRange{0, total} : none;
+        case Spread::AllOnLast:
+            return me == size - 1 ? OwnedRange{0, total} : OwnedRange{0, 0};
+    }
+    return none;
+}
+
+inline StencilTable<double> ownRows(const StencilTable<double>& table, OwnedRange own) {
+    std::vector<Index> rows(static_cast<std::size_t>(own.count()));
+    std::iota(rows.begin(), rows.end(), static_cast<Index>(own.first));
+    return stencils::selectRows(table, std::span<const Index>(rows));
+}
+
+/// The part of the values of all that belongs to a range.
+inline std::vector<double> ownValues(const std::vector<double>& all, OwnedRange own,
+                                     int components) {
+    return {all.begin() + own.first * components, all.begin() + own.last * components};
+}
+
+/// The same on all ranks.
+inline std::vector<double> randomValues(std::size_t count, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    std::vector<double> values;
+    while (values.size() < count) values.push_back(uniform(random));
+    return values;
+}
+
+/// Rows of 0 to 20 entries anywhere, all weights different; the same on all ranks.
+inline StencilTable<double> randomTable(Index rowCount, Index columnCount, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> weight(-1, 1);
+    far::Array<far::Offset> offsets = {0};
+    far::Array<Index> columns;
+    far::Array<double> weights;
+    for (Index row = 0; row < rowCount; ++row) {
+        const auto share = static_cast<double>(random() % 21) / columnCount;
+        std::bernoulli_distribution isThere(std::min(share, 1.0));
+        for (Index column = 0; column < columnCount; ++column)
+            if (isThere(random)) {
+                columns.push_back(column);
+                weights.push_back(weight(random));
+            }
+        offsets.push_back(static_cast<far::Offset>(columns.size()));
+    }
+    return {columnCount, std::move(offsets), std::move(columns), std::move(weights)};
+}
+
+}  // namespace espalier::test
