@@ -16,5 +16,6 @@ void addCompareCommand(CLI::App& program);
 void addDeformCommands(CLI::App& program);  ///< deform, bind and apply
 void addBenchCommand(CLI::App& program);
 void addFitCommand(CLI::App& program);
+void addCheckCommand(CLI::App& program);
 
 }  // namespace espalier::cli

@@ -28,6 +28,7 @@ int run(int argumentCount, char** arguments) {
     addDeformCommands(program);
     addBenchCommand(program);
     addFitCommand(program);
+    addCheckCommand(program);
     addCompareCommand(program);
     try {
         program.parse(argumentCount, arguments);

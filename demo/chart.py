@@ -20,6 +20,43 @@ def segment(shape, start, end, thickness):
     return np.clip((thickness + 1) / 2 - distance, 0, 1)
 
 
+def polyline(shape, places, thickness):
+    """A mask of a line through pixels."""
+    mask = np.zeros(shape[:2])
+    for start, end in zip(places, places[1:]):
+        low = np.maximum(np.floor(np.minimum(start, end)) - thickness - 1, 0).astype(int)
+        high = np.ceil(np.maximum(start, end)).astype(int) + thickness + 2
+        part = mask[low[1]:high[1], low[0]:high[0]]
+        np.maximum(part, segment(part.shape, start - low, end - low, thickness), out=part)
+    return mask
+
+
+def line_chart(curves, x_ticks, y_ticks, x_name, y_name, size):
+    """Curves, each points (x, y), a colour and a thickness, the later over the earlier. Axes run
+    from the first tick to the last: of y from bottom to top, whichever is larger."""
+    width, height = size
+    image = blank(width, height)
+    left, right, top, bottom = 62, width - 24, 40, height - 56
+
+    def place(point):
+        x = (point[0] - x_ticks[0]) / (x_ticks[-1] - x_ticks[0])
+        y = (point[1] - y_ticks[0]) / (y_ticks[-1] - y_ticks[0])
+        return np.array([left + (right - left) * x, bottom - (bottom - top) * y])
+
+    for tick in y_ticks:
+        ends = [place((x_ticks[0], tick)), place((x_ticks[-1], tick))]
+        put_ink(image, polyline(image.shape, ends, 1), 0, 0, PALE if tick else GUIDE)
+        put_text(image, f"{tick:g}".replace("-", "−"), left - 10, ends[0][1], 14, anchor=(1, 0.5))
+    for tick in x_ticks:
+        put_text(image, f"{tick:g}", place((tick, 0))[0], bottom + 18, 14)
+    put_text(image, x_name, (left + right) / 2, bottom + 42, 15)
+    put_text(image, y_name, 10, 14, 15, anchor=(0, 0.5))
+    for points, colour, thickness in curves:
+        places = [place(point) for point in points]
+        put_ink(image, polyline(image.shape, places, thickness), 0, 0, colour)
+    return image
+
+
 def log_chart(levels, values, colour, x_name, y_name, size):
     """Values, one a level, on a logarithmic scale, and a line through the last of them that falls
     by FALL a level, as they must."""

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws the figures of docs/gallery.md from what the program writes, and writes that page.
+r"""Draws the figures of docs/gallery.md from what the program writes, and writes that page.
 
-    xvfb-run -a python3 gallery.py --program espalier --work FOLDER --docs FOLDER [NAME...]
+    xvfb-run -a python3 gallery.py --program espalier --examples FOLDER --work FOLDER \
+        --docs FOLDER [NAME...]
 
 With NAMEs, just these figures, and not the page.
 """
@@ -17,6 +18,7 @@ import gallery_lattices
 import gallery_patch
 import gallery_polyhedra
 import gallery_rats
+import gallery_solvers
 from gallery_page import Entry, demo_entries, write_page
 from gallery_parts import Program
 from palette import write_palette_png
@@ -28,12 +30,15 @@ SECTIONS = (
     ("Curves and a patch", [], gallery_curves.FIGURES + gallery_patch.FIGURES),
     ("Polyhedra", [], gallery_polyhedra.FIGURES),
     ("RATS splines", [], gallery_rats.FIGURES),
+    ("Gradients and solvers", [], gallery_solvers.FIGURES),
 )
 
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--program", type=pathlib.Path, required=True, help="espalier")
+    parser.add_argument("--examples", type=pathlib.Path, required=True,
+                        help="the folder of the examples that are built")
     parser.add_argument("--work", type=pathlib.Path, required=True, help="for what it writes")
     parser.add_argument("--docs", type=pathlib.Path, required=True,
                         help="the folder of gallery.md and figures/gallery")
@@ -51,7 +56,10 @@ def draw(figure, arguments):
     print(figure.name, flush=True)
     folder = arguments.work / figure.name
     folder.mkdir(parents=True, exist_ok=True)
-    program = Program(arguments.program.resolve(), folder)
+    scripts = pathlib.Path(__file__).resolve().parent.parent / "examples"
+    places = [arguments.program.resolve().parent, arguments.examples.resolve(), scripts,
+              pathlib.Path(sys.executable).parent]
+    program = Program(places, folder)
     image = f"figures/gallery/{figure.name}.png"
     (arguments.docs / image).parent.mkdir(parents=True, exist_ok=True)
     write_palette_png(arguments.docs / image, figure.draw(program))

@@ -8,11 +8,11 @@ import scenes
 
 INTRODUCTION = """# Gallery
 
-Figures of the five papers, drawn again from what the program writes. `scripts/figures` makes
-all of them, and this page: the commands under a picture are those that ran. They can be run
-again where their inputs then lie: those of `figures/gallery/NAME.png` in `out/gallery/NAME/`, those
-of the star, the barbell and the arm in `out/`. Colours are those of Okabe and Ito, which
-colour-blind readers tell apart.
+Figures of the five papers, drawn again from what the program writes, and of the examples.
+`scripts/figures` makes all of them, and this page: the commands under a picture are those that ran.
+They can be run again, with the program and the examples on the path, where their inputs then lie:
+those of `figures/gallery/NAME.png` in `out/gallery/NAME/`, those of the star, the barbell and the
+arm in `out/`. Colours are those of Okabe and Ito, which colour-blind readers tell apart.
 """
 
 REFERENCES = """## The papers

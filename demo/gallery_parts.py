@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the figures of the gallery share: running the program, meshes, panels seen alike."""
 
+import os
 import shlex
 import subprocess
 from dataclasses import dataclass
@@ -32,10 +33,13 @@ class Figure:
 
 
 class Program:
-    """Runs espalier in a folder, and remembers what it ran, and what was measured in its files."""
+    """Runs espalier, and the examples, in a folder, and remembers what it ran, and what was
+    measured in its files."""
 
-    def __init__(self, path, folder):
-        self.path, self.folder = path, folder
+    def __init__(self, places, folder):
+        """`places` are the folders of espalier and of the examples, and of their Python."""
+        self.folder = folder
+        self.search = os.pathsep.join([*map(str, places), os.environ["PATH"]])
         self.commands, self.numbers = [], {}
 
     def write(self, mesh, name, word="f"):
@@ -51,11 +55,16 @@ class Program:
 
     def run(self, command):
         """Runs `espalier COMMAND`, and returns what it printed."""
-        self.commands.append(f"espalier {command}")
-        done = subprocess.run([self.path, *shlex.split(command)], cwd=self.folder, text=True,
-                              capture_output=True, check=False)
+        return self.run_any(f"espalier {command}")
+
+    def run_any(self, command, environment=None):
+        """Runs a command: espalier, an example, or what starts one."""
+        self.commands.append(command)
+        done = subprocess.run(shlex.split(command), cwd=self.folder, text=True,
+                              capture_output=True, check=False,
+                              env={**os.environ, "PATH": self.search, **(environment or {})})
         if done.returncode:
-            raise SystemExit(f"espalier {command}\n{done.stderr}")
+            raise SystemExit(f"{command}\n{done.stdout}{done.stderr}")
         return done.stdout
 
     def file(self, name):

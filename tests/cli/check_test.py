@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`espalier check`: cells that a pose of a lattice turns inside out.
+
+    check_test.py PATH_OF_ESPALIER
+"""
+
+import json
+import sys
+import unittest
+
+import program
+from program import CliTest
+
+
+class Check(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "rest.ovm")
+
+    def write_pose(self, move, rest="rest.ovm", name="pose.ovm"):
+        """The rest lattice with each vertex moved."""
+        lines = (self.path / rest).read_text().splitlines()
+        at = lines.index("Vertices") + 2
+        positions = [move(*p) for p in self.read_ovm_positions(rest)]
+        lines[at:at + len(positions)] = ["%.17g %.17g %.17g" % p for p in positions]
+        (self.path / name).write_text("\n".join(lines) + "\n")
+
+    def check(self, *options, code=0):
+        result = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "--report", "json",
+                                  *options, code=code)
+        return json.loads(result.stdout), result.stderr
+
+    def write_folded(self):
+        """The corner (1, 1, 1) pulled to (−2, −2, −2), past all others."""
+        self.write_pose(lambda *p: (-2, -2, -2) if p == (1, 1, 1) else p)
+
+    def test_a_valid_pose(self):
+        # Twice as wide: all volumes double. So they would at ten times the way; there is no end.
+        self.write_pose(lambda x, y, z: (2 * x, y, z))
+        report, errors = self.check("-n", 2, "--max-step", 10)
+        self.assertEqual(errors, "")
+        self.assertEqual((report["level"], report["cells"]), (2, 8 * 64))
+        self.assertEqual((report["inverted"], report["bad_at_rest"]), ([], []))
+        self.assertAlmostEqual(report["smallest_volume_ratio"]["volume_ratio"], 2, delta=1e-10)
+        self.assertEqual(report["largest_step"],
+                         {"length": 10, "max": 10, "limiting_cell": None})
+        out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 1).stdout
+        for line in ["cells of level 1      64", "inverted              0",
+                     "smallest volume ratio 2 in cell", "largest valid step    2 of the way or more"]:
+            self.assertIn(line, out)
+        self.assertEqual(self.run_program("check", "pose.ovm", "--rest", "rest.ovm",
+                                          "--quiet").stdout, "")
+
+    def test_the_way_back_from_a_mirror_image_ends_half_way(self):
+        # The volume ratio is 1 − 2t.
+        self.write_pose(lambda x, y, z: (-x, y, z))
+        report, _ = self.check("-n", 1, code=1)
+        self.assertEqual([cell["cell"] for cell in report["inverted"]], list(range(64)))
+        self.assertAlmostEqual(report["largest_step"]["length"], 0.5, delta=1e-6)
+        self.assertLessEqual(report["largest_step"]["length"], 0.5)
+
+    def test_a_folded_pose(self):
+        self.write_folded()
+        report, error = self.check("-n", 2, code=1)
+        inverted = report["inverted"]
+        self.assertGreater(len(inverted), 0)
+        self.assertLess(len(inverted), report["cells"])
+        self.assertIn("pose.ovm: %d of 512 cells of level 2 are inverted, first cell %d of base "
+                      "cell %d" % (len(inverted), inverted[0]["cell"], inverted[0]["base_cell"]),
+                      error)
+        for cell in inverted:
+            self.assertLessEqual(cell["volume_ratio"], 0)
+            self.assertEqual(len(cell["centre"]), 3)
+        least = report["smallest_volume_ratio"]
+        self.assertEqual(least["volume_ratio"], min(cell["volume_ratio"] for cell in inverted))
+        # Up to the step there is no such cell, and a little past it there is the one that it names.
+        step = report["largest_step"]
+        self.assertTrue(0 < step["length"] < 1)
+        for part, code in [(1, 0), (1.001, 1)]:
+            t = part * step["length"]
+            self.write_pose(lambda x, y, z, t=t: (1 - 3 * t,) * 3
+                            if (x, y, z) == (1, 1, 1) else (x, y, z))
+            found, _ = self.check("-n", 2, code=code)
+            self.assertEqual(step["limiting_cell"]["cell"]
+                             in [cell["cell"] for cell in found["inverted"]], code == 1)
+
+    def test_text_names_the_first_few(self):
+        self.write_folded()
+        out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 2, code=1).stdout
+        self.assertRegex(out, r"  cell \d+ of base cell \d at \(.*\): volume ratio -")
+        self.assertRegex(out, r"  and \d+ more\n")
+        self.assertRegex(out, r"largest valid step    0\.\d+ of the way, for cell \d+ of base cell")
+
+    def test_the_refined_pose_with_its_ratios(self):
+        self.write_folded()
+        for name in ["cells.vtu", "cells.ovm"]:
+            self.check("-n", 1, "-o", name, code=1)
+            self.assertEqual(self.info(name, "-n", 0)["attributes"], ["volume_ratio"])
+
+    def test_cells_bad_at_rest_do_not_count(self):
+        # The upper layer of cells is flat at rest.
+        self.write_pose(lambda x, y, z: (x, y, min(z, 0.5)), name="flat.ovm")
+        text = self.run_program("check", "flat.ovm", "--rest", "flat.ovm", "-n", 1, "--boundary",
+                                "sharp", "--report", "json").stdout
+        report = json.loads(text)
+        self.assertGreater(len(report["bad_at_rest"]), 0)
+        self.assertNotIn("volume_ratio", report["bad_at_rest"][0])
+        self.assertEqual(report["inverted"], [])
+        self.assertEqual(report["largest_step"]["length"], 2)
+        self.write_pose(lambda x, y, z: (x, y, 0), name="flat.ovm")
+        self.assertIn("flat.ovm: all cells are flat or folded at rest",
+                      self.error_of("check", "flat.ovm", "--rest", "flat.ovm"))
+
+    def test_refusals(self):
+        self.write_folded()
+        self.run_program("shape", "cylinder", "-o", "other.ovm")
+        for arguments, why in [(["pose.ovm", "--rest", "other.ovm"],
+                                "pose.ovm: is not a pose of other.ovm: the number of"),
+                               (["pose.ovm", "--rest", "none.ovm"], "none.ovm"),
+                               (["none.ovm", "--rest", "rest.ovm"], "none.ovm"),
+                               (["pose.ovm", "--rest", "rest.ovm", "-o", "rest.ovm"],
+                                "is also an input"),
+                               (["pose.ovm", "--rest", "rest.ovm", "-o", "x.obj"], "x.obj"),
+                               (["pose.ovm", "--rest", "rest.ovm", "--max-step", 1e7],
+                                "largest step")]:
+            self.assertIn(why, self.error_of("check", *arguments))
+        self.error_of("check", "pose.ovm", "--rest", "rest.ovm", "-n", 0, code=2)
+        self.error_of("check", "pose.ovm", "--rest", "rest.ovm", "--max-step", -1, code=2)
+        self.error_of("check", "pose.ovm", code=2)
+        self.assertIn("exit code 1", " ".join(self.run_program("check", "--help").stdout.split()))
+
+
+if __name__ == "__main__":
+    program.ESPALIER = sys.argv.pop(1)
+    unittest.main()

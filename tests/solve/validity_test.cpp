@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/standard_cells.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/solve/validity.h>
+#include <espalier/solve/validity_pieces.h>
+#include <espalier/stencils/cell_place.h>
+#include <espalier/stencils/trilinear.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "support/refined_lattice.h"
+#include "support/threads.h"
+#include "support/zoo.h"
+
+namespace espalier::solve {
+namespace {
+
+using Positions = std::vector<Point3>;
+using test::Refined;
+using test::vec;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
+
+const far::CellComplex& cube() {
+    static const far::CellComplex complex = shapes::box().complex;
+    return complex;
+}
+
+Positions moved(const Positions& rest, const Positions& pose, double t) {
+    Positions result = rest;
+    for (std::size_t v = 0; v < rest.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c) result[v][c] += t * (pose[v][c] - rest[v][c]);
+    return result;
+}
+
+template <class Change>
+Positions changed(Positions positions, Change change) {
+    for (Point3& p : positions) p = change(p);
+    return positions;
+}
+
+Positions randomlyMoved(Positions positions, double size, unsigned seed) {
+    const auto moves = test::randomValues(3 * positions.size(), seed);
+    for (std::size_t i = 0; i < moves.size(); ++i) positions[i / 3][i % 3] += size * moves[i];
+    return positions;
+}
+
+Eigen::Vector3d positionOf(const Positions& positions, Index vertex) {
+    return vec(positions[static_cast<std::size_t>(vertex)]);
+}
+
+/// Determinants all over a cell, the slow way: a type-3 cell by its trilinear map on a grid, a
+/// type-n cell by its tetrahedra around the mean of its vertices.
+std::vector<double> sampleDeterminants(const far::CellComplex& complex, Index cell,
+                                       const Positions& positions, int parts) {
+    std::vector<double> samples;
+    if (const auto vertices = far::hexahedronVertices(complex, far::CellId(cell))) {
+        stencils::Trilinear::Corners corners;
+        for (std::size_t i = 0; i < 8; ++i) corners[i] = positionOf(positions, (*vertices)[i]);
+        const stencils::Trilinear map(corners);
+        for (int i = 0; i <= parts; ++i)
+            for (int j = 0; j <= parts; ++j)
+                for (int k = 0; k <= parts; ++k)
+                    samples.push_back(map.jacobian(Eigen::Vector3d(i, j, k) / parts).determinant());
+        return samples;
+    }
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    const auto vertices = complex.relation(3, 0)[cell];
+    for (const Index vertex : vertices)
+        centre += positionOf(positions, vertex) / static_cast<double>(vertices.size());
+    for (Index t = 0; t < stencils::tetrahedronCount(complex, far::CellId(cell)); ++t) {
+        const auto base = stencils::tetrahedronBase(complex, far::CellId(cell), t);
+        Eigen::Matrix3d edges;
+        for (Eigen::Index i = 0; i < 3; ++i)
+            edges.col(i) = positionOf(positions, base[static_cast<std::size_t>(i)]) - centre;
+        samples.push_back(edges.determinant());
+    }
+    return samples;
+}
+
+/// The least quotient of samples of a pose and of the rest.
+double sampledRatio(const far::CellComplex& complex, Index cell, const Positions& rest,
+                    const Positions& pose, int parts) {
+    const auto before = sampleDeterminants(complex, cell, rest, parts);
+    const auto now = sampleDeterminants(complex, cell, pose, parts);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < now.size(); ++i) least = std::min(least, now[i] / before[i]);
+    return least;
+}
+
+// A vertex pulled along the diagonal: X = x − a uvw (1, 1, 1), of determinant 1 − a (vw + uw + uv),
+// which is least at that vertex, 1 − 3a. With a = 3t it is 0 at t = 1/9.
+TEST(Validity, VertexPulledThroughACube) {
+    const Positions rest = shapes::box().positions;
+    Positions pose = rest;
+    pose[7] = {-2, -2, -2};
+    const ValidityCheck validity(cube(), rest);
+    EXPECT_THAT(validity.badAtRest(), IsEmpty());
+    const PoseValidity folded = validity.check(pose);
+    EXPECT_THAT(folded.inverted, ElementsAre(0));
+    EXPECT_NEAR(folded.smallest->value, -8, 8e-3);  // within a thousandth
+    const LargestStep step = validity.largestStep(pose);
+    EXPECT_LE(step.length, 1.0 / 9);
+    EXPECT_GE(step.length, 1.0 / 9 * (1 - 1.1e-6));
+    EXPECT_EQ(step.limitingCell, 0);
+    // Half way there.
+    const PoseValidity half = validity.check(moved(rest, pose, 1.0 / 18));
+    EXPECT_THAT(half.inverted, IsEmpty());
+    EXPECT_NEAR(half.smallest->value, 0.5, 1e-12);  // at a corner: rounding alone
+    // Asked for less, or the other way, where it grows.
+    EXPECT_EQ(validity.largestStep(pose, 0.1).length, 0.1);
+    EXPECT_EQ(validity.largestStep(pose, 0.1).limitingCell, std::nullopt);
+    EXPECT_EQ(validity.largestStep(moved(rest, pose, -1), 3).length, 3);
+}
+
+TEST(Validity, NothingChangesAtRest) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const Refined refined(lattice, 1);
+        const ValidityCheck validity(refined.complex(), refined.positions);
+        EXPECT_THAT(validity.badAtRest(), IsEmpty()) << name;
+        const PoseValidity same = validity.check(refined.positions);
+        EXPECT_THAT(same.inverted, IsEmpty()) << name;
+        // Less the floor, over a determinant that is not below a hundredth of lengths.
+        EXPECT_NEAR(same.smallest->value, 1, 1e-11) << name;
+        const LargestStep step = validity.largestStep(refined.positions, 5);
+        EXPECT_EQ(step.length, 5) << name;
+    }
+}
+
+// Two cells found by trying out: in a cube of side 10, of determinant 1000.
+TEST(Validity, FoldedInsideOnly) {
+    const Positions rest = changed(shapes::box().positions, [](Point3 p) {
+        return Point3{10 * p[0], 10 * p[1], 10 * p[2]};
+    });
+    const Positions pose = {{1, -2, -7}, {8, 5, 6},   {4, 11, 7}, {9, 16, 5},
+                            {-6, 7, 4},  {4, -3, 15}, {7, 7, 12}, {14, 5, 10}};
+    constexpr int kParts = 10;
+    const auto samples = sampleDeterminants(cube(), 0, pose, kParts);
+    double onEdges = 1000, inside = 1000;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const std::array<std::size_t, 3> place = {i / 121, i / 11 % 11, i % 11};
+        const auto ends =
+            std::count_if(place.begin(), place.end(), [](auto at) { return at % 10 == 0; });
+        (ends >= 2 ? onEdges : inside) = std::min(ends >= 2 ? onEdges : inside, samples[i]);
+    }
+    ASSERT_GT(onEdges, 60);
+    ASSERT_LT(inside, -30);
+    const ValidityCheck validity(cube(), rest);
+    const PoseValidity folded = validity.check(pose);
+    EXPECT_THAT(folded.inverted, ElementsAre(0));
+    EXPECT_LE(folded.smallest->value, inside / 1000);
+    // On the way there, the step ends where the least determinant inside is 0.
+    const LargestStep step = validity.largestStep(pose);
+    EXPECT_EQ(step.limitingCell, 0);
+    EXPECT_GT(sampledRatio(cube(), 0, rest, moved(rest, pose, step.length), kParts), 0);
+    EXPECT_THAT(validity.check(moved(rest, pose, step.length * (1 + 1e-4))).inverted,
+                ElementsAre(0));
+}
+
+TEST(Validity, PositiveThoughCoefficientsAreNot) {
+    const Positions rest = changed(shapes::box().positions, [](Point3 p) {
+        return Point3{10 * p[0], 10 * p[1], 10 * p[2]};
+    });
+    const Positions pose = {{4, -1, 3}, {8, -2, -7}, {-4, 12, 7}, {11, 10, 3},
+                            {3, 7, 9},  {5, -3, 8},  {7, 16, 13}, {16, 16, 14}};
+    double least = 1000;
+    for (const auto& lanes : determinant(CellPieces(cube(), 0).piece(0, pose).derivatives))
+        least = std::min(least, lanes[0]);
+    ASSERT_LT(least, -290);
+    const PoseValidity valid = ValidityCheck(cube(), rest).check(pose);
+    EXPECT_THAT(valid.inverted, IsEmpty());
+    const double sampled = sampledRatio(cube(), 0, rest, pose, 40);
+    EXPECT_LE(valid.smallest->value, sampled);
+    // A thousandth, and 1/80 away from the least value of curvature 10 at most.
+    EXPECT_GE(valid.smallest->value, sampled * (1 - 1e-3) - 3 * 10 / 2.0 / 6400);
+    // Such a cell at rest is a good one.
+    const ValidityCheck bent(cube(), pose);
+    EXPECT_THAT(bent.badAtRest(), IsEmpty());
+    EXPECT_NEAR(bent.check(pose).smallest->value, 1, 1e-3);
+}
+
+// The top turned by θ about the axis on straight ways: at height w and time t, the section is
+// turned and scaled by the complex number 1 + w t (e^iθ − 1), whose square is the determinant. It
+// is 0 for θ = π only, first at w = 1, t = 1/2.
+TEST(Validity, TwistedColumn) {
+    const Positions rest = shapes::box({.min = {-1, -1, 0}, .max = {1, 1, 1}}).positions;
+    const ValidityCheck validity(cube(), rest);
+    const auto twisted = [&](double angle) {
+        return changed(rest, [&](Point3 p) {
+            const double c = std::cos(angle * p[2]), s = std::sin(angle * p[2]);
+            return Point3{c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]};
+        });
+    };
+    const LargestStep half = validity.largestStep(twisted(std::numbers::pi));
+    EXPECT_LE(half.length, 0.5);
+    // (1 − 2t)² is below the floor, 6e-14 · 10², for 2e-6 on either side.
+    EXPECT_GE(half.length, 0.5 - 5e-6);
+    EXPECT_EQ(half.limitingCell, 0);
+    EXPECT_EQ(validity.largestStep(twisted(std::numbers::pi / 2), 2).length, 2);
+    // |1 + w (i − 1)|² is 1/2 at w = 1/2: a value inside.
+    EXPECT_NEAR(validity.check(twisted(std::numbers::pi / 2)).smallest->value, 0.5, 1e-3);
+}
+
+TEST(Validity, LeftHandedLatticesAreAsGood) {
+    const Refined refined(shapes::octahedron(), 2);
+    const auto mirrored = [](const Positions& positions) {
+        return changed(positions, [](Point3 p) { return Point3{p[0], p[1], -p[2]}; });
+    };
+    const Positions pose = refined.pose(randomlyMoved(refined.base, 1, 4));
+    const ValidityCheck right(refined.complex(), refined.positions);
+    const ValidityCheck left(refined.complex(), mirrored(refined.positions));
+    EXPECT_THAT(left.badAtRest(), IsEmpty());
+    const auto expected = right.check(pose), got = left.check(mirrored(pose));
+    EXPECT_FALSE(expected.inverted.empty());
+    EXPECT_EQ(got.inverted, expected.inverted);
+    EXPECT_EQ(got.ratios, expected.ratios);
+    EXPECT_EQ(left.largestStep(mirrored(pose)).length, right.largestStep(pose).length);
+    // But mirroring a lattice turns all of it inside out.
+    const PoseValidity turned = right.check(mirrored(refined.positions));
+    EXPECT_EQ(turned.inverted.size(), turned.ratios.size());
+}
+
+// A vertex of a type-4 cell pushed across its centre: some tetrahedra turn, others do not.
+TEST(Validity, SomeTetrahedraOfATypeFourCell) {
+    const Refined refined(shapes::octahedron(), 1);
+    Index cell = 0;
+    while (far::hexahedronVertices(refined.complex(), far::CellId(cell))) ++cell;
+    const Index vertex = refined.complex().relation(3, 0)[cell].front();
+    Positions pose = refined.positions;
+    Point3 centre{};
+    const auto vertices = refined.complex().relation(3, 0)[cell];
+    for (const Index other : vertices)
+        for (std::size_t c = 0; c < 3; ++c)
+            centre[c] +=
+                pose[static_cast<std::size_t>(other)][c] / static_cast<double>(vertices.size());
+    const auto samplesOf = [&](Index of, const Positions& positions) {
+        return sampleDeterminants(refined.complex(), of, positions, 4);
+    };
+    const auto before = samplesOf(cell, pose);
+    Point3& moving = pose[static_cast<std::size_t>(vertex)];
+    for (std::size_t c = 0; c < 3; ++c) moving[c] = 1.5 * centre[c] - 0.5 * moving[c];
+    const auto now = samplesOf(cell, pose);
+    double least = 1;
+    std::ptrdiff_t turned = 0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        least = std::min(least, now[i] / before[i]);
+        turned += now[i] * before[i] < 0;
+    }
+    ASSERT_GT(turned, 0);
+    ASSERT_LT(turned, static_cast<std::ptrdiff_t>(now.size()));
+    const PoseValidity folded = ValidityCheck(refined.complex(), refined.positions).check(pose);
+    EXPECT_THAT(folded.inverted, Contains(cell));
+    EXPECT_NEAR(folded.ratios[static_cast<std::size_t>(cell)], least, 1e-12);  // exact: rounding
+}
+
+// Against samples: nothing valid has one that is not positive, and steps end where they must.
+TEST(Validity, NoSampleContradictsIt) {
+    int invertedCount = 0, limitedCount = 0;
+    for (const Lattice& lattice :
+         {shapes::box({.cells = {2, 1, 1}}), shapes::cylinder({.sectors = 5}), shapes::octahedron(),
+          test::mixedLattice()})
+        for (unsigned seed = 0; seed < 3; ++seed) {
+            const Refined refined(lattice, 1);
+            const far::CellComplex& complex = refined.complex();
+            const Positions& rest = refined.positions;
+            // Partly along with the base vertices, partly each on its own: more of them fold.
+            const Positions pose =
+                randomlyMoved(refined.pose(randomlyMoved(refined.base, 0.3, seed)), 0.1, seed + 50);
+            const ValidityCheck validity(complex, rest);
+            ASSERT_THAT(validity.badAtRest(), IsEmpty());
+            const PoseValidity checked = validity.check(pose);
+            for (Index cell = 0; cell < complex.count(3); ++cell) {
+                const double ratio = checked.ratios[static_cast<std::size_t>(cell)];
+                EXPECT_LE(ratio, sampledRatio(complex, cell, rest, pose, 4));
+                EXPECT_EQ(ratio > 0, !std::binary_search(checked.inverted.begin(),
+                                                         checked.inverted.end(), cell));
+                EXPECT_GE(ratio, checked.smallest->value);
+            }
+            invertedCount += !checked.inverted.empty();
+
+            const LargestStep step = validity.largestStep(pose, 1.5);
+            for (const double part : {0.2, 0.6, 0.95, 1.0})
+                for (Index cell = 0; cell < complex.count(3); ++cell)
+                    EXPECT_GT(
+                        sampledRatio(complex, cell, rest, moved(rest, pose, part * step.length), 4),
+                        0);
+            EXPECT_EQ(step.length < 1.5, step.limitingCell.has_value());
+            if (!step.limitingCell) continue;
+            ++limitedCount;
+            // Past the step by more than its precision: a determinant that goes through 0, as all
+            // of these do, is negative then.
+            EXPECT_THAT(validity.check(moved(rest, pose, step.length * (1 + 1e-4))).inverted,
+                        Contains(*step.limitingCell));
+            EXPECT_THAT(validity.check(moved(rest, pose, step.length)).inverted, IsEmpty());
+        }
+    EXPECT_GT(invertedCount, 3);
+    EXPECT_GT(limitedCount, 5);
+}
+
+// A bar of four cells along x: the last flat, or turned back into the one before.
+TEST(Validity, CellsBadAtRestAreSetApart) {
+    const Lattice bar = shapes::box({.cells = {4, 1, 1}, .max = {4, 1, 1}});
+    const auto withEndAt = [&](double x) {
+        return changed(bar.positions, [&](Point3 p) {
+            return Point3{p[0] == 4 ? x : p[0], p[1], p[2]};
+        });
+    };
+    for (const double x : {3.0, 2.5}) {
+        const Positions rest = withEndAt(x);
+        const ValidityCheck validity(bar.complex, rest);
+        EXPECT_THAT(validity.badAtRest(), ElementsAre(3)) << x;
+        const PoseValidity same = validity.check(rest);
+        EXPECT_THAT(same.inverted, IsEmpty());
+        EXPECT_TRUE(std::isnan(same.ratios[3]));
+        EXPECT_EQ(validity.largestStep(rest).length, 1);
+        // Straightened, it still has nothing to be compared with.
+        EXPECT_THAT(validity.check(bar.positions).inverted, IsEmpty());
+    }
+    // Thin is not flat: made ten times as thick, say.
+    const ValidityCheck thin(bar.complex, withEndAt(3 + 1e-9));
+    EXPECT_THAT(thin.badAtRest(), IsEmpty());
+    // 3 + 1e-9 is off by 4e-16, that is 4e-7 of the thickness.
+    EXPECT_NEAR(thin.check(withEndAt(3 + 1e-8)).ratios[3], 10, 1e-4);
+}
+
+// What is flat but for rounding counts as inverted.
+TEST(Validity, FlatIsInverted) {
+    const Positions rest = shapes::box().positions;
+    const auto pressed = [&](double height) {
+        return changed(rest, [&](Point3 p) {
+            return Point3{p[0] + 0.3 * p[2], p[1], height * p[2] + 0.1 * p[0]};
+        });
+    };
+    const ValidityCheck validity(cube(), rest);
+    // 0.03 is where the slant of the sides meets that of the top: a plane.
+    EXPECT_THAT(validity.check(pressed(0.03)).inverted, ElementsAre(0));
+    EXPECT_THAT(validity.check(pressed(0.03 + 1e-15)).inverted, ElementsAre(0));
+    EXPECT_THAT(validity.check(pressed(0.03 + 1e-9)).inverted, IsEmpty());
+}
+
+TEST(Validity, DoesNotDependOnThreads) {
+    const Refined refined(shapes::cylinder({.sectors = 6, .layers = 6}), 2);
+    const Positions pose = refined.pose(randomlyMoved(refined.base, 0.5, 8));
+    const auto work = [&] {
+        const ValidityCheck validity(refined.complex(), refined.positions);
+        return std::pair(validity.check(pose), validity.largestStep(pose));
+    };
+    const auto [one, oneStep] = test::withThreads(1, work);
+    ASSERT_FALSE(one.inverted.empty());
+    ASSERT_GT(one.ratios.size(), 1024);  // more than one range
+    for (const int threads : {2, 5}) {
+        const auto [other, otherStep] = test::withThreads(threads, work);
+        EXPECT_EQ(other.ratios, one.ratios);
+        EXPECT_EQ(other.inverted, one.inverted);
+        EXPECT_EQ(otherStep.length, oneStep.length);
+        EXPECT_EQ(otherStep.limitingCell, oneStep.limitingCell);
+    }
+}
+
+// Sizes whose cubes are near the ends of what a double holds.
+TEST(Validity, SizeDoesNotCount) {
+    for (const double size : {1e-80, 1e-6, 1e6, 1e80}) {
+        const auto scaled = [&](Positions positions) {
+            return changed(std::move(positions), [&](Point3 p) {
+                return Point3{size * p[0], size * p[1], size * p[2]};
+            });
+        };
+        Positions pose = shapes::box().positions;
+        pose[7] = {-2, -2, -2};
+        const ValidityCheck validity(cube(), scaled(shapes::box().positions));
+        EXPECT_THAT(validity.badAtRest(), IsEmpty());
+        EXPECT_NEAR(validity.largestStep(scaled(pose)).length, 1.0 / 9, 2e-7) << size;
+    }
+}
+
+TEST(Validity, BaseCellsAreThoseThatCellsDescendFrom) {
+    const Refined refined(test::mixedLattice(), 2);
+    std::vector<Index> firsts;
+    refined.refiner.refinement(1).forEachChild(
+        0, 3, [&](far::Entity, const far::Interval& from) { firsts.push_back(from.upper.index); });
+    refined.refiner.refinement(2).forEachChild(
+        0, 3, [&](far::Entity child, const far::Interval& from) {
+            EXPECT_EQ(baseCellOf(refined.refiner, 2, child.index),
+                      firsts[static_cast<std::size_t>(from.upper.index)]);
+        });
+    EXPECT_EQ(baseCellOf(refined.refiner, 0, 1), 1);
+}
+
+TEST(Validity, RefusesBadInputByName) {
+    const Positions rest = shapes::box().positions;
+    const ValidityCheck validity(cube(), rest);
+    const auto expectRefused = [](const auto& call, const char* why) {
+        EXPECT_THAT(call, ThrowsMessage<Error>(HasSubstr(why)));
+    };
+    const Positions few(7);
+    expectRefused([&] { ValidityCheck(cube(), few); }, "got 7 positions of the rest for 8");
+    expectRefused([&] { validity.check(few); }, "got 7 positions of the pose for 8 vertices");
+    expectRefused([&] { validity.largestStep(few); }, "got 7 positions of the pose");
+    for (const double bad :
+         {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
+        Positions broken = rest;
+        broken[5][1] = bad;
+        expectRefused([&] { ValidityCheck(cube(), broken); }, "the rest of vertex 5 is not finite");
+        expectRefused([&] { validity.check(broken); }, "the pose of vertex 5 is not finite");
+    }
+    Positions far = rest;
+    far[2][0] = 1e100;
+    expectRefused([&] { validity.check(far); }, "the pose of vertex 2 is too far");
+    for (const double most : {0.0, -1.0, 1e7, std::numeric_limits<double>::quiet_NaN()})
+        expectRefused([&] { validity.largestStep(rest, most); }, "expected a number above 0");
+    const Lattice octahedron = shapes::octahedron();
+    expectRefused([&] { ValidityCheck(octahedron.complex, octahedron.positions); },
+                  "is not a quadrilateral");
+    expectRefused([&] { ValidityCheck(far::CellComplex(), {}); }, "dimension 0");
+}
+
+}  // namespace
+}  // namespace espalier::solve
