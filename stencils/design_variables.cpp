@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/stencils/box_tree.h>
 #include <espalier/stencils/design_variables.h>
 #include <espalier/stencils/table_builder.h>
 
-#include <algorithm>
+#include <Eigen/Geometry>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -25,25 +25,24 @@ void checkAxis(int axis) {
 class Images {
 public:
     Images(std::span<const Point3> positions, int axis, double plane, double tolerance)
-        : positions_(positions), axis_(axis), plane_(plane), tolerance_(tolerance) {
-        order_.resize(positions.size());
-        std::iota(order_.begin(), order_.end(), Index{0});
-        std::sort(order_.begin(), order_.end(), [&](Index a, Index b) { return key(a) < key(b); });
-    }
+        : positions_(positions), axis_(axis), plane_(plane), tolerance_(tolerance), tree_([&] {
+              std::vector<BoxTree::Box> boxes;
+              for (const Point3& position : positions) {
+                  const Eigen::Vector3d p(position.data());
+                  boxes.emplace_back(p.array() - tolerance, p.array() + tolerance);
+              }
+              return boxes;
+          }()) {}
 
     /// \throws Error if a point has none, or several
     Index of(Index vertex) const {
-        Point3 image = positions_[at(vertex)];
-        image[static_cast<std::size_t>(axis_)] =
-            2 * plane_ - image[static_cast<std::size_t>(axis_)];
-        const double least = image[0] - tolerance_;
+        Eigen::Vector3d image(positions_[at(vertex)].data());
+        image[axis_] = 2 * plane_ - image[axis_];
         std::vector<Index> found;
-        for (auto candidate = std::lower_bound(
-                 order_.begin(), order_.end(), least,
-                 [&](Index vertexAt, double value) { return key(vertexAt) < value; });
-             candidate != order_.end() && key(*candidate) <= image[0] + tolerance_; ++candidate)
-            if (distance(positions_[at(*candidate)], image) <= tolerance_)
-                found.push_back(*candidate);
+        tree_.findContaining(image, found);
+        std::erase_if(found, [&](Index candidate) {
+            return (Eigen::Vector3d(positions_[at(candidate)].data()) - image).norm() > tolerance_;
+        });
         if (found.size() == 1) return found.front();
         throw Error("vertex " + std::to_string(vertex) + " has " +
                     (found.empty() ? std::string("no mirror image")
@@ -52,15 +51,10 @@ public:
     }
 
 private:
-    double key(Index vertex) const { return positions_[at(vertex)][0]; }
-    static double distance(const Point3& a, const Point3& b) {
-        return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-    }
-
     std::span<const Point3> positions_;
     int axis_;
     double plane_, tolerance_;
-    std::vector<Index> order_;  ///< by their first coordinate
+    BoxTree tree_;  ///< over the points, each with the tolerance around it
 };
 
 }  // namespace

@@ -43,7 +43,7 @@ public:
     /// \throws Error naming the first vertex without an image, or with more than one, in which case
     ///         nothing is linked; if there are not as many positions as vertices, or one is not
     ///         finite
-    /// \cost O(vertices · those with about the same first coordinate)
+    /// \cost O(vertices · log vertices)
     void mirror(std::span<const Point3> positions, int axis, double at, double tolerance);
 
     /// B: 3 · vertices × variables. Columns are in the order of their first coordinates.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/matrix_market.h>
+#include <espalier/stencils/sparse_matrix.h>
 #include <io/model_files.h>
 
 #include <cmath>
 #include <limits>
+#include <unsupported/Eigen/SparseExtra>
 
 namespace espalier::io {
 namespace {
@@ -51,6 +53,16 @@ TEST(MatrixMarket, WritesCoordinatesFromOneInTheOrderOfTheTable) {
               "1 1 0.5\n"
               "1 3 0.3333333333333333\n"
               "3 2 1e-20\n");
+}
+
+TEST(MatrixMarket, EigenReadsItToTheLastBit) {
+    const StencilTable<double> table(4, {0, 3, 3, 5}, {0, 1, 3, 2, 3},
+                                     {0.25, 1.0 / 3, -1e-300, 1, 0.1});
+    const test::TemporaryFolder folder;
+    writeMatrixMarket(folder / "a.mtx", table);
+    Eigen::SparseMatrix<double, Eigen::RowMajor> read;
+    ASSERT_TRUE(Eigen::loadMarket(read, (folder / "a.mtx").string()));
+    EXPECT_EQ(stencils::fromEigen(read), table);
 }
 
 TEST(MatrixMarket, ComesBackToTheLastBit) {
