@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <deque>
 #include <fstream>
 #include <system_error>
 
@@ -80,23 +81,31 @@ std::string readFile(const fs::path& path) {
 }
 
 void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+    writeFiles({{path, write}});
+}
+
+void writeFiles(const std::vector<FileToWrite>& files) {
     std::error_code ignored;
-    const auto writeTo = [&](const fs::path& name) {
+    const auto writeTo = [](const fs::path& name, const FileToWrite& file) {
         std::ofstream out(name, std::ios::binary | std::ios::trunc);
-        if (out) write(out);
+        if (out) file.write(out);
         out.close();
-        if (!out) throw FileError(path, "cannot write: " + systemMessage());
+        if (!out) throw FileError(file.path, "cannot write: " + systemMessage());
     };
-    // A device or a pipe is written to, not replaced.
-    if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
-        if (fs::is_directory(path, ignored)) throw FileError(path, "is a directory");
-        writeTo(path);
-        return;
+    std::deque<TemporaryFile> written;
+    for (const FileToWrite& file : files) {
+        // A device or a pipe is written to, not replaced.
+        if (fs::exists(file.path, ignored) && !fs::is_regular_file(file.path, ignored)) {
+            if (fs::is_directory(file.path, ignored)) throw FileError(file.path, "is a directory");
+            writeTo(file.path, file);
+            continue;
+        }
+        // A link stays one; what it names is replaced.
+        written.emplace_back(fs::is_symlink(file.path, ignored) ? fs::weakly_canonical(file.path)
+                                                                : file.path);
+        writeTo(written.back().name(), file);
     }
-    // A link stays one; what it names is replaced.
-    TemporaryFile file(fs::is_symlink(path, ignored) ? fs::weakly_canonical(path) : path);
-    writeTo(file.name());
-    file.moveToTarget();
+    for (TemporaryFile& file : written) file.moveToTarget();
 }
 
 }  // namespace espalier::io

@@ -8,6 +8,7 @@
 #include <functional>
 #include <iosfwd>
 #include <string>
+#include <vector>
 
 namespace espalier::io {
 
@@ -30,5 +31,14 @@ std::string readFile(const std::filesystem::path& path);
 ///
 /// \throws FileError if the file cannot be made, written or renamed; what `write` throws
 void writeFile(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
+
+/// A file, and what writes it.
+struct FileToWrite {
+    std::filesystem::path path;
+    std::function<void(std::ostream&)> write;
+};
+
+/// The same for files that belong together: none is renamed before all are on disk.
+void writeFiles(const std::vector<FileToWrite>& files);
 
 }  // namespace espalier::io

@@ -69,11 +69,13 @@ template <class Real>
 void writeNpyArrays(const std::filesystem::path& path, const StencilTable<Real>& table) {
     const auto arrays = arraysOf(table);
     const auto paths = npyPaths(path);
+    std::vector<FileToWrite> files;
     for (std::size_t i = 0; i < arrays.size(); ++i)
-        writeFile(paths[i], [&](std::ostream& stream) {
-            ByteOutput out(stream, std::endian::little);
-            arrays[i].write(out);
-        });
+        files.push_back({paths[i], [&array = arrays[i]](std::ostream& stream) {
+                             ByteOutput out(stream, std::endian::little);
+                             array.write(out);
+                         }});
+    writeFiles(files);
 }
 
 template void writeNpz(const std::filesystem::path&, const StencilTable<float>&);

@@ -105,6 +105,15 @@ class Export(CliTest):
         self.write("-n", 2, "--points", "model.obj", "--outside", "nearest", "-o", "n.npz")
         numpy.testing.assert_allclose(self.npz("n.npz") @ base, points, rtol=0, atol=1e-12)
 
+    def test_a_full_disk(self):
+        for name in ["s.mtx", "s.npz", "s.petsc"]:
+            self.assert_nothing_is_lost_on_a_full_disk("stencils", "c.ovm", "-n", 2, output=name)
+        # Three files: there is room for the first of them, of the offsets of rows.
+        for name in ["indptr", "indices", "data"]:
+            (self.path / f"s.{name}.npy").write_text("old")
+        self.assert_nothing_is_lost_on_a_full_disk("stencils", "c.ovm", "-n", 2, output="s.npy",
+                                                   named="s.indices.npy")
+
     def test_refusals(self):
         self.write_model(icosphere_points(5) + [(9, 9, 9)])
         self.assertIn("s.mat: has another extension than .mtx, .npz, .npy, .petsc",

@@ -96,6 +96,12 @@ class Fit(CliTest):
         self.assert_close([moved[i] for i in held], [self.points[i] for i in held], 1e-14)
         self.assert_close([moved[7]], [(0.5, 0.5, 1.1)], 1e-12)
 
+    def test_a_full_disk(self):
+        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        self.assert_nothing_is_lost_on_a_full_disk(
+            "fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt", "-n", 2,
+            output="pose.ovm", room=1024)
+
     def test_text_report(self):
         (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
         out = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",

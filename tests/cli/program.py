@@ -4,6 +4,8 @@
 import json
 import math
 import pathlib
+import resource
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -39,6 +41,22 @@ class CliTest(unittest.TestCase):
 
     def error_of(self, *arguments, code=1):
         return self.run_program(*arguments, code=code).stderr
+
+    def assert_nothing_is_lost_on_a_full_disk(self, *arguments, output, room=4096,
+                                               named=None):
+        """That a command which cannot write more than so many bytes says so, and leaves all files
+        as they were. `named` is what it says cannot be written: the output, or a part of it."""
+        def fill():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
+
+        (self.path / output).write_text("old")
+        before = {path: path.read_bytes() for path in self.path.iterdir()}
+        result = subprocess.run([ESPALIER, *map(str, arguments), "-o", output], cwd=self.path,
+                                text=True, capture_output=True, timeout=120, preexec_fn=fill)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertRegex(result.stderr, rf"^espalier: {named or output}: cannot write: File too large\n$")
+        self.assertEqual({path: path.read_bytes() for path in self.path.iterdir()}, before)
 
     def write_model(self, points, name="model.obj"):
         lines = ["# a comment"] + ["v %.17g %.17g %.17g" % p for p in points]
