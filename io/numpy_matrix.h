@@ -26,7 +26,7 @@ std::array<std::filesystem::path, 3> npyPaths(const std::filesystem::path& path)
 /// memory. The number of columns is in none of them.
 ///
 /// \throws Error if a weight is not finite, naming the row; FileError if a file cannot be written:
-///         those before it stay
+///         all old ones are then as they were
 template <class Real>
 void writeNpyArrays(const std::filesystem::path& path, const stencils::StencilTable<Real>& table);
 

@@ -65,6 +65,7 @@ DesignVariables::DesignVariables(Index vertexCount) {
                     " vertices");
     for (Index i = 0; i < 3 * vertexCount; ++i) links_.push_back({i, 1});
     isFrozen_.assign(links_.size(), 0);
+    units_.assign(links_.size(), 1);
 }
 
 Index DesignVariables::coordinate(Index vertex, int axis) const {
@@ -94,6 +95,19 @@ void DesignVariables::freeze(Index vertex, int axis) {
 
 void DesignVariables::freeze(Index vertex) {
     for (int axis = 0; axis < 3; ++axis) freeze(vertex, axis);
+}
+
+void DesignVariables::scale(Index vertex, int axis, double unit) {
+    const Link root = rootOf(coordinate(vertex, axis));
+    const double ofRoot = unit / root.factor;
+    if (!std::isnormal(ofRoot))
+        throw Error("vertex " + std::to_string(vertex) + " cannot be scaled by " +
+                    std::to_string(unit));
+    units_[at(root.to)] = ofRoot;
+}
+
+void DesignVariables::scale(Index vertex, double unit) {
+    for (int axis = 0; axis < 3; ++axis) scale(vertex, axis, unit);
 }
 
 /// The factor between the roots of two coordinates, when one is to be `factor` times the other.
@@ -177,7 +191,7 @@ StencilTable<double> DesignVariables::matrix() const {
         if (isRoot && !isFrozen_[i]) variables[i] = count++;
         if (!isFrozen_[at(roots[i].to)]) {
             columns.push_back(variables[at(roots[i].to)]);
-            weights.push_back(roots[i].factor);
+            weights.push_back(roots[i].factor * units_[at(roots[i].to)]);
         }
         offsets.push_back(static_cast<Offset>(columns.size()));
     }

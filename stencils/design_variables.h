@@ -46,6 +46,16 @@ public:
     /// \cost O(vertices · log vertices)
     void mirror(std::span<const Point3> positions, int axis, double at, double tolerance);
 
+    /// Sets by how much a vertex moves, or one coordinate of it, when its variable grows by 1, so
+    /// that variables can be of about the same size for an optimiser. At first 1. Coordinates that
+    /// are linked share a variable: what is set last holds for all of them, each by its own factor;
+    /// a link that is made later keeps the unit of the lower-numbered variable.
+    ///
+    /// \throws Error for a vertex that is not there, or an axis that is not 0 to 2; for a unit that
+    ///         is 0 or not finite, also as a quotient with the factor of a link
+    void scale(Index vertex, double unit);
+    void scale(Index vertex, int axis, double unit);
+
     /// B: 3 · vertices × variables. Columns are in the order of their first coordinates.
     StencilTable<double> matrix() const;
 
@@ -62,6 +72,7 @@ private:
 
     std::vector<Link> links_;     ///< one a coordinate, to a lower one; roots to themselves
     std::vector<char> isFrozen_;  ///< of roots
+    std::vector<double> units_;   ///< of roots: by how much they move
 };
 
 /// J = (D ⊗ I₃) · B: row 3i + c holds the derivatives of coordinate c of point i by the variables.

@@ -61,6 +61,20 @@ TEST(DesignVariables, LinksJoinWithTheProductsOfTheirFactors) {
     }
 }
 
+// x₁ = 2 x₀: a variable that moves x₁ by 6 moves x₀ by 3.
+TEST(DesignVariables, AreScaled) {
+    DesignVariables design(2);
+    design.link(1, 0, {2, 2, 2});
+    design.scale(0, 0.5);
+    design.scale(1, 1, 6);
+    EXPECT_EQ(design.matrix(), StencilTable<double>(3, {0, 1, 2, 3, 4, 5, 6}, {0, 1, 2, 0, 1, 2},
+                                                    {0.5, 3, 0.5, 1, 6, 1}));
+    for (const double unit : {0.0, std::numeric_limits<double>::infinity()})
+        EXPECT_THAT([&] { design.scale(1, unit); },
+                    ThrowsMessage<Error>(HasSubstr("vertex 1 cannot be scaled by")));
+    EXPECT_THAT([&] { design.scale(2, 1); }, ThrowsMessage<Error>(HasSubstr("no vertex 2")));
+}
+
 TEST(DesignVariables, LinksThatContradictLeaveNothingBut0) {
     DesignVariables design(2);
     design.link(0, 1);
