@@ -54,13 +54,11 @@ BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3
 }
 
 stencils::TensorLattice tensorLattice(const BindOptions& options, const Lattice& lattice) {
-    try {
-        return {
+    return ofFile(options.rest, [&] {
+        return stencils::TensorLattice(
             lattice.complex, lattice.positions,
-            options.basis == Basis::Bezier ? stencils::Basis::Bezier : stencils::Basis::BSpline};
-    } catch (const Error& error) {
-        throw io::FileError(options.rest, error.what());
-    }
+            options.basis == Basis::Bezier ? stencils::Basis::Bezier : stencils::Basis::BSpline);
+    });
 }
 
 /// The same for the lattices of the paper's section 1.

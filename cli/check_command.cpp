@@ -9,10 +9,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.h"
 #include "pipeline.h"
@@ -30,6 +30,7 @@ struct Options {
     std::string rest;
     int level = 3;  ///< that of `deform`, whose cells these are
     double maxStep = 2;
+    std::size_t listed = 5;  ///< cells of a kind, by name
     std::string output;
     ReportFormat report = ReportFormat::Text;
 };
@@ -43,6 +44,7 @@ struct Checked {
     solve::PoseValidity validity;
     solve::LargestStep step;
     double maxStep;
+    std::size_t listed;
 
     const far::CellComplex& complex() const { return refiner.level(level).complex; }
     Index baseCell(Index cell) const { return solve::baseCellOf(refiner, level, cell); }
@@ -56,7 +58,9 @@ struct Checked {
                           static_cast<double>(vertices.size());
         return sum;
     }
-    double ratio(Index cell) const { return validity.ratios[static_cast<std::size_t>(cell)]; }
+    const std::optional<double>& ratio(Index cell) const {
+        return validity.ratios[static_cast<std::size_t>(cell)];
+    }
 };
 
 /// \param positions that tell where the cell is
@@ -64,36 +68,42 @@ ordered_json toJson(const Checked& checked, Index cell, const std::vector<Point3
     ordered_json json = {{"cell", cell},
                          {"base_cell", checked.baseCell(cell)},
                          {"centre", checked.centre(cell, positions)}};
-    if (!std::isnan(checked.ratio(cell))) json["volume_ratio"] = checked.ratio(cell);
+    if (checked.ratio(cell)) json["volume_ratio"] = *checked.ratio(cell);
     return json;
+}
+
+ordered_json toJson(const Checked& checked, const std::vector<Index>& cells,
+                    const std::vector<Point3>& positions) {
+    ordered_json first = ordered_json::array();
+    for (std::size_t i = 0; i < std::min(cells.size(), checked.listed); ++i)
+        first.push_back(toJson(checked, cells[i], positions));
+    return {{"count", cells.size()}, {"first", first}};
 }
 
 /// An object:
 ///
 ///     level, cells           which, and how many there are
-///     bad_at_rest            [{cell, base_cell, centre}]: at rest
-///     inverted               [{cell, base_cell, centre, volume_ratio}]: of the pose
-///     smallest_volume_ratio  one such
-///     largest_step           {length, max, limiting_cell}: as parts of the way from rest to pose,
-///                            and one such, or null where the length is the most
+///     bad_at_rest            {count, first: [{cell, base_cell, centre}]}: at rest, ascending, no
+///                            more than --list
+///     inverted               {count, first: [{cell, base_cell, centre, volume_ratio}]}: of the
+///                            pose
+///     smallest_volume_ratio  {cell, base_cell, centre, volume_ratio}
+///     largest_step           {length, max, limiting_cell, is_tight}: as parts of the way from rest
+///                            to pose; a cell as above, or null where the length is the most; and
+///                            whether it is sure to go bad right after (solve/validity.h)
 ordered_json toJson(const Checked& checked) {
-    ordered_json badAtRest = ordered_json::array(), inverted = ordered_json::array();
-    for (const Index cell : checked.badAtRest)
-        badAtRest.push_back(toJson(checked, cell, checked.rest));
-    for (const Index cell : checked.validity.inverted)
-        inverted.push_back(toJson(checked, cell, checked.pose));
     const auto& limiting = checked.step.limitingCell;
     return {
         {"level", checked.level},
         {"cells", checked.complex().count(3)},
-        {"bad_at_rest", badAtRest},
-        {"inverted", inverted},
+        {"bad_at_rest", toJson(checked, checked.badAtRest, checked.rest)},
+        {"inverted", toJson(checked, checked.validity.inverted, checked.pose)},
         {"smallest_volume_ratio", toJson(checked, checked.validity.smallest->cell, checked.pose)},
         {"largest_step",
          {{"length", checked.step.length},
           {"max", checked.maxStep},
-          {"limiting_cell",
-           limiting ? toJson(checked, *limiting, checked.pose) : ordered_json()}}}};
+          {"limiting_cell", limiting ? toJson(checked, *limiting, checked.pose) : ordered_json()},
+          {"is_tight", checked.step.isTight}}}};
 }
 
 /// "cell 12 of base cell 0".
@@ -104,16 +114,15 @@ std::string name(const Checked& checked, Index cell) {
 /// How many cells there are of a kind, and the first few of them.
 void printCells(const Checked& checked, const char* title, const std::vector<Index>& cells,
                 const std::vector<Point3>& positions) {
-    constexpr std::size_t kFew = 5;
     fmt::print("{:<21} {}\n", title, cells.size());
-    for (std::size_t i = 0; i < std::min(cells.size(), kFew); ++i) {
+    for (std::size_t i = 0; i < std::min(cells.size(), checked.listed); ++i) {
         fmt::print("  {} at ({:.4g})", name(checked, cells[i]),
                    fmt::join(checked.centre(cells[i], positions), ", "));
-        if (!std::isnan(checked.ratio(cells[i])))
-            fmt::print(": volume ratio {:.3g}", checked.ratio(cells[i]));
+        if (const auto& ratio = checked.ratio(cells[i]))
+            fmt::print(": volume ratio {:.3g}", *ratio);
         fmt::print("\n");
     }
-    if (cells.size() > kFew) fmt::print("  and {} more\n", cells.size() - kFew);
+    if (cells.size() > checked.listed) fmt::print("  and {} more\n", cells.size() - checked.listed);
 }
 
 void printText(const Checked& checked) {
@@ -124,26 +133,29 @@ void printText(const Checked& checked) {
     const auto& [cell, ratio] = *checked.validity.smallest;
     fmt::print("smallest volume ratio {:.3g} in {}\n", ratio, name(checked, cell));
     if (const auto& limiting = checked.step.limitingCell)
-        fmt::print("largest valid step    {:.6g} of the way, for {}\n", checked.step.length,
-                   name(checked, *limiting));
+        fmt::print("largest valid step    {:.6g} of the way{}, for {}\n", checked.step.length,
+                   checked.step.isTight ? "" : " at least", name(checked, *limiting));
     else
         fmt::print("largest valid step    {:.6g} of the way or more\n", checked.step.length);
 }
 
-/// The pose refined, and at each vertex the smallest volume ratio of the cells around it; 0 if all
-/// of them are bad at rest.
-Lattice withRatios(const Checked& checked, const CommonOptions& options, Lattice base) {
-    base.attributes.clear();
-    Lattice refined = refinedLattice(checked.refiner, checked.level, options, base);
-    VertexAttribute attribute{"volume_ratio", 1, {}};
+/// The pose refined, and at each vertex what is known of the cells around it: the smallest volume
+/// ratio, 0 if there is none, and how many are bad at rest.
+Lattice withRatios(const Checked& checked) {
+    Lattice refined = levelAsLattice(checked.refiner, checked.level, checked.pose);
+    VertexAttribute ratios{"volume_ratio", 1, {}}, bad{"bad_at_rest", 1, {}};
     for (Index vertex = 0; vertex < refined.complex.count(0); ++vertex) {
-        double smallest = std::numeric_limits<double>::infinity();
+        std::optional<double> smallest;
+        double badCount = 0;
         for (const Index cell : refined.complex.relation(0, 3)[vertex])
-            if (!std::isnan(checked.ratio(cell)))
-                smallest = std::min(smallest, checked.ratio(cell));
-        attribute.values.push_back(std::isinf(smallest) ? 0 : smallest);
+            if (const auto& ratio = checked.ratio(cell))
+                smallest = smallest ? std::min(*smallest, *ratio) : *ratio;
+            else
+                ++badCount;
+        ratios.values.push_back(smallest.value_or(0));
+        bad.values.push_back(badCount);
     }
-    refined.attributes.push_back(std::move(attribute));
+    refined.attributes = {std::move(ratios), std::move(bad)};
     return refined;
 }
 
@@ -155,12 +167,13 @@ Checked check(const Options& options, const far::TopologyRefiner& refiner, const
                                              positions);
         });
     };
-    Checked checked{refiner, options.level,  refined(rest.positions), refined(pose), {}, {},
-                    {},      options.maxStep};
+    Checked checked{refiner, options.level,   refined(rest.positions), refined(pose), {}, {},
+                    {},      options.maxStep, options.listed};
     stages.run("checking", [&] {
-        const solve::ValidityCheck validity(checked.complex(), checked.rest);
+        const auto validity = ofFile(
+            options.rest, [&] { return solve::ValidityCheck(checked.complex(), checked.rest); });
         checked.badAtRest = validity.badAtRest();
-        checked.validity = validity.check(checked.pose);
+        checked.validity = ofFile(options.pose, [&] { return validity.check(checked.pose); });
         checked.step = validity.largestStep(checked.pose, options.maxStep);
     });
     if (!checked.validity.smallest)
@@ -178,17 +191,14 @@ void run(const Options& options) {
     }
     Stages stages(options.common.quiet);
     Lattice lattice = readLattice(options.rest, stages);
-    auto pose =
+    const auto pose =
         stages.run("reading", [&] { return readPose(options.pose, lattice, options.rest); });
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.rest, lattice, options.common, options.level);
     });
     const Checked checked = check(options, refiner, lattice, pose, stages);
     if (!options.output.empty()) {
-        lattice.positions = std::move(pose);
-        stages.run("writing", [&] {
-            io::writeLattice(options.output, withRatios(checked, options.common, lattice));
-        });
+        stages.run("writing", [&] { io::writeLattice(options.output, withRatios(checked)); });
     }
     if (!options.common.quiet) {
         if (options.report == ReportFormat::Json)
@@ -211,18 +221,23 @@ void addCheckCommand(CLI::App& program) {
     CLI::App& command = *program.add_subcommand(
         "check",
         "Find the cells that a pose of a lattice turns inside out, and the largest step towards "
-        "the pose that turns none; exit code 1 if there are such cells");
+        "the pose that turns none; exit code 1 if there are such cells, as for bad input");
     command.add_option("LATTICE", options->pose, "The pose: .ovm, .vtu or .vtk")->required();
     command.add_option("--rest", options->rest, "The lattice at rest: same topology")->required();
     addLevelOption(command, options->level, 1);
     command
         .add_option("--max-step", options->maxStep,
                     "How far to look for the largest step: 1 is the way from rest to pose")
-        ->check(CLI::PositiveNumber)
+        ->check(CLI::Range(std::numeric_limits<double>::min(), 1e6))
+        ->capture_default_str();
+    command
+        .add_option("--list", options->listed,
+                    "How many cells of a kind to name, the first of them")
         ->capture_default_str();
     command.add_option("-o,--output", options->output,
-                       "Write the pose at level N with a vertex attribute volume_ratio, the "
-                       "smallest of the cells around: .ovm, .vtu or .vtk");
+                       "Write the pose at level N with the vertex attributes volume_ratio, the "
+                       "smallest of the cells around, and bad_at_rest, how many of them are: .ovm, "
+                       ".vtu or .vtk");
     addRefinementOptions(command, options->common);
     addRunOptions(command, options->common);
     addReportOption(command, options->report);

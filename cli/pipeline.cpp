@@ -17,16 +17,14 @@ namespace espalier::cli {
 
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level) {
-    try {
+    return ofFile(path, [&] {
         far::RefinerOptions refinerOptions = espalier::refinerOptions(lattice, options.refinement);
         refinerOptions.sharpEdges = options.sharpEdges;
         far::TopologyRefiner refiner(lattice.complex, refinerOptions);
         stencils::checkRules(refiner, options.rules);
         refiner.refineUniform(level);
         return refiner;
-    } catch (const Error& error) {
-        throw io::FileError(path, error.what());
-    }
+    });
 }
 
 void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,
@@ -95,11 +93,10 @@ void keepCorners(const far::TopologyRefiner& refiner, int level, far::Marks& mar
 
 }  // namespace
 
-Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
-                       const Lattice& base) {
+Lattice levelAsLattice(const far::TopologyRefiner& refiner, int level,
+                       std::vector<Point3> positions) {
     const auto& [complex, strata, holes] = refiner.level(level);
-    Lattice refined{
-        complex, stencils::refinePositions(refiner, level, options.rules, base.positions), {}, {}};
+    Lattice refined{complex, std::move(positions), {}, {}};
     // A file of a mesh or a curve keeps the boundary mode; a lattice file has marks alone.
     const bool hasTags = complex.dimension() < 3;
     const far::RefinerOptions& used = refiner.options();
@@ -109,6 +106,13 @@ Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const Com
     keepCorners(refiner, level, refined.marks);
     refined.marks.holes = holes;
     if (hasTags) refined.tags = {used.boundary, used.creasing, used.triangles};
+    return refined;
+}
+
+Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
+                       const Lattice& base) {
+    Lattice refined = levelAsLattice(
+        refiner, level, stencils::refinePositions(refiner, level, options.rules, base.positions));
     for (const VertexAttribute& attribute : base.attributes)
         refined.attributes.push_back(
             {attribute.name, attribute.components,

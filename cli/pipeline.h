@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
+#include <espalier/io/file.h>
 #include <espalier/io/model.h>
 #include <espalier/shapes/lattice.h>
 
@@ -43,8 +44,24 @@ Lattice readInput(const LatticeOptions& options, FileKind kind, Stages& stages);
 /// The same, and refines it to the level that the command asks for.
 RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& stages);
 
-/// The refined lattice as one of its own: with positions, attributes, and marks that keep its
-/// strata. A mesh or a curve has tags that keep how it is refined.
+/// Errors of what `work` makes of a file name it.
+template <class Work>
+auto ofFile(const std::filesystem::path& path, const Work& work) {
+    try {
+        return work();
+    } catch (const io::FileError&) {
+        throw;
+    } catch (const Error& error) {
+        throw io::FileError(path, error.what());
+    }
+}
+
+/// A level as a lattice of its own: with positions, and marks that keep its strata. A mesh or a
+/// curve has tags that keep how it is refined.
+Lattice levelAsLattice(const far::TopologyRefiner& refiner, int level,
+                       std::vector<Point3> positions);
+
+/// The same with the positions and the attributes of a base lattice, refined.
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base);
 

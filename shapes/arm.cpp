@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/vector3.h>
 #include <espalier/shapes/checks.h>
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>
-#include <espalier/shapes/vector3.h>
 
 #include <algorithm>
 #include <cmath>

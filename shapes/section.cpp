@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/complex_builder.h>
+#include <espalier/far/vector3.h>
 #include <espalier/shapes/cell_loops.h>
 #include <espalier/shapes/checks.h>
 #include <espalier/shapes/section.h>
-#include <espalier/shapes/vector3.h>
 
 #include <cmath>
 #include <numbers>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/vector3.h>
 #include <espalier/shapes/checks.h>
 #include <espalier/shapes/transform.h>
-#include <espalier/shapes/vector3.h>
 
 #include <cmath>
 #include <utility>

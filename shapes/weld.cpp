@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/shapes/vector3.h>
+#include <espalier/far/vector3.h>
 #include <espalier/shapes/weld.h>
 
 #include <algorithm>

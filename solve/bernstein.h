@@ -10,7 +10,8 @@
 // Jacobian determinants as Bernstein polynomials. The determinant of a trilinear map is of degree
 // (2, 2, 2) in (u, v, w): 27 coefficients. All values lie between the least and the greatest, and
 // those at the corners are values themselves; halving the cube closes the gap, by a fourth each
-// time. So "positive in the whole cell" can be proved, where samples can only suggest it.
+// time. So "positive in the whole cell" can be proved, where samples can only suggest it
+// (bernstein_bounds.h).
 
 namespace espalier::solve {
 
@@ -23,6 +24,9 @@ using Derivatives = std::array<std::array<Point3, 4>, 3>;
 /// of each is at a + 3 (b + 3 c).
 template <std::size_t Lanes>
 using Triquadratics = std::array<std::array<double, Lanes>, 27>;
+
+/// From one coefficient to the next along an axis.
+inline constexpr std::array<std::size_t, 3> kAxisStride = {1, 3, 9};
 
 /// The coefficients that are values, at the corners of the cube.
 inline constexpr std::array<std::size_t, 8> kCornerCoefficients = {0, 2, 6, 8, 18, 20, 24, 26};
@@ -39,19 +43,8 @@ template <std::size_t Lanes>
 std::pair<Triquadratics<Lanes>, Triquadratics<Lanes>> halves(
     const Triquadratics<Lanes>& polynomials, std::size_t axis);
 
-/// Whether all of the polynomials are above a bound in the whole cube. Halves it as often as need
-/// be, within limits: "no" may also mean that it could not be proved, as where a value inside comes
-/// within 1e-5 or so of the bound, in parts of the largest coefficient.
-///
-/// \cost one look at the coefficients where that will do, as it mostly does; at most 1,000
-template <std::size_t Lanes>
-bool isAbove(const Triquadratics<Lanes>& polynomials, double bound);
-
-/// A lower bound of the quotient of two polynomials, the first and the second lane. Its sign is
-/// that of the least value, where it can be proved, and else not positive; its distance from the
-/// least value is at most a thousandth of it, or 1e-6, where 2,000 halvings can bring that about.
-///
-/// \param quotient the second is positive, as isAbove() has it
-double leastQuotient(const Triquadratics<2>& quotient);
+/// A polynomial up to a time between 0 and 1, and from there on.
+std::pair<Triquadratics<4>, Triquadratics<4>> partsInTime(const Triquadratics<4>& polynomial,
+                                                          double time);
 
 }  // namespace espalier::solve

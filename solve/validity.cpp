@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
-#include <espalier/solve/bernstein.h>
+#include <espalier/solve/bernstein_bounds.h>
 #include <espalier/solve/validity.h>
 #include <espalier/solve/validity_pieces.h>
 
@@ -50,11 +50,14 @@ const CellComplex& checkedLattice(const CellComplex& complex) {
     return complex;
 }
 
+/// What is left of a determinant above its floor, turned so that it is positive at rest.
 template <std::size_t Lanes>
-Triquadratics<Lanes> oriented(Triquadratics<Lanes> polynomials, int orientation) {
-    for (auto& lanes : polynomials)
-        for (double& coefficient : lanes) coefficient *= orientation;
-    return polynomials;
+Triquadratics<Lanes> aboveFloor(Triquadratics<Lanes> determinant, int orientation,
+                                const std::array<double, Lanes>& floor) {
+    for (auto& lanes : determinant)
+        for (std::size_t lane = 0; lane < Lanes; ++lane)
+            lanes[lane] = orientation * lanes[lane] - floor[lane];
+    return determinant;
 }
 
 /// The sign of the determinant all over a cell; 0 if it has none.
@@ -66,7 +69,7 @@ std::int8_t orientationOf(const CellComplex& complex, Index cell, std::span<cons
         const auto polynomial = determinant(piece.derivatives);
         const std::int8_t sign = polynomial[0][0] > 0 ? 1 : -1;
         if (sign == -orientation ||
-            !isAbove(oriented(polynomial, sign), determinantFloor(piece.lengths)))
+            !isPositive(aboveFloor(polynomial, sign, {determinantFloor(piece)})))
             return 0;
         orientation = sign;
     }
@@ -108,12 +111,12 @@ void dropTurned(const CellComplex& complex, std::vector<std::int8_t>& orientatio
 double leastRatio(const CellComplex& complex, Index cell, int orientation,
                   std::span<const Point3> rest, std::span<const Point3> pose) {
     const CellPieces pieces(complex, cell);
-    double least = std::numeric_limits<double>::infinity();
+    double least = std::numeric_limits<double>::max();  // where the quotient is beyond it
     for (Index i = 0; i < pieces.count(); ++i) {
         const Piece posed = pieces.piece(i, pose);
         const auto now = determinant(posed.derivatives);
         const auto before = determinant(pieces.piece(i, rest).derivatives);
-        const double floor = determinantFloor(posed.lengths);
+        const double floor = determinantFloor(posed);
         Triquadratics<2> quotient;
         for (std::size_t k = 0; k < quotient.size(); ++k)
             quotient[k] = {orientation * now[k][0] - floor, orientation * before[k][0]};
@@ -122,63 +125,17 @@ double leastRatio(const CellComplex& complex, Index cell, int orientation,
     return least;
 }
 
-/// A piece on its way from rest to pose, and beyond.
-class MovingPiece {
-public:
-    MovingPiece(const Piece& rest, const Piece& pose, int orientation)
-        : rest_(rest), move_(pose), orientation_(orientation) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            move_.lengths[axis] += rest.lengths[axis];
-            for (std::size_t i = 0; i < 4; ++i)
-                for (std::size_t c = 0; c < 3; ++c)
-                    move_.derivatives[axis][i][c] -= rest.derivatives[axis][i][c];
-        }
-    }
-
-    /// How far it is proved valid, up to `most`.
-    double validUpTo(double most) const {
-        constexpr double kPrecision = 1e-6;
-        constexpr double kNone = 1e-12;
-        constexpr int kMostParts = 1000;
-        double proved = 0;
-        std::vector<double> ends = {most};
-        for (int part = 0; !ends.empty(); ++part) {
-            const double end = ends.back();
-            if (isValidBetween(proved, end)) {
-                proved = end;
-                ends.pop_back();
-                continue;
-            }
-            if (end - proved <= kPrecision * proved || end <= kNone * most || part == kMostParts)
-                return proved;
-            ends.push_back((proved + end) / 2);
-        }
-        return most;
-    }
-
-private:
-    bool isValidBetween(double first, double last) const {
-        std::array<double, 3> lengths;
-        // Of the edges at rest once more: so that there is room for the rounding of the move, too.
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            lengths[axis] = rest_.lengths[axis] + last * move_.lengths[axis];
-        return isAbove(oriented(determinant(at(first), at(last)), orientation_),
-                       determinantFloor(lengths));
-    }
-
-    Derivatives at(double time) const {
-        Derivatives result = rest_.derivatives;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            for (std::size_t i = 0; i < 4; ++i)
-                for (std::size_t c = 0; c < 3; ++c)
-                    result[axis][i][c] += time * move_.derivatives[axis][i][c];
-        return result;
-    }
-
-    Piece rest_;
-    Piece move_;  ///< its lengths are the sum of those of both
-    int orientation_;
-};
+/// A piece at the end of the way that is looked at, beyond the pose perhaps.
+///
+/// \param end where the vertices are there: rest + most (pose − rest)
+Piece pieceAtEnd(const CellPieces& pieces, Index number, const Piece& rest,
+                 std::span<const Point3> end, double most) {
+    Piece piece = pieces.piece(number, end);
+    // That of rest and pose grows by the way: most (|rest| + |pose|), of which the latter is at
+    // most |rest| + (|rest| + |end|) / most.
+    piece.uncertainty = 2 * (piece.uncertainty + (1 + most) * rest.uncertainty);
+    return piece;
+}
 
 }  // namespace
 
@@ -199,7 +156,7 @@ ValidityCheck::ValidityCheck(const CellComplex& complex, std::span<const Point3>
 PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
     checkPositions(complex_, pose, "pose");
     PoseValidity result;
-    result.ratios.assign(orientation_.size(), std::numeric_limits<double>::quiet_NaN());
+    result.ratios.resize(orientation_.size());
     far::parallelFor(complex_.count(3), kGrain, [&](Offset first, Offset last) {
         for (auto cell = static_cast<Index>(first); cell < last; ++cell)
             if (orientation_[at(cell)] != 0)
@@ -207,10 +164,10 @@ PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
                     leastRatio(complex_, cell, orientation_[at(cell)], rest_, pose);
     });
     for (Index cell = 0; cell < complex_.count(3); ++cell) {
-        if (orientation_[at(cell)] == 0) continue;
-        const double ratio = result.ratios[at(cell)];
-        if (!(ratio > 0)) result.inverted.push_back(cell);
-        if (!result.smallest || ratio < result.smallest->value) result.smallest = {cell, ratio};
+        const auto& ratio = result.ratios[at(cell)];
+        if (!ratio) continue;
+        if (!(*ratio > 0)) result.inverted.push_back(cell);
+        if (!result.smallest || *ratio < result.smallest->value) result.smallest = {cell, *ratio};
     }
     return result;
 }
@@ -221,26 +178,34 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most
         throw Error("the largest step was asked for up to " + std::to_string(most) +
                     "; expected a number above 0, up to a million");
     checkPositions(complex_, pose, "pose");
-    // The digits of a cell's length depend on how far the cells before it have brought the step
-    // down. So each range has a step of its own: ranges do not depend on the threads.
+    std::vector<Point3> end(rest_);
+    for (std::size_t vertex = 0; vertex < end.size(); ++vertex)
+        for (std::size_t c = 0; c < 3; ++c)
+            end[vertex][c] += most * (pose[vertex][c] - rest_[vertex][c]);
+    // In parts of `most`. The digits of a cell's depend on how far the cells before it have brought
+    // the step down. So each range has a step of its own: ranges do not depend on the threads.
     std::vector<LargestStep> ofRanges(
-        static_cast<std::size_t>((complex_.count(3) + kGrain - 1) / kGrain), {most, {}});
+        static_cast<std::size_t>((complex_.count(3) + kGrain - 1) / kGrain), {1, {}, true});
     far::parallelFor(complex_.count(3), kGrain, [&](Offset first, Offset last) {
         LargestStep& step = ofRanges[static_cast<std::size_t>(first / kGrain)];
         for (auto cell = static_cast<Index>(first); cell < last; ++cell) {
             if (orientation_[at(cell)] == 0) continue;
             const CellPieces pieces(complex_, cell);
             for (Index i = 0; i < pieces.count() && step.length > 0; ++i) {
-                const MovingPiece piece(pieces.piece(i, rest_), pieces.piece(i, pose),
-                                        orientation_[at(cell)]);
-                const double length = piece.validUpTo(step.length);
-                if (length < step.length) step = {length, cell};
+                const Piece before = pieces.piece(i, rest_);
+                const Piece after = pieceAtEnd(pieces, i, before, end, most);
+                const ProvedTime proved = positiveUpTo(
+                    aboveFloor(determinant(before.derivatives, after.derivatives),
+                               orientation_[at(cell)], determinantFloor(before, after)),
+                    step.length);
+                if (proved.time < step.length) step = {proved.time, cell, proved.isTight};
             }
         }
     });
-    LargestStep result{most, {}};
+    LargestStep result{1, {}, true};
     for (const LargestStep& step : ofRanges)
         if (step.length < result.length) result = step;
+    result.length *= most;
     return result;
 }
 

@@ -25,8 +25,8 @@ struct PoseValidity {
     /// Of each cell: a lower bound of its least volume ratio (see ValidityCheck), not positive if
     /// and only if the cell is among the inverted. Below the least ratio by 0.1 % of it at most, or
     /// by 1e-6; by more only in cells that come within rounding of flat, or are so twisted that
-    /// 2,000 halvings do not tell. Not a number in cells that are bad at rest.
-    std::vector<double> ratios;
+    /// 2,000 halvings do not tell. Nothing for cells that are bad at rest.
+    std::vector<std::optional<double>> ratios;
 
     std::vector<Index> inverted;  ///< ascending; none that is bad at rest
 
@@ -40,9 +40,13 @@ struct LargestStep {
     /// part of the way from rest to pose.
     double length = 0;
 
-    /// A cell that could not be proved to up to a millionth of the length further on, or, if that
-    /// is 0, 1e-12 of the most that was asked for. Nothing where that is the length.
+    /// A cell that could not be proved to further on. Nothing where the length is the most.
     std::optional<Index> limitingCell;
+
+    /// Whether that cell does not stay valid by a millionth of the length further on, or 1e-12 of
+    /// the most that was asked for. If not, it is so twisted that 2,000 halvings did not tell what
+    /// becomes of it: it may stay valid.
+    bool isTight = true;
 };
 
 /// Tells where poses of a refined lattice turn it inside out.
@@ -56,11 +60,13 @@ struct LargestStep {
 /// in each of its 4n tetrahedra. As it is a quotient, the orientation is that of the rest: a
 /// lattice may be left-handed.
 ///
-/// "Valid" is proved, by Bernstein coefficients of determinants (bernstein.h). A cell that cannot
-/// be proved valid counts as inverted, and as the end of a step. That errs by little: determinants
-/// count as 0 below 6e-14 of the product of the longest edges along the three axes (or the cube of
-/// the size, for cells of type 4 and above), which is what rounding may amount to; and in a
-/// hexahedron whose least ratio is not at a corner, below about 1e-6 of the largest.
+/// "Valid" is proved, by Bernstein coefficients of determinants (bernstein_bounds.h). A cell that
+/// cannot be proved valid counts as inverted, and as the end of a step. That errs by little:
+/// determinants count as 0 below what rounding may amount to, which is 6e-14 of the product of the
+/// longest edges along the three axes (or the cube of the size, for cells of type 4 and above), and
+/// what 4e-15 of the largest coordinate does to it; and in a hexahedron whose least ratio is not at
+/// a corner, below about 1e-6 of the largest. On the way to a pose and beyond, rounding grows with
+/// the way, so near its end check() may prove what largestStep() does not.
 ///
 /// Immutable; any number of threads may ask. The answers do not depend on how many work.
 class ValidityCheck {
@@ -79,7 +85,7 @@ public:
 
     /// \param pose where the vertices are now
     /// \throws Error as the constructor
-    /// \cost O(cells), in parallel: 2 µs a cell
+    /// \cost O(cells), in parallel: 2 µs a cell; 2 ms for one that is as twisted as can be
     PoseValidity check(std::span<const Point3> pose) const;
 
     /// The largest t up to `most` such that no cell is inverted at rest + s (pose − rest), for all
@@ -87,8 +93,7 @@ public:
     ///
     /// \param most above 0, up to a million
     /// \throws Error as the constructor; if `most` is out of range
-    /// \cost O(cells), in parallel: 3 µs a cell, and 100 µs for each cell that takes the step back,
-    ///       a dozen in each 1,024
+    /// \cost O(cells), in parallel: 1 to 3 µs a cell; 4 ms for one as twisted as can be
     LargestStep largestStep(std::span<const Point3> pose, double most = 1) const;
 
 private:

@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/standard_cells.h>
+#include <espalier/far/vector3.h>
 #include <espalier/solve/validity_pieces.h>
 #include <espalier/stencils/cell_place.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace espalier::solve {
 namespace {
-
-Point3 edge(const Point3& from, const Point3& to) {
-    return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-}
-
-double length(const Point3& edge) {
-    return std::hypot(edge[0], edge[1], edge[2]);
-}
 
 const Point3& at(std::span<const Point3> positions, Index vertex) {
     return positions[static_cast<std::size_t>(vertex)];
@@ -25,6 +19,24 @@ const Point3& at(std::span<const Point3> positions, Index vertex) {
 /// The corner of a hexahedron at places (0 or 1) along u, v and w, in VTK's order.
 std::size_t cornerAt(const std::array<std::size_t, 3>& place) {
     return 4 * place[2] + (place[1] == 1 ? 3 - place[0] : place[0]);
+}
+
+/// Of boxes whose edges go over from some lengths to others linearly, in Bernstein coefficients.
+std::array<double, 4> volumes(const std::array<double, 3>& first,
+                              const std::array<double, 3>& last) {
+    const auto mean = [](const std::array<double, 3>& one, const std::array<double, 3>& others) {
+        return (one[0] * others[1] * others[2] + others[0] * one[1] * others[2] +
+                others[0] * others[1] * one[2]) /
+               3;
+    };
+    return {first[0] * first[1] * first[2], mean(last, first), mean(first, last),
+            last[0] * last[1] * last[2]};
+}
+
+/// As long as they may be: both ends may be off, along all three axes.
+std::array<double, 3> longestEdges(const Piece& piece) {
+    const double longer = 2 * std::numbers::sqrt3 * piece.uncertainty;
+    return {piece.lengths[0] + longer, piece.lengths[1] + longer, piece.lengths[2] + longer};
 }
 
 }  // namespace
@@ -37,7 +49,12 @@ Index CellPieces::count() const {
 }
 
 Piece CellPieces::piece(Index number, std::span<const Point3> positions) const {
-    return corners_ ? hexahedron(positions) : tetrahedron(number, positions);
+    constexpr double kUnits = 16 * std::numeric_limits<double>::epsilon();
+    Piece piece = corners_ ? hexahedron(positions) : tetrahedron(number, positions);
+    for (const Index vertex : complex_.relation(3, 0)[cell_.value])
+        for (const double coordinate : at(positions, vertex))
+            piece.uncertainty = std::max(piece.uncertainty, kUnits * std::abs(coordinate));
+    return piece;
 }
 
 Piece CellPieces::hexahedron(std::span<const Point3> positions) const {
@@ -50,7 +67,7 @@ Piece CellPieces::hexahedron(std::span<const Point3> positions) const {
             const Point3& from = at(positions, (*corners_)[cornerAt(place)]);
             place[axis] = 1;
             const Point3& to = at(positions, (*corners_)[cornerAt(place)]);
-            piece.derivatives[axis][i] = edge(from, to);
+            piece.derivatives[axis][i] = difference(to, from);
             piece.lengths[axis] = std::max(piece.lengths[axis], length(piece.derivatives[axis][i]));
         }
     return piece;
@@ -63,7 +80,7 @@ Piece CellPieces::tetrahedron(Index number, std::span<const Point3> positions) c
     Point3 apex{};
     double size = 0;
     for (const Index vertex : vertices) {
-        const Point3 offset = edge(origin, at(positions, vertex));
+        const Point3 offset = difference(at(positions, vertex), origin);
         size = std::max(size, length(offset));
         for (std::size_t c = 0; c < 3; ++c)
             apex[c] += offset[c] / static_cast<double>(vertices.size());
@@ -73,16 +90,27 @@ Piece CellPieces::tetrahedron(Index number, std::span<const Point3> positions) c
     if (complex_.boundary(3).signs(cell_.value)[face] < 0) std::swap(base[1], base[2]);
     Piece piece{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        piece.derivatives[axis].fill(edge(apex, edge(origin, at(positions, base[axis]))));
+        piece.derivatives[axis].fill(
+            difference(difference(at(positions, base[axis]), origin), apex));
         piece.lengths[axis] = size;
     }
     return piece;
 }
 
-double determinantFloor(const std::array<double, 3>& lengths) {
+double determinantFloor(const Piece& piece) {
+    return determinantFloor(piece, piece)[0];
+}
+
+std::array<double, 4> determinantFloor(const Piece& first, const Piece& last) {
     constexpr double kRounding = 256 * std::numeric_limits<double>::epsilon();
+    const auto exact = volumes(first.lengths, last.lengths);
+    const auto longer = volumes(longestEdges(first), longestEdges(last));
+    std::array<double, 4> floor;
     // Below the least normal number, products lose digits.
-    return kRounding * lengths[0] * lengths[1] * lengths[2] + std::numeric_limits<double>::min();
+    for (std::size_t i = 0; i < 4; ++i)
+        floor[i] =
+            longer[i] - exact[i] + kRounding * longer[i] + std::numeric_limits<double>::min();
+    return floor;
 }
 
 }  // namespace espalier::solve

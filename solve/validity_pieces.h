@@ -20,6 +20,11 @@ struct Piece {
     /// Along each axis the longest edge; in a tetrahedron the size of the cell instead, as its apex
     /// is a mean over it. The rounding of derivatives is in proportion.
     std::array<double, 3> lengths;
+
+    /// How far positions may be off by rounding, each coordinate. They are sums of the products of
+    /// up to 27 numbers, level by level: 16 units of the largest coordinate of the cell is more
+    /// than that amounts to.
+    double uncertainty;
 };
 
 /// What a cell of a refined lattice is taken apart into, as for embedding: a type-3 cell into its
@@ -47,10 +52,15 @@ private:
     std::optional<std::array<Index, 8>> corners_;  ///< of a hexahedron
 };
 
-/// What a determinant must be above to count as positive: 6e-14 of the product of the lengths,
-/// 512 units of rounding. That holds all that its coefficients were rounded by: 3 units for the
-/// edges, 12 for the determinants of edges, 24 for their sums, 60 for halvings; and 2n + 2 for each
-/// edge of the tetrahedra of a type-n cell, for n up to 50 or so.
-double determinantFloor(const std::array<double, 3>& lengths);
+/// What a determinant must be above to count as positive: as much as it changes when edges are
+/// longer by their uncertainty, and 6e-14 of the product of the lengths, 512 units of rounding.
+/// That holds all that its coefficients were rounded by: 3 units for the edges, 12 for the
+/// determinants of edges, 24 for their sums, 60 for halvings; and 2n + 2 for each edge of the
+/// tetrahedra of a type-n cell, for n up to 50 or so.
+double determinantFloor(const Piece& piece);
+
+/// The same while a piece goes over from one to another linearly: Bernstein coefficients of degree
+/// 3 in time, as determinant() has them.
+std::array<double, 4> determinantFloor(const Piece& first, const Piece& last);
 
 }  // namespace espalier::solve

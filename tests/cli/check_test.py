@@ -6,6 +6,7 @@
 """
 
 import json
+import math
 import sys
 import unittest
 
@@ -41,10 +42,11 @@ class Check(CliTest):
         report, errors = self.check("-n", 2, "--max-step", 10)
         self.assertEqual(errors, "")
         self.assertEqual((report["level"], report["cells"]), (2, 8 * 64))
-        self.assertEqual((report["inverted"], report["bad_at_rest"]), ([], []))
+        nothing = {"count": 0, "first": []}
+        self.assertEqual((report["inverted"], report["bad_at_rest"]), (nothing, nothing))
         self.assertAlmostEqual(report["smallest_volume_ratio"]["volume_ratio"], 2, delta=1e-10)
         self.assertEqual(report["largest_step"],
-                         {"length": 10, "max": 10, "limiting_cell": None})
+                         {"length": 10, "max": 10, "limiting_cell": None, "is_tight": True})
         out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 1).stdout
         for line in ["cells of level 1      64", "inverted              0",
                      "smallest volume ratio 2 in cell", "largest valid step    2 of the way or more"]:
@@ -55,15 +57,17 @@ class Check(CliTest):
     def test_the_way_back_from_a_mirror_image_ends_half_way(self):
         # The volume ratio is 1 − 2t.
         self.write_pose(lambda x, y, z: (-x, y, z))
-        report, _ = self.check("-n", 1, code=1)
-        self.assertEqual([cell["cell"] for cell in report["inverted"]], list(range(64)))
+        report, _ = self.check("-n", 1, "--list", 100, code=1)
+        self.assertEqual(report["inverted"]["count"], 64)
+        self.assertEqual([cell["cell"] for cell in report["inverted"]["first"]], list(range(64)))
         self.assertAlmostEqual(report["largest_step"]["length"], 0.5, delta=1e-6)
         self.assertLessEqual(report["largest_step"]["length"], 0.5)
 
     def test_a_folded_pose(self):
         self.write_folded()
-        report, error = self.check("-n", 2, code=1)
-        inverted = report["inverted"]
+        report, error = self.check("-n", 2, "--list", 512, code=1)
+        inverted = report["inverted"]["first"]
+        self.assertEqual(report["inverted"]["count"], len(inverted))
         self.assertGreater(len(inverted), 0)
         self.assertLess(len(inverted), report["cells"])
         self.assertIn("pose.ovm: %d of 512 cells of level 2 are inverted, first cell %d of base "
@@ -81,22 +85,37 @@ class Check(CliTest):
             t = part * step["length"]
             self.write_pose(lambda x, y, z, t=t: (1 - 3 * t,) * 3
                             if (x, y, z) == (1, 1, 1) else (x, y, z))
-            found, _ = self.check("-n", 2, code=code)
+            found, _ = self.check("-n", 2, "--list", 512, code=code)
             self.assertEqual(step["limiting_cell"]["cell"]
-                             in [cell["cell"] for cell in found["inverted"]], code == 1)
+                             in [cell["cell"] for cell in found["inverted"]["first"]], code == 1)
 
     def test_text_names_the_first_few(self):
         self.write_folded()
         out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 2, code=1).stdout
         self.assertRegex(out, r"  cell \d+ of base cell \d at \(.*\): volume ratio -")
         self.assertRegex(out, r"  and \d+ more\n")
+        self.assertEqual(out.count("  cell "), 5)
+        self.assertEqual(len(self.check("-n", 2, "--list", 2, code=1)[0]["inverted"]["first"]), 2)
         self.assertRegex(out, r"largest valid step    0\.\d+ of the way, for cell \d+ of base cell")
 
     def test_the_refined_pose_with_its_ratios(self):
         self.write_folded()
         for name in ["cells.vtu", "cells.ovm"]:
             self.check("-n", 1, "-o", name, code=1)
-            self.assertEqual(self.info(name, "-n", 0)["attributes"], ["volume_ratio"])
+            self.assertEqual(self.info(name, "-n", 0)["attributes"],
+                             ["volume_ratio", "bad_at_rest"])
+
+    def test_steps_that_are_not_told(self):
+        # Next to half a turn of the top: bounded work, and what it did not tell.
+        self.run_program("shape", "box", "-o", "rest.ovm")
+        a = math.radians(179.999)
+        self.write_pose(lambda x, y, z: (x, y, z) if z == 0 else
+                        (math.cos(a) * x - math.sin(a) * y, math.sin(a) * x + math.cos(a) * y, z))
+        report, _ = self.check("-n", 1)
+        self.assertEqual(report["inverted"]["count"], 0)
+        self.assertFalse(report["largest_step"]["is_tight"])
+        out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 1).stdout
+        self.assertRegex(out, r"largest valid step    0\.\d+ of the way at least, for cell")
 
     def test_cells_bad_at_rest_do_not_count(self):
         # The upper layer of cells is flat at rest.
@@ -104,9 +123,9 @@ class Check(CliTest):
         text = self.run_program("check", "flat.ovm", "--rest", "flat.ovm", "-n", 1, "--boundary",
                                 "sharp", "--report", "json").stdout
         report = json.loads(text)
-        self.assertGreater(len(report["bad_at_rest"]), 0)
-        self.assertNotIn("volume_ratio", report["bad_at_rest"][0])
-        self.assertEqual(report["inverted"], [])
+        self.assertGreater(report["bad_at_rest"]["count"], 0)
+        self.assertNotIn("volume_ratio", report["bad_at_rest"]["first"][0])
+        self.assertEqual(report["inverted"]["count"], 0)
         self.assertEqual(report["largest_step"]["length"], 2)
         self.write_pose(lambda x, y, z: (x, y, 0), name="flat.ovm")
         self.assertIn("flat.ovm: all cells are flat or folded at rest",
@@ -121,12 +140,16 @@ class Check(CliTest):
                                (["none.ovm", "--rest", "rest.ovm"], "none.ovm"),
                                (["pose.ovm", "--rest", "rest.ovm", "-o", "rest.ovm"],
                                 "is also an input"),
-                               (["pose.ovm", "--rest", "rest.ovm", "-o", "x.obj"], "x.obj"),
-                               (["pose.ovm", "--rest", "rest.ovm", "--max-step", 1e7],
-                                "largest step")]:
+                               (["pose.ovm", "--rest", "rest.ovm", "-o", "x.obj"], "x.obj")]:
             self.assertIn(why, self.error_of("check", *arguments))
         self.error_of("check", "pose.ovm", "--rest", "rest.ovm", "-n", 0, code=2)
-        self.error_of("check", "pose.ovm", "--rest", "rest.ovm", "--max-step", -1, code=2)
+        for step in (-1, 0, 1e7):
+            self.error_of("check", "pose.ovm", "--rest", "rest.ovm", "--max-step", step, code=2)
+        self.write_pose(lambda x, y, z: (1e95 * x, y, z), name="far.ovm")
+        self.assertIn("far.ovm: the pose of vertex",
+                      self.error_of("check", "far.ovm", "--rest", "rest.ovm"))
+        self.assertIn("far.ovm: the rest of vertex",
+                      self.error_of("check", "far.ovm", "--rest", "far.ovm"))
         self.error_of("check", "pose.ovm", code=2)
         self.assertIn("exit code 1", " ".join(self.run_program("check", "--help").stdout.split()))
 

@@ -11,40 +11,13 @@
 #include <cmath>
 #include <limits>
 
+#include "polynomials.h"
 #include "support/zoo.h"
 
 namespace espalier::solve {
 namespace {
 
 using Eigen::Vector3d;
-
-/// Coefficient a + 3 (b + 3 c) of each polynomial from what makes it up along each axis.
-template <class Coefficient>
-Triquadratics<1> polynomial(Coefficient coefficient) {
-    Triquadratics<1> result;
-    for (std::size_t i = 0; i < 27; ++i) result[i][0] = coefficient(i % 3, i / 3 % 3, i / 9);
-    return result;
-}
-
-/// By the definition, to compare with.
-template <std::size_t Lanes>
-double valueAt(const Triquadratics<Lanes>& polynomials, std::size_t lane, const Vector3d& uvw) {
-    const auto weight = [](std::size_t i, double t) {
-        return i == 0 ? (1 - t) * (1 - t) : i == 1 ? 2 * t * (1 - t) : t * t;
-    };
-    double sum = 0;
-    for (std::size_t i = 0; i < 27; ++i)
-        sum += weight(i % 3, uvw[0]) * weight(i / 3 % 3, uvw[1]) * weight(i / 9, uvw[2]) *
-               polynomials[i][lane];
-    return sum;
-}
-
-template <class Visit>
-void forGrid(int parts, Visit visit) {
-    for (int i = 0; i <= parts; ++i)
-        for (int j = 0; j <= parts; ++j)
-            for (int k = 0; k <= parts; ++k) visit(Vector3d(Vector3d(i, j, k) / parts));
-}
 
 /// A cube whose vertices are moved at random.
 struct RandomCell {
@@ -71,7 +44,7 @@ TEST(Bernstein, DeterminantIsThatOfTheTrilinearMap) {
         const auto polynomial = determinant(cell.piece.derivatives);
         forGrid(3, [&](const Vector3d& uvw) {
             EXPECT_NEAR(valueAt(polynomial, 0, uvw), cell.map.jacobian(uvw).determinant(),
-                        determinantFloor(cell.piece.lengths));
+                        determinantFloor(cell.piece));
         });
     }
 }
@@ -81,20 +54,20 @@ TEST(Bernstein, DeterminantOnTheWayIsThatOfTheMapOnTheWay) {
     for (unsigned seed = 0; seed < 5; ++seed) {
         const RandomCell first = randomCell(seed), last = randomCell(seed + 100);
         const auto polynomials = determinant(first.piece.derivatives, last.piece.derivatives);
-        std::array<double, 3> lengths;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            lengths[axis] = std::max(first.piece.lengths[axis], last.piece.lengths[axis]);
+        const auto floor = determinantFloor(first.piece, last.piece);
         for (const double t : {0.0, 0.3, 0.7, 1.0}) {
             const std::array<double, 4> weights = {(1 - t) * (1 - t) * (1 - t),
                                                    3 * t * (1 - t) * (1 - t), 3 * t * t * (1 - t),
                                                    t * t * t};
             forGrid(2, [&](const Vector3d& uvw) {
-                double value = 0;
-                for (std::size_t lane = 0; lane < 4; ++lane)
+                double value = 0, rounding = 0;
+                for (std::size_t lane = 0; lane < 4; ++lane) {
                     value += weights[lane] * valueAt(polynomials, lane, uvw);
+                    rounding += weights[lane] * floor[lane];
+                }
                 const Eigen::Matrix3d jacobian =
                     (1 - t) * first.map.jacobian(uvw) + t * last.map.jacobian(uvw);
-                EXPECT_NEAR(value, jacobian.determinant(), determinantFloor(lengths));
+                EXPECT_NEAR(value, jacobian.determinant(), rounding);
             });
         }
     }
@@ -129,83 +102,23 @@ TEST(Bernstein, HalvesAreTheSamePolynomials) {
     }
 }
 
-// (2u − 1)² has coefficients 1, −1, 1 and its least value, 0, in the middle.
-constexpr std::array<double, 3> kSquare = {1, -1, 1};
-
-TEST(Bernstein, TellsTheSignOfWhatIsLeastInside) {
-    const auto point = [](double least) {
-        return polynomial([&](std::size_t a, std::size_t b, std::size_t c) {
-            return kSquare[a] + kSquare[b] + kSquare[c] + least;
-        });
+TEST(Bernstein, PartsInTimeAreTheSamePolynomial) {
+    const auto values = test::randomValues(108, 5);
+    Triquadratics<4> whole;
+    for (std::size_t i = 0; i < 108; ++i) whole[i / 4][i % 4] = values[i];
+    const auto cubic = [](const std::array<double, 4>& c, double t) {
+        const double s = 1 - t;
+        return s * s * s * c[0] + 3 * t * s * s * c[1] + 3 * t * t * s * c[2] + t * t * t * c[3];
     };
-    const auto plane = [](double least) {
-        return polynomial(
-            [&](std::size_t, std::size_t b, std::size_t) { return kSquare[b] + least; });
-    };
-    for (const double least : {1e-4, 1e-2, 0.5}) {
-        EXPECT_TRUE(isAbove(point(least), 0)) << least;
-        EXPECT_TRUE(isAbove(plane(least), 0)) << least;
-        EXPECT_TRUE(isAbove(plane(least + 7), 7)) << least;
-        EXPECT_FALSE(isAbove(point(-least), 0)) << least;
-        EXPECT_FALSE(isAbove(plane(-least), 0)) << least;
-        EXPECT_FALSE(isAbove(plane(least), least * 1.01)) << least;
-    }
-    // What cannot be told counts as not above: no such thing is ever "proved".
-    EXPECT_FALSE(isAbove(point(0), 0));
-    EXPECT_FALSE(isAbove(plane(0), 0));
-    EXPECT_FALSE(isAbove(plane(std::numeric_limits<double>::quiet_NaN()), 0));
-}
-
-// All of several polynomials, not some.
-TEST(Bernstein, AllMustBeAbove) {
-    Triquadratics<4> four;
-    for (auto& lanes : four) lanes = {1, 2, 3, 4};
-    EXPECT_TRUE(isAbove(four, 0.5));
-    for (std::size_t lane = 0; lane < 4; ++lane) {
-        auto one = four;
-        // Its weight in the middle is 1/8; that of the others, lane + 1 each, 7/8.
-        one[13][lane] = -8 * four[13][lane];
-        EXPECT_FALSE(isAbove(one, 0)) << lane;
-        one[13][lane] = -6 * four[13][lane];
-        EXPECT_TRUE(isAbove(one, 0)) << lane;
-    }
-}
-
-// Against the least of samples, which is no less than the least of all.
-TEST(Bernstein, LeastQuotientIsBelowAllSamplesAndNotByMuch) {
-    for (unsigned seed = 0; seed < 10; ++seed) {
-        const auto values = test::randomValues(54, seed);
-        Triquadratics<2> quotient;
+    for (const double cut : {0.5, 0.2}) {
+        const auto [before, after] = partsInTime(whole, cut);
         for (std::size_t i = 0; i < 27; ++i)
-            quotient[i] = {values[i] + (seed % 3 == 0 ? 0.8 : 0), 1.5 + values[27 + i]};
-        double sampled = std::numeric_limits<double>::infinity();
-        constexpr int kParts = 12;
-        forGrid(kParts, [&](const Vector3d& uvw) {
-            sampled = std::min(sampled, valueAt(quotient, 0, uvw) / valueAt(quotient, 1, uvw));
-        });
-        const double least = leastQuotient(quotient);
-        EXPECT_LE(least, sampled + 1e-13) << seed;  // rounding of the sample
-        // A thousandth, and what a sample may miss: at most 1/24 away along each axis from a least
-        // value with curvatures of about 10 it is 3 · 10 / 2 / 24² above it.
-        EXPECT_GE(least, sampled - 1e-3 * std::abs(sampled) - 0.026) << seed;
+            for (const double t : {0.0, 0.3, 0.6, 1.0}) {
+                // Sums of 4 numbers of size 1.
+                EXPECT_NEAR(cubic(before[i], t), cubic(whole[i], cut * t), 1e-15);
+                EXPECT_NEAR(cubic(after[i], t), cubic(whole[i], cut + (1 - cut) * t), 1e-15);
+            }
     }
-}
-
-// ((2u − 1)² + (2v − 1)² + (2w − 1)² + 0.3) / 2: 0.15 in the middle.
-TEST(Bernstein, LeastQuotientIsWithinAThousandth) {
-    Triquadratics<2> quotient;
-    for (std::size_t i = 0; i < 27; ++i)
-        quotient[i] = {kSquare[i % 3] + kSquare[i / 3 % 3] + kSquare[i / 9] + 0.3, 2};
-    const double least = leastQuotient(quotient);
-    EXPECT_LE(least, 0.15);
-    EXPECT_GE(least, 0.15 * (1 - 1.1e-3));
-    // One that is 1 everywhere, whatever the two are.
-    for (auto& [upper, lower] : quotient) upper = lower = upper + 3;
-    EXPECT_EQ(leastQuotient(quotient), 1);
-    // Its least weight is negative, its least value positive: -1 + 1.01 in the middle.
-    for (std::size_t i = 0; i < 27; ++i)
-        quotient[i] = {3 * (kSquare[i % 3] + 0.01), kSquare[i % 3] + 0.01};
-    EXPECT_NEAR(leastQuotient(quotient), 3, 3e-3);
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <span>
 
-// Vector arithmetic for the sources of this folder; not installed.
-namespace espalier::shapes {
+// Vector arithmetic for sources; not installed.
+namespace espalier {
 
 inline Point3 sum(const Point3& a, const Point3& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
@@ -61,4 +61,4 @@ inline Point3 areaVector(std::span<const Point3> loop) {
     return scaled(total, 0.5);
 }
 
-}  // namespace espalier::shapes
+}  // namespace espalier

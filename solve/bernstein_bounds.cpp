@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/solve/bernstein_bounds.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace espalier::solve {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// How often a part of the cube is halved at most: 10 times along each axis, say; then the gap
+/// between coefficients and values is 1e-6 of that in the whole.
+constexpr int kDeepest = 30;
+
+/// Nor is what is no number.
+bool isAboveZero(double value) {
+    return value > 0;
+}
+
+/// Whether all coefficients are, and so all values.
+template <std::size_t Lanes>
+bool isProvedPositive(const Triquadratics<Lanes>& polynomials) {
+    return std::all_of(polynomials.begin(), polynomials.end(), [](const auto& lanes) {
+        return std::all_of(lanes.begin(), lanes.end(), isAboveZero);
+    });
+}
+
+/// Whether a value of a lane that is known is not above 0.
+template <std::size_t Lanes>
+bool isSeenToFail(const Triquadratics<Lanes>& polynomials, std::size_t lane) {
+    return std::any_of(kCornerCoefficients.begin(), kCornerCoefficients.end(),
+                       [&](std::size_t at) { return !isAboveZero(polynomials[at][lane]); });
+}
+
+/// How far a lane is from linear along each axis: what is linear along all has its least
+/// coefficient at a corner, so that nothing is gained by halving.
+template <std::size_t Lanes>
+std::array<double, 3> bends(const Triquadratics<Lanes>& polynomials, std::size_t lane) {
+    std::array<double, 3> result{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::size_t at = 0; at < 27; ++at)
+            if (at / kAxisStride[axis] % 3 == 1)
+                result[axis] =
+                    std::max(result[axis], std::abs(polynomials[at - kAxisStride[axis]][lane] -
+                                                    2 * polynomials[at][lane] +
+                                                    polynomials[at + kAxisStride[axis]][lane]));
+    return result;
+}
+
+template <std::size_t Count>
+std::size_t largestOf(const std::array<double, Count>& values) {
+    return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) -
+                                    values.begin());
+}
+
+/// A part of the cube.
+template <std::size_t Lanes>
+struct Part {
+    Triquadratics<Lanes> polynomials;
+    int depth = 0;
+
+    std::pair<Part, Part> halved(std::size_t axis) const {
+        const auto [lower, upper] = halves(polynomials, axis);
+        return {{lower, depth + 1}, {upper, depth + 1}};
+    }
+};
+
+/// A part of the cube, and what the least quotient in it lies between.
+struct QuotientPart : Part<2> {
+    double low = kInfinity;
+    double high = kInfinity;
+
+    explicit QuotientPart(const Part<2>& part) : Part(part) {
+        // The quotient is a mean of those of the coefficients, if all of its weights are positive.
+        for (const auto& [upper, lower] : polynomials)
+            low = std::min(low, lower > 0 ? upper / lower : -kInfinity);
+        for (const std::size_t at : kCornerCoefficients)
+            if (polynomials[at][1] > 0)
+                high = std::min(high, polynomials[at][0] / polynomials[at][1]);
+    }
+
+    /// Where the two, each for its size, are most bent. While weights are not positive, the way
+    /// that isPositive() went to prove that they are.
+    std::size_t axis() const {
+        std::array<double, 3> sum{};
+        for (std::size_t lane = std::isinf(low) ? 1 : 0; lane < 2; ++lane) {
+            double size = std::numeric_limits<double>::min();
+            for (const auto& lanes : polynomials) size = std::max(size, std::abs(lanes[lane]));
+            const auto ofLane = bends(polynomials, lane);
+            for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += ofLane[axis] / size;
+        }
+        return largestOf(sum);
+    }
+};
+
+/// A part of the cube for a part of the time.
+struct MovingPart : Part<4> {
+    double first = 0;
+    double last = 1;
+
+    /// Whether time is more bent than each of the axes; else, which of them is the most.
+    bool isMostBentInTime() const { return largestOf(spaceAndTime()) == 3; }
+    std::size_t axis() const {
+        const auto all = spaceAndTime();
+        return largestOf(std::array<double, 3>{all[0], all[1], all[2]});
+    }
+
+    std::pair<MovingPart, MovingPart> halvedInTime() const {
+        const auto [before, after] = partsInTime(polynomials, 0.5);
+        const double middle = (first + last) / 2;
+        return {{{before, depth}, first, middle}, {{after, depth}, middle, last}};
+    }
+    std::pair<MovingPart, MovingPart> halvedInSpace() const {
+        const auto [lower, upper] = halved(axis());
+        return {{lower, first, last}, {upper, first, last}};
+    }
+
+private:
+    std::array<double, 4> spaceAndTime() const {
+        std::array<double, 4> result{};
+        for (std::size_t lane = 0; lane < 4; ++lane) {
+            const auto ofLane = bends(polynomials, lane);
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                result[axis] = std::max(result[axis], ofLane[axis]);
+        }
+        for (const auto& lanes : polynomials)
+            for (std::size_t i = 1; i < 3; ++i)
+                result[3] =
+                    std::max(result[3], std::abs(lanes[i - 1] - 2 * lanes[i] + lanes[i + 1]));
+        return result;
+    }
+};
+
+}  // namespace
+
+bool isPositive(const Triquadratics<1>& polynomial) {
+    constexpr int kMostHalvings = 500;
+    if (isProvedPositive(polynomial)) return true;
+    std::vector<Part<1>> open = {{polynomial, 0}};
+    for (int halvings = 0; !open.empty(); ++halvings) {
+        const Part<1> part = open.back();
+        open.pop_back();
+        if (isSeenToFail(part.polynomials, 0) || part.depth == kDeepest ||
+            halvings == kMostHalvings)
+            return false;
+        const auto [lower, upper] = part.halved(largestOf(bends(part.polynomials, 0)));
+        for (const auto& half : {lower, upper})
+            if (!isProvedPositive(half.polynomials)) open.push_back(half);
+    }
+    return true;
+}
+
+double leastQuotient(const Triquadratics<2>& quotient) {
+    // More than isPositive() may take to prove that the second is: then it shows here, too.
+    constexpr int kMostHalvings = 2000;
+    constexpr double kPrecision = 1e-3, kSmall = 1e-6;
+    QuotientPart lowest({quotient, 0});
+    double high = lowest.high;
+    std::vector<QuotientPart> others;
+    const auto isHigher = [](const QuotientPart& a, const QuotientPart& b) {
+        return a.low > b.low;
+    };
+    for (int halvings = 0; halvings < kMostHalvings && lowest.depth < kDeepest; ++halvings) {
+        const double gap = high - lowest.low;
+        const bool hasSign = lowest.low > 0 || !(high > 0);
+        if (hasSign &&
+            !(gap > std::max(kSmall, kPrecision * std::max(std::abs(high), std::abs(lowest.low)))))
+            break;
+        const auto [lower, upper] = lowest.halved(lowest.axis());
+        for (const auto& half : {lower, upper}) {
+            others.emplace_back(half);
+            high = std::min(high, others.back().high);
+            std::push_heap(others.begin(), others.end(), isHigher);
+        }
+        std::pop_heap(others.begin(), others.end(), isHigher);
+        lowest = others.back();
+        others.pop_back();
+    }
+    return lowest.low;
+}
+
+ProvedTime positiveUpTo(const Triquadratics<4>& polynomial, double upTo) {
+    constexpr int kMostHalvings = 2000;
+    constexpr double kPrecision = 1e-6, kNone = 1e-12;
+    std::vector<MovingPart> open;  // a heap, the earliest first
+    const auto isLater = [](const MovingPart& a, const MovingPart& b) { return a.first > b.first; };
+    const auto keepUnlessProved = [&](const MovingPart& part) {
+        if (isProvedPositive(part.polynomials)) return;
+        open.push_back(part);
+        std::push_heap(open.begin(), open.end(), isLater);
+    };
+    keepUnlessProved({{upTo < 1 ? partsInTime(polynomial, upTo).first : polynomial, 0}, 0, upTo});
+    for (int halvings = 0; !open.empty(); ++halvings) {
+        std::pop_heap(open.begin(), open.end(), isLater);
+        const MovingPart part = open.back();
+        open.pop_back();
+        // All times before it have been proved.
+        const bool failsAtLast = isSeenToFail(part.polynomials, 3);
+        const bool isDeepest = part.depth == kDeepest;
+        const bool isShort =
+            part.last - part.first <= kPrecision * part.first || part.last <= kNone;
+        if (isSeenToFail(part.polynomials, 0) || (isShort && failsAtLast))
+            return {part.first, true};
+        if (halvings == kMostHalvings || (isShort && isDeepest)) return {part.first, false};
+        const bool takesTime = !isShort && (failsAtLast || isDeepest || part.isMostBentInTime());
+        const auto [one, other] = takesTime ? part.halvedInTime() : part.halvedInSpace();
+        keepUnlessProved(one);
+        keepUnlessProved(other);
+    }
+    return {upTo, true};
+}
+
+}  // namespace espalier::solve

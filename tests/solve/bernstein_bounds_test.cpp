@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/solve/bernstein_bounds.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "polynomials.h"
+#include "support/zoo.h"
+
+namespace espalier::solve {
+namespace {
+
+using Eigen::Vector3d;
+
+// (2u − 1)² has coefficients 1, −1, 1 and its least value, 0, in the middle.
+constexpr std::array<double, 3> kSquare = {1, -1, 1};
+
+TEST(BernsteinBounds, TellsTheSignOfWhatIsLeastInside) {
+    const auto point = [](double least) {
+        return polynomial([&](std::size_t a, std::size_t b, std::size_t c) {
+            return kSquare[a] + kSquare[b] + kSquare[c] + least;
+        });
+    };
+    const auto plane = [](double least) {
+        return polynomial(
+            [&](std::size_t, std::size_t b, std::size_t) { return kSquare[b] + least; });
+    };
+    for (const double least : {1e-4, 1e-2, 0.5}) {
+        EXPECT_TRUE(isPositive(point(least))) << least;
+        EXPECT_TRUE(isPositive(plane(least))) << least;
+        EXPECT_FALSE(isPositive(point(-least))) << least;
+        EXPECT_FALSE(isPositive(plane(-least))) << least;
+    }
+    // What cannot be told counts as not positive: no such thing is ever "proved".
+    EXPECT_FALSE(isPositive(point(0)));
+    EXPECT_FALSE(isPositive(plane(0)));
+    EXPECT_FALSE(isPositive(plane(std::numeric_limits<double>::quiet_NaN())));
+}
+
+// Against the least of samples, which is no less than the least of all.
+TEST(BernsteinBounds, LeastQuotientIsBelowAllSamplesAndNotByMuch) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        const auto values = test::randomValues(54, seed);
+        Triquadratics<2> quotient;
+        for (std::size_t i = 0; i < 27; ++i)
+            quotient[i] = {values[i] + (seed % 3 == 0 ? 0.8 : 0), 1.5 + values[27 + i]};
+        double sampled = std::numeric_limits<double>::infinity();
+        constexpr int kParts = 12;
+        forGrid(kParts, [&](const Vector3d& uvw) {
+            sampled = std::min(sampled, valueAt(quotient, 0, uvw) / valueAt(quotient, 1, uvw));
+        });
+        const double least = leastQuotient(quotient);
+        EXPECT_LE(least, sampled + 1e-13) << seed;  // rounding of the sample
+        // A thousandth, and what a sample may miss: at most 1/24 away along each axis from a least
+        // value with curvatures of about 10 it is 3 · 10 / 2 / 24² above it.
+        EXPECT_GE(least, sampled - 1e-3 * std::abs(sampled) - 0.026) << seed;
+    }
+}
+
+// ((2u − 1)² + (2v − 1)² + (2w − 1)² + 0.3) / 2: 0.15 in the middle.
+TEST(BernsteinBounds, LeastQuotientIsWithinAThousandth) {
+    Triquadratics<2> quotient;
+    for (std::size_t i = 0; i < 27; ++i)
+        quotient[i] = {kSquare[i % 3] + kSquare[i / 3 % 3] + kSquare[i / 9] + 0.3, 2};
+    const double least = leastQuotient(quotient);
+    EXPECT_LE(least, 0.15);
+    EXPECT_GE(least, 0.15 * (1 - 1.1e-3));
+    // One that is 1 everywhere, whatever the two are.
+    for (auto& [upper, lower] : quotient) upper = lower = upper + 3;
+    EXPECT_EQ(leastQuotient(quotient), 1);
+    // Its least weight is negative, its least value positive: -1 + 1.01 in the middle.
+    for (std::size_t i = 0; i < 27; ++i)
+        quotient[i] = {3 * (kSquare[i % 3] + 0.01), kSquare[i % 3] + 0.01};
+    EXPECT_NEAR(leastQuotient(quotient), 3, 3e-3);
+}
+
+/// Cubic in time at each coefficient: `ofTime` has its Bernstein coefficients, to which `inSpace`
+/// is added.
+Triquadratics<4> moving(const std::array<double, 4>& ofTime, const Triquadratics<1>& inSpace) {
+    Triquadratics<4> result;
+    for (std::size_t i = 0; i < 27; ++i)
+        for (std::size_t lane = 0; lane < 4; ++lane) result[i][lane] = ofTime[lane] + inSpace[i][0];
+    return result;
+}
+
+/// Of (2t − 1)², raised to degree 3: 1, −1, 1 is 1, −1/3, −1/3, 1.
+constexpr std::array<double, 4> kSquareInTime = {1, -1.0 / 3, -1.0 / 3, 1};
+
+Triquadratics<1> nothing() {
+    return polynomial([](std::size_t, std::size_t, std::size_t) { return 0; });
+}
+
+TEST(BernsteinBounds, TheFirstTimeIsFound) {
+    // 1 − 4t, of which the three squares, 0 in the middle, leave 0 at t = 1/4.
+    const Triquadratics<1> squares = polynomial([](std::size_t a, std::size_t b, std::size_t c) {
+        return kSquare[a] + kSquare[b] + kSquare[c];
+    });
+    const Triquadratics<4> linear = moving({1, 1 - 4.0 / 3, 1 - 8.0 / 3, -3}, squares);
+    EXPECT_LE(positiveUpTo(linear, 1).time, 0.25);
+    EXPECT_GE(positiveUpTo(linear, 1).time, 0.25 * (1 - 2e-6));
+    EXPECT_TRUE(positiveUpTo(linear, 1).isTight);
+    // Up to less, all of that; and up to what is not much more, the same.
+    EXPECT_EQ(positiveUpTo(linear, 0.2).time, 0.2);
+    EXPECT_NEAR(positiveUpTo(linear, 0.2501).time, 0.25, 1e-6);
+    // It is positive again at the end: (2t − 1)² − 1/4, first 0 at 1/4.
+    std::array<double, 4> lower = kSquareInTime;
+    for (double& coefficient : lower) coefficient -= 0.25;
+    EXPECT_NEAR(positiveUpTo(moving(lower, nothing()), 1).time, 0.25, 1e-6);
+    // Not positive at the start; or nowhere a number.
+    EXPECT_EQ(positiveUpTo(moving({0, 1, 1, 1}, nothing()), 1).time, 0);
+    lower.fill(std::numeric_limits<double>::quiet_NaN());
+    EXPECT_EQ(positiveUpTo(moving(lower, nothing()), 1).time, 0);
+    // Negative after 1e-13: as good as at once. After 1e-9 not.
+    EXPECT_EQ(positiveUpTo(moving({1e-13, -1.0 / 3, -2.0 / 3, -1}, nothing()), 1).time, 0);
+    EXPECT_NEAR(positiveUpTo(moving({1e-9, -1.0 / 3, -2.0 / 3, -1}, nothing()), 1).time, 1e-9,
+                1e-15);
+}
+
+// (2t − 1)² + (2u − 1)² + ε: all but 0 at one place and time, along a plane of the cube.
+TEST(BernsteinBounds, NearMissesAreProved) {
+    const Triquadratics<1> square =
+        polynomial([](std::size_t a, std::size_t, std::size_t) { return kSquare[a]; });
+    for (const double least : {1e-3, 1e-6, 1e-9, 1e-11}) {
+        auto miss = moving(kSquareInTime, square);
+        auto hit = miss;
+        for (std::size_t i = 0; i < 27; ++i)
+            for (std::size_t lane = 0; lane < 4; ++lane) {
+                miss[i][lane] += least;
+                hit[i][lane] -= least;
+            }
+        EXPECT_EQ(positiveUpTo(miss, 1).time, 1) << least;
+        EXPECT_LE(positiveUpTo(hit, 1).time, 0.5 - std::sqrt(least) / 2) << least;
+        EXPECT_GE(positiveUpTo(hit, 1).time, 0.5 - std::sqrt(least) / 2 - 1e-6) << least;
+    }
+}
+
+// Squares of sums, which are 0 on whole surfaces in space and time, take more halvings than there
+// are. What is returned then has been proved all the same.
+TEST(BernsteinBounds, WorkIsBounded) {
+    // (2t − 1 + (2u − 1))² + ε is all but 0 on a diagonal: 1/√ε parts.
+    Triquadratics<4> diagonal;
+    // In monomials of a = 2u − 1 and b = 2t − 1: a² + 2ab + b²; b has the coefficients −1, −1/3,
+    // 1/3, 1, and a −1, 0, 1.
+    for (std::size_t i = 0; i < 27; ++i)
+        for (std::size_t lane = 0; lane < 4; ++lane) {
+            const double a = static_cast<double>(i % 3) - 1;
+            const double b = static_cast<double>(lane) * 2 / 3 - 1;
+            diagonal[i][lane] = kSquare[i % 3] + 2 * a * b + kSquareInTime[lane] + 1e-12;
+        }
+    const ProvedTime proved = positiveUpTo(diagonal, 1);
+    EXPECT_GT(proved.time, 0);
+    EXPECT_LT(proved.time, 1);
+    EXPECT_FALSE(proved.isTight);
+}
+
+}  // namespace
+}  // namespace espalier::solve
