@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_file.h>
@@ -7,10 +8,13 @@
 #include <espalier/solve/lattice_fit.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <unordered_map>
 
 #include "bind_model.h"
 #include "choice.h"
@@ -79,14 +83,80 @@ Wishes readWishes(const Options& options, const io::Model& model, Stages& stages
     return wishes;
 }
 
-void checkInside(const Options& options, const Wishes& wishes, const BoundPoints& bound) {
-    if (bound.binding.kept.empty()) return;
-    const io::Target& target = wishes.targets[static_cast<std::size_t>(bound.binding.kept.front())];
+/// The points that have targets, and those that are held, bound at once.
+struct FitRows {
+    stencils::StencilTable<double> ofTargets, ofHeld;  ///< D
+};
+
+[[noreturn]] void refuseOutside(const Options& options, const io::Target& target) {
     const std::string cause =
         fmt::format("point {} lies outside the lattice {}, which cannot carry it there",
                     target.point, options.rest);
     throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
                           : io::FileError(options.model, cause);
+}
+
+/// A held point that has a target too is bound once.
+FitRows bindAll(const Options& options, const BindOptions& bind, const Wishes& wishes,
+                const HeldPart& part, std::span<const Point3> modelPoints, const Lattice& lattice,
+                Stages& stages) {
+    std::vector<Point3> points = wishes.points;
+    std::vector<far::Index> heldRows;
+    if (!part.points.empty()) {
+        std::unordered_map<far::Index, far::Index> rowOf;
+        for (std::size_t i = 0; i < wishes.targets.size(); ++i)
+            rowOf.emplace(wishes.targets[i].point, static_cast<far::Index>(i));
+        for (const far::Index point : part.points) {
+            const auto [row, isNew] = rowOf.emplace(point, static_cast<far::Index>(points.size()));
+            if (isNew) points.push_back(modelPoints[static_cast<std::size_t>(point)]);
+            heldRows.push_back(row->second);
+        }
+    }
+    stencils::Binding<double> binding = bindPoints(bind, points, lattice, stages).binding;
+    if (!binding.kept.empty())
+        if (const auto row = static_cast<std::size_t>(binding.kept.front());
+            row < wishes.targets.size())
+            refuseOutside(options, wishes.targets[row]);
+    FitRows rows{{}, stencils::selectRows<double>(binding.table, heldRows)};
+    if (options.common.embedding.outside == stencils::OutsidePolicy::Error)
+        for (std::size_t i = 0; i < part.points.size(); ++i)
+            if (rows.ofHeld.columns(static_cast<far::Index>(i)).empty())
+                throw io::FileError(options.model,
+                                    fmt::format("point {}, in the box of --hold, lies outside the "
+                                                "lattice {}",
+                                                part.points[i], options.rest));
+    if (points.size() == wishes.points.size()) {
+        rows.ofTargets = std::move(binding.table);
+        return rows;
+    }
+    std::vector<far::Index> targetRows(wishes.points.size());
+    std::iota(targetRows.begin(), targetRows.end(), far::Index{0});
+    rows.ofTargets = stencils::selectRows<double>(binding.table, targetRows);
+    return rows;
+}
+
+/// How many vertices of a lattice are among some. What is no vertex of it, fitting refuses.
+std::size_t countAmong(std::vector<far::Index> vertices, const Lattice& lattice) {
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return static_cast<std::size_t>(std::count_if(
+        vertices.begin(), vertices.end(),
+        [&](far::Index vertex) { return vertex >= 0 && vertex < lattice.complex.count(0); }));
+}
+
+/// The vertices that stay, of --freeze and of --hold.
+std::vector<far::Index> frozenVertices(const Options& options, const std::vector<far::Index>& held,
+                                       const Lattice& lattice) {
+    const auto& named = options.fit.frozen;
+    std::vector<far::Index> frozen = named;
+    frozen.insert(frozen.end(), held.begin(), held.end());
+    const std::size_t all = lattice.positions.size();
+    if (countAmong(frozen, lattice) < all) return frozen;
+    throw Error(fmt::format("{} all {} vertices of {}: none is left to move",
+                            countAmong(held, lattice) == all    ? "--hold keeps"
+                            : countAmong(named, lattice) == all ? "--freeze keeps"
+                                                                : "--hold and --freeze keep",
+                            all, options.rest));
 }
 
 void printFit(const Options& options, const Wishes& wishes, std::size_t heldCount,
@@ -127,17 +197,18 @@ void run(const Options& options) {
     const auto model = readModel(options.model, stages);
     Lattice lattice = readLattice(options.rest, stages);
     const Wishes wishes = readWishes(options, *model, stages);
-    // A point outside is named below, by its number in the model.
+    const auto points = model->positions();
+    const HeldPart part = findHeldPart(options.hold, options, points, lattice);
+    // A point outside is named by bindAll(), by its number in the model.
     BindOptions bind = options;
     if (bind.common.embedding.outside == stencils::OutsidePolicy::Error)
         bind.common.embedding.outside = stencils::OutsidePolicy::Keep;
-    const BoundPoints bound = bindPoints(bind, wishes.points, lattice, stages);
-    checkInside(options, wishes, bound);
-    const auto held = heldVertices(options.hold, options, model->positions(), lattice);
+    const FitRows rows = bindAll(options, bind, wishes, part, points, lattice, stages);
+    const auto held = heldVertices(part, options.hold, bind, points, rows.ofHeld, lattice, stages);
     solve::FitOptions fitOptions = options.fit;
-    fitOptions.frozen.insert(fitOptions.frozen.end(), held.begin(), held.end());
+    fitOptions.frozen = frozenVertices(options, held, lattice);
     const auto fit = stages.run("solving", [&] {
-        return solve::fitLattice(bound.binding.table, wishes.misses, lattice.complex, fitOptions);
+        return solve::fitLattice(rows.ofTargets, wishes.misses, lattice.complex, fitOptions);
     });
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) lattice.positions[v][c] += fit.displacements[v][c];

@@ -2,6 +2,7 @@
 #include "held_part.h"
 
 #include <espalier/far/error.h>
+#include <espalier/shapes/refiner_options.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -50,44 +51,67 @@ void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options) 
             ->type_name("X0 Y0 Z0 X1 Y1 Z1");
     addChoice<Continuity>(command, "--continuity", hold.continuity, kContinuities,
                           "How what is held meets what moves: in its place, with its tangent "
-                          "planes, or with its curvatures");
+                          "planes, or with its curvatures; c1 and c2 hold the same vertices");
     CLI::Option* continuity = command.get_option("--continuity")->needs(box);
     for (const CLI::Option* option : {box, continuity}) options.ofSubdivision.push_back(option);
 }
 
-std::vector<Index> heldVertices(const HoldOptions& hold, const BindOptions& options,
-                                std::span<const Point3> points, const Lattice& lattice) {
+HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
+                      std::span<const Point3> points, const Lattice& lattice) {
     if (!hold.box) return {};
     const auto& box = *hold.box;
     for (std::size_t c = 0; c < 3; ++c)
         if (!(box[c] <= box[c + 3]))
             throw Error(fmt::format("--hold: the box runs from {} to {}; expected it to ascend",
                                     box[c], box[c + 3]));
-    const auto base = refineLattice(options.rest, lattice, options.common, 0);
-    std::vector<Point3> part;
-    std::copy_if(points.begin(), points.end(), std::back_inserter(part),
-                 [&](const Point3& point) { return isIn(box, point); });
+    HeldPart part;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (isIn(box, points[i])) part.points.push_back(static_cast<Index>(i));
     // Without boundary control a level does not reach as far as its faces.
-    const auto faces = base.boundary() == far::Boundary::Open ? std::vector<Index>()
-                                                              : boundaryFacesIn(box, lattice);
-    if (part.empty() && faces.empty())
+    const auto boundary = refinerOptions(lattice, options.common.refinement).boundary;
+    if (boundary != far::Boundary::Open) part.faces = boundaryFacesIn(box, lattice);
+    if (part.points.empty() && part.faces.empty())
         throw Error(
             fmt::format("--hold: no point of {} lies in the box, and no face of the "
                         "boundary of {}",
                         options.model, options.rest));
-    std::vector<Index> held;
-    if (!part.empty())
-        held = stencils::verticesHoldingPoints(base, lattice.positions, options.level,
-                                               options.common.rules, part, hold.continuity,
-                                               options.common.embedding.tolerance);
-    if (!faces.empty()) {
-        const auto ofFaces =
-            stencils::verticesHoldingFaces(base, options.common.rules, faces, hold.continuity);
-        held.insert(held.end(), ofFaces.begin(), ofFaces.end());
-    }
-    std::sort(held.begin(), held.end());
-    held.erase(std::unique(held.begin(), held.end()), held.end());
-    return held;
+    return part;
+}
+
+std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
+                                const BindOptions& options, std::span<const Point3> points,
+                                const stencils::StencilTable<double>& rows, const Lattice& lattice,
+                                Stages& stages) {
+    if (part.points.empty() && part.faces.empty()) return {};
+    if (rows.entryCount() == 0 && part.faces.empty())
+        throw Error(
+            fmt::format("--hold: point {} of {}, and what else lies in the box, is outside "
+                        "the lattice {}, and stays anyway",
+                        part.points.front(), options.model, options.rest));
+    return stages.run("holding", [&] {
+        // What D says of its points needs no second look at the lattice.
+        auto held = stencils::verticesHoldingRows(rows);
+        const bool isBeyondPlaces = hold.continuity != Continuity::C0 && rows.entryCount() > 0;
+        if (part.faces.empty() && !isBeyondPlaces) return held;
+        const auto base = refineLattice(options.rest, lattice, options.common, 0);
+        const auto add = [&](const std::vector<Index>& vertices) {
+            held.insert(held.end(), vertices.begin(), vertices.end());
+        };
+        if (isBeyondPlaces) {
+            std::vector<Point3> own;
+            for (const Index point : part.points)
+                own.push_back(points[static_cast<std::size_t>(point)]);
+            add(stencils::verticesHoldingPoints(base, lattice.positions, options.level,
+                                                options.common.rules, own, hold.continuity,
+                                                options.common.embedding));
+        }
+        if (!part.faces.empty())
+            add(stencils::verticesHoldingFaces(base, options.common.rules, part.faces,
+                                               hold.continuity));
+        std::sort(held.begin(), held.end());
+        held.erase(std::unique(held.begin(), held.end()), held.end());
+        return held;
+    });
 }
 
 }  // namespace espalier::cli

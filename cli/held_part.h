@@ -5,8 +5,11 @@
 
 #include <array>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "bind_model.h"
+#include "run.h"
 
 namespace espalier::cli {
 
@@ -20,10 +23,25 @@ struct HoldOptions {
 /// Adds --hold and --continuity to a command that binds with the basis of subdivision only.
 void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options);
 
-/// The vertices of the lattice that must stay, ascending. None without --hold.
+/// What lies in the box.
+struct HeldPart {
+    std::vector<far::Index> points;  ///< of the model, ascending
+    std::vector<far::Index> faces;   ///< of the lattice's boundary, ascending
+};
+
+/// Finds what is to be held. Nothing without --hold.
 /// \param points of the model
 /// \throws Error if the box is none, or neither a point nor a face of the boundary lies in it
-std::vector<far::Index> heldVertices(const HoldOptions& hold, const BindOptions& options,
-                                     std::span<const Point3> points, const Lattice& lattice);
+HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
+                      std::span<const Point3> points, const Lattice& lattice);
+
+/// The vertices of the lattice that must stay, ascending. Stage: holding, if there is a part.
+/// \param points of the model
+/// \param rows of D, of the points of the part, as the options say to bind them
+/// \throws Error if there is a part but none of it asks for a vertex
+std::vector<far::Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
+                                     const BindOptions& options, std::span<const Point3> points,
+                                     const stencils::StencilTable<double>& rows,
+                                     const Lattice& lattice, Stages& stages);
 
 }  // namespace espalier::cli

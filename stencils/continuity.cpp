@@ -8,7 +8,11 @@
 #include <espalier/stencils/place_points.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "point_descent.h"
 
@@ -29,15 +33,25 @@ std::vector<Index> flagged(const Flags& flags) {
     return result;
 }
 
-/// The columns with a weight, ascending. A weight below is the rounding of a place on the side of a
-/// cell: places are found to 1e-12 of the size of the lattice.
-std::vector<Index> columnsOf(const StencilTable<double>& table) {
-    constexpr double kRounding = 1e-11;
+/// The columns with a weight above a limit, ascending.
+std::vector<Index> columnsOf(const StencilTable<double>& table, double limit) {
     Flags isNamed(at(table.columnCount()));
     for (Index row = 0; row < table.rowCount(); ++row)
         for (std::size_t k = 0; k < table.columns(row).size(); ++k)
-            if (std::abs(table.weights(row)[k]) > kRounding) isNamed[at(table.columns(row)[k])] = 1;
+            if (std::abs(table.weights(row)[k]) > limit) isNamed[at(table.columns(row)[k])] = 1;
     return flagged(isNamed);
+}
+
+/// What a vertex may move, of its own displacement, and still count as moving nothing. Where sums
+/// should cancel, or a place lie on the side of a cell, rounding leaves some 1e-16 to 1e-12.
+constexpr double kRounding = 1e-11;
+
+/// The same for vertices of a level. Its cells are 2^-level of a base cell, so that a second
+/// derivative is 4^level times a second difference, of four times a weight at most: it is this that
+/// is to be some kRounding at most. The weights that the next layer comes in by, some 8^-level,
+/// are above it to level 36.
+double roundingOf(int level) {
+    return std::ldexp(kRounding, -2 * level);
 }
 
 /// The cells with a marked vertex, ascending.
@@ -72,39 +86,115 @@ far::ByEntity<std::uint8_t> closureOf(const far::CellComplex& complex,
     return isIn;
 }
 
-/// The cells that hold points.
-std::vector<Index> cellsHolding(const FoundCells& found, const far::CellComplex& complex,
-                                std::span<const Point3> points, CellSolver::Scale scale) {
-    const CellSolver solver(complex, found.positions, scale);
-    std::vector<std::vector<Index>> cellsOf(points.size());
-    for (std::size_t i = 0; i < found.cells.size(); ++i)
-        for (Offset k = found.offsets[i]; k < found.offsets[i + 1]; ++k) {
-            const Index point = found.points[static_cast<std::size_t>(k)];
-            const Eigen::Vector3d position(points[at(point)].data());
-            if (solver.boxOf(far::CellId(found.cells[i])).contains(position))
-                cellsOf[at(point)].push_back(found.cells[i]);
-        }
-    std::vector<Index> holding;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const auto inside = solver.locateIn(Eigen::Vector3d(points[i].data()), cellsOf[i]);
-        // In the gap between cells, whichever of them it is that carries the point.
-        if (inside)
-            holding.push_back(inside->place->cell.value);
-        else
-            holding.insert(holding.end(), cellsOf[i].begin(), cellsOf[i].end());
-    }
-    return holding;
-}
+/// A group of points that lie together.
+struct HeldGroup {
+    std::vector<Index> columns;         ///< what moves the cells that carry them, or those around
+    std::vector<PointStatus> statuses;  ///< one a point
+};
 
-/// What moves the vertices of the cells that hold points, and of those around.
-std::vector<Index> columnsAround(const PointDescent& descent, CellSolver::Scale scale, int level,
-                                 std::span<const Point3> points) {
-    const auto found = descent.descend(points, level, Sought::Containing, Extent::Ring);
-    if (!found) return {};
-    const far::CellComplex& complex = found->refiner.level(level).complex;
-    const Flags held = verticesOf(complex, cellsHolding(*found, complex, points, scale));
-    const auto vertices = flagged(verticesOf(complex, cellsAt(complex, held)));
-    return columnsOf(composeStencils<double>(found->refiner, found->tables, vertices));
+/// Finds what moves the cells that carry points, as bindPoints() has it, and those around. Any
+/// number of threads may ask.
+class HoldingSearch {
+public:
+    /// \param base, positions must outlive this
+    HoldingSearch(const far::TopologyRefiner& base, std::span<const Point3> positions, int level,
+                  Rules rules, const EmbeddingOptions& options)
+        : level_(level),
+          seekNearest_(options.outside == OutsidePolicy::Nearest),
+          scale_(CellSolver::scaleOf(positions, options.tolerance)),
+          descent_(base, positions, rules, scale_) {}
+
+    HeldGroup search(std::span<const Point3> points) const {
+        HeldGroup group;
+        group.statuses.assign(points.size(), PointStatus::Outside);
+        const auto unsettled = searchInside(points, group);
+        if (!unsettled.empty()) searchBeside(points, unsettled, group);
+        return group;
+    }
+
+private:
+    /// The cells that were sought for each point.
+    static std::vector<std::vector<Index>> cellsOfPoints(const FoundCells& found,
+                                                         std::size_t pointCount) {
+        std::vector<std::vector<Index>> cellsOf(pointCount);
+        for (std::size_t i = 0; i < found.cells.size(); ++i)
+            for (Offset k = found.offsets[i]; k < found.offsets[i + 1]; ++k)
+                cellsOf[at(found.points[static_cast<std::size_t>(k)])].push_back(found.cells[i]);
+        return cellsOf;
+    }
+
+    /// Adds what moves cells, or those around.
+    void add(const FoundCells& found, std::span<const Index> cells, HeldGroup& group) const {
+        const far::CellComplex& complex = found.refiner.level(level_).complex;
+        const Flags held = verticesOf(complex, cells);
+        const auto vertices = flagged(verticesOf(complex, cellsAt(complex, held)));
+        const auto columns = columnsOf(
+            composeStencils<double>(found.refiner, found.tables, vertices), roundingOf(level_));
+        group.columns.insert(group.columns.end(), columns.begin(), columns.end());
+    }
+
+    /// \return the points that may be in a gap between cells, and those outside that are carried
+    std::vector<Index> searchInside(std::span<const Point3> points, HeldGroup& group) const {
+        std::vector<Index> unsettled;
+        const auto found = descent_.descend(points, level_, Sought::Containing, Extent::Ring);
+        if (!found) {
+            if (!seekNearest_) return {};
+            unsettled.resize(points.size());
+            std::iota(unsettled.begin(), unsettled.end(), Index{0});
+            return unsettled;
+        }
+        const CellSolver solver(found->refiner.level(level_).complex, found->positions, scale_);
+        auto cellsOf = cellsOfPoints(*found, points.size());
+        std::vector<Index> holding;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Eigen::Vector3d point(points[i].data());
+            std::erase_if(cellsOf[i], [&](Index cell) {
+                return !solver.boxOf(far::CellId(cell)).contains(point);
+            });
+            if (const auto inside = solver.locateIn(point, cellsOf[i])) {
+                group.statuses[i] = inside->status;
+                holding.push_back(inside->place->cell.value);
+            } else if (seekNearest_ || !cellsOf[i].empty()) {
+                unsettled.push_back(static_cast<Index>(i));
+            }
+        }
+        add(*found, holding, group);
+        return unsettled;
+    }
+
+    /// The same for points that are in no cell, by the nearest one.
+    void searchBeside(std::span<const Point3> points, std::span<const Index> numbers,
+                      HeldGroup& group) const {
+        std::vector<Point3> beside;
+        for (const Index i : numbers) beside.push_back(points[at(i)]);
+        const auto found = descent_.descend(beside, level_, Sought::Nearest, Extent::Ring);
+        const CellSolver solver(found->refiner.level(level_).complex, found->positions, scale_);
+        const auto cellsOf = cellsOfPoints(*found, beside.size());
+        std::vector<Index> holding;
+        for (std::size_t i = 0; i < beside.size(); ++i) {
+            const Eigen::Vector3d point(beside[i].data());
+            std::pair nearest(std::numeric_limits<double>::infinity(), far::kMaxIndex);
+            for (const Index cell : cellsOf[i])
+                nearest = std::min(nearest, {solver.distance(point, far::CellId(cell)), cell});
+            const auto located =
+                solver.locateBeside(point, far::CellId(nearest.second), seekNearest_);
+            group.statuses[at(numbers[i])] = located.status;
+            if (located.place) holding.push_back(located.place->cell.value);
+        }
+        add(*found, holding, group);
+    }
+
+    int level_;
+    bool seekNearest_;
+    CellSolver::Scale scale_;
+    PointDescent descent_;
+};
+
+void checkFinite(std::span<const Point3> points) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (const double coordinate : points[i])
+            if (!std::isfinite(coordinate))
+                throw Error("point " + std::to_string(i) + " to hold is not finite");
 }
 
 }  // namespace
@@ -133,33 +223,41 @@ std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base, Rules 
     const far::CellComplex& complex = refiner.level(kLevel).complex;
     const Flags vertices =
         continuity == Continuity::C0 ? isHeld[0] : verticesOf(complex, cellsAt(complex, isHeld[0]));
-    return columnsOf(composeStencils<double>(refiner, tables, flagged(vertices)));
+    return columnsOf(composeStencils<double>(refiner, tables, flagged(vertices)),
+                     roundingOf(kLevel));
+}
+
+std::vector<Index> verticesHoldingRows(const StencilTable<double>& deformation) {
+    return columnsOf(deformation, kRounding);
 }
 
 std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
                                          std::span<const Point3> positions, int level, Rules rules,
                                          std::span<const Point3> points, Continuity continuity,
-                                         double tolerance) {
+                                         const EmbeddingOptions& options) {
     checkBase(base, positions, level);
     checkPointCount(points);
     if (points.empty()) throw Error("there are no points to hold");
+    checkFinite(points);
     if (continuity == Continuity::C0)
-        return columnsOf(
-            bindPoints<double>(base, positions, level, rules, points, {.tolerance = tolerance})
-                .binding.table);
-    const auto scale = CellSolver::scaleOf(positions, tolerance);
-    const PointDescent descent(base, positions, rules, scale);
+        return verticesHoldingRows(
+            bindPoints<double>(base, positions, level, rules, points, options).binding.table);
+    const HoldingSearch search(base, positions, level, rules, options);
     const std::vector<Index> order = alongCurve(points);
     constexpr Offset kGroupSize = 1 << 11;
     std::vector<std::vector<Index>> columns(
         static_cast<std::size_t>((std::ssize(points) + kGroupSize - 1) / kGroupSize));
+    std::vector<PointStatus> statuses(points.size());
     far::parallelFor(std::ssize(points), kGroupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;
         for (Offset i = first; i < last; ++i)
             own.push_back(points[at(order[static_cast<std::size_t>(i)])]);
-        columns[static_cast<std::size_t>(first / kGroupSize)] =
-            columnsAround(descent, scale, level, own);
+        HeldGroup group = search.search(own);
+        for (std::size_t i = 0; i < own.size(); ++i)
+            statuses[at(order[static_cast<std::size_t>(first) + i])] = group.statuses[i];
+        columns[static_cast<std::size_t>(first / kGroupSize)] = std::move(group.columns);
     });
+    if (options.outside == OutsidePolicy::Error) checkAllInside(points, statuses);
     Flags isFrozen(positions.size());
     for (const auto& group : columns)
         for (const Index column : group) isFrozen[at(column)] = 1;

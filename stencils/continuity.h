@@ -3,6 +3,7 @@
 
 #include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/embedding.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -27,7 +28,7 @@ namespace espalier::stencils {
 enum class Continuity {
     C0,  ///< in its place
     C1,  ///< and with its tangent planes
-    C2   ///< and with its curvatures
+    C2   ///< and with its curvatures: by the same vertices as C1, as said above
 };
 
 /// The vertices to freeze, ascending, to hold faces of a lattice: the side where a model leaves it,
@@ -44,22 +45,32 @@ enum class Continuity {
 std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base, Rules rules,
                                         std::span<const Index> faces, Continuity continuity);
 
+/// The vertices to freeze, ascending, to hold points in their places (C0) that have been bound:
+/// those that move one of them by more than 1e-11 of their own displacement.
+/// \param deformation D: a row for each of the points; an empty one asks for no vertex
+/// \cost O(entries)
+std::vector<Index> verticesHoldingRows(const StencilTable<double>& deformation);
+
 /// The vertices to freeze, ascending, to hold points: a part of a model.
 ///
-/// C0 are those with a weight in D for one of them. For C1 and C2, no vertex of the level moves in
-/// the cells that the points are in, and in those around; so that nothing in these cells moves, in
-/// the level or in the limit. A point outside of the lattice does not ask for a vertex.
+/// C0 are those of verticesHoldingRows(). For C1 and C2, no vertex of the level moves in the cells
+/// that carry the points, and in those around, so that nothing in the former moves, in the level or
+/// in the limit. There, first and second derivatives by the place in a base cell change by some
+/// 1e-10 of the displacements of the other vertices at most.
+///
+/// A point outside of the lattice asks for what carries it: under OutsidePolicy::Nearest the
+/// nearest cell, under OutsidePolicy::Keep nothing.
 ///
 /// \param base a lattice at level 0
 /// \param positions of its vertices, at rest
 /// \param level that the model is bound to
-/// \param tolerance how far outside still counts as inside: see EmbeddingOptions
-/// \throws Error if there are no points; as bindPoints()
+/// \param options that it is bound with
+/// \throws Error if there are no points; naming one that is not finite; as bindPoints()
 /// \cost as bindPoints()
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 5
 std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
                                          std::span<const Point3> positions, int level, Rules rules,
                                          std::span<const Point3> points, Continuity continuity,
-                                         double tolerance = 1e-6);
+                                         const EmbeddingOptions& options = {});
 
 }  // namespace espalier::stencils

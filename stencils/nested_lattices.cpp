@@ -4,6 +4,7 @@
 #include <espalier/stencils/local_binding.h>
 #include <espalier/stencils/nested_lattices.h>
 
+#include <cmath>
 #include <string>
 
 namespace espalier::stencils {
@@ -16,13 +17,23 @@ StencilTable<double> nestTables(const StencilTable<double>& child,
     if (childPose.size() != static_cast<std::size_t>(child.columnCount()))
         throw Error("got " + std::to_string(childPose.size()) + " positions for " +
                     std::to_string(child.columnCount()) + " vertices of the child");
+    for (std::size_t vertex = 0; vertex < childPose.size(); ++vertex)
+        for (const double coordinate : childPose[vertex])
+            if (!std::isfinite(coordinate))
+                throw Error("the position of vertex " + std::to_string(vertex) +
+                            " of the child is not finite");
     EmbeddingOptions embedding = options;
     if (embedding.outside == OutsidePolicy::Error) embedding.outside = OutsidePolicy::Keep;
     const auto bound = bindPoints<double>(parent, parentRest, level, rules, childPose, embedding);
     // A vertex that stays where it is has no row of weights.
-    if (!bound.binding.kept.empty())
-        throw Error("vertex " + std::to_string(bound.binding.kept.front()) +
-                    " of the child lies outside of the parent lattice");
+    if (!bound.binding.kept.empty()) {
+        const Index vertex = bound.binding.kept.front();
+        const bool isOutside =
+            bound.statuses[static_cast<std::size_t>(vertex)] == PointStatus::Outside;
+        throw Error("vertex " + std::to_string(vertex) + " of the child " +
+                    (isOutside ? "lies outside of the parent lattice"
+                               : "has no place in the parent lattice: its cell is degenerate"));
+    }
     return multiply<double>(child, bound.binding.table);
 }
 

@@ -31,8 +31,8 @@ namespace espalier::stencils {
 /// \param options where a vertex of the child is outside of the parent, OutsidePolicy::Nearest
 ///        takes it along; any other policy refuses it
 /// \throws Error if there are not as many positions as columns of D_child; naming a vertex of the
-///         child that lies outside of the parent, or at a place that no cell gives; and as
-///         bindPoints()
+///         child that is not finite, that lies outside of the parent, or in a degenerate cell of
+///         it; and as bindPoints()
 /// \cost as bindPoints() for the vertices of the child, and the product
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p', twice
 StencilTable<double> nestTables(const StencilTable<double>& child,

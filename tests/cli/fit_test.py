@@ -7,6 +7,9 @@
 
 import json
 import math
+import os
+import pty
+import subprocess
 import sys
 import unittest
 
@@ -32,6 +35,11 @@ class Fit(CliTest):
                              *options, "-n", 2, "-o", "pose.ovm", code=code)
         self.assertFalse((self.path / "pose.ovm").exists())
         return text
+
+    def make_tall_lattice(self):
+        """With layers that far from what is held may move."""
+        self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 6, "--from", 0.5, 0.5, -0.2,
+                         "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "rest.ovm")
 
     def write_pose(self, move):
         """The rest lattice with each vertex moved."""
@@ -75,8 +83,7 @@ class Fit(CliTest):
         self.assertNotEqual(pose, rest)
 
     def test_what_is_held_stays(self):
-        self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 6, "--from", 0.5, 0.5, -0.2,
-                         "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "rest.ovm")
+        self.make_tall_lattice()
         rest = self.read_ovm_positions("rest.ovm")
         layer = [sum(p[2] < -0.2 + k * 1.4 / 6 + 1e-9 for p in rest) for k in range(3)]
         (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
@@ -95,6 +102,62 @@ class Fit(CliTest):
         held = [i for i, p in enumerate(self.points) if p[2] <= 0.3]
         self.assert_close([moved[i] for i in held], [self.points[i] for i in held], 1e-14)
         self.assert_close([moved[7]], [(0.5, 0.5, 1.1)], 1e-12)
+
+    def test_held_points_outside_that_are_carried_stay(self):
+        self.make_tall_lattice()
+        self.points[399] = (0.5, 0.6, -0.5)
+        self.write_model(self.points)
+        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        box = ["--hold", 0, 0, -1, 1, 1, -0.3]
+        counts = []
+        for continuity in ["c0", "c1", "c2"]:
+            counts.append(self.fit("t.txt", *box, "--continuity", continuity, "--outside",
+                                   "nearest", "--smoothing", "laplacian")["held_vertices"])
+            self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "pose.ovm", "-n", 2,
+                             "--outside", "nearest", "-o", "moved.obj")
+            # Sums of some hundred products of numbers about 1.
+            self.assert_close([self.read_points("moved.obj")[399]], [self.points[399]], 1e-14)
+        self.assertGreater(counts[0], 0)
+        self.assertGreater(counts[1], counts[0])
+        self.assertEqual(counts[1], counts[2])
+        # With a point inside, the others are held too; without, they stay where they are anyway.
+        self.assertGreater(self.fit("t.txt", "--hold", 0, 0, -1, 1, 1, 0.2)["held_vertices"], 0)
+        (self.path / "pose.ovm").unlink()
+        self.assertIn("--hold: point 399 of model.obj, and what else lies in the box, is outside the "
+                      "lattice rest.ovm, and stays anyway", self.error_of_fit("t.txt", *box))
+        for continuity in ["c0", "c2"]:
+            self.assertIn("model.obj: point 399, in the box of --hold, lies outside the lattice rest.ovm",
+                          self.error_of_fit("t.txt", "--hold", 0, 0, -1, 1, 1, 0.2, "--outside",
+                                            "error", "--continuity", continuity))
+
+    def test_what_is_held_does_not_depend_on_the_targets(self):
+        self.make_tall_lattice()
+        # Of those held, none, one or all have a target.
+        few = "7 0.5 0.5 1.1\n"
+        (self.path / "few.txt").write_text(few)
+        (self.path / "more.txt").write_text(few + "399 0.5 0.5 0.1\n")
+        for continuity in ["c0", "c1"]:
+            reports = [self.fit(targets, "--hold", 0, 0, 0, 1, 1, 0.11, "--continuity", continuity)
+                       for targets in ["few.txt", "more.txt", "model.obj"]]
+            self.assertEqual([r["targets"] for r in reports], [1, 2, 400])
+            self.assertEqual(len({r["held_vertices"] for r in reports}), 1)
+            self.assertGreater(reports[0]["held_vertices"], 0)
+
+    def test_terminal_shows_that_it_holds(self):
+        self.make_tall_lattice()
+        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        terminal, other_end = pty.openpty()
+        subprocess.run([program.ESPALIER, "fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
+                        "--hold", *"0 0 0 1 1 0.3".split(), "-o", "pose.ovm"], cwd=self.path,
+                       check=True, timeout=120, stdout=subprocess.DEVNULL, stderr=other_end)
+        os.close(other_end)
+        shown = os.read(terminal, 100000).decode()
+        os.close(terminal)
+        self.assertIn("holding ...", shown)
+
+    def test_help_says_that_two_of_the_choices_are_one(self):
+        words = " ".join(self.run_program("fit", "--help").stdout.split())
+        self.assertIn("c1 and c2 hold the same vertices", words)
 
     def test_a_full_disk(self):
         (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
@@ -126,6 +189,13 @@ class Fit(CliTest):
         self.assertIn("vertex 999", self.error_of_fit("t.txt", "--freeze", "999"))
         self.assertIn("--hold: no point of model.obj lies in the box, and no face of the boundary "
                       "of rest.ovm", self.error_of_fit("t.txt", "--hold", 5, 5, 5, 6, 6, 6))
+        every = ",".join(str(v) for v in range(len(self.read_ovm_positions("rest.ovm"))))
+        everything = ["--hold", -9, -9, -9, 9, 9, 9, "--continuity", "c1"]
+        for options, who in [(everything, "--hold keeps"), (["--freeze", every], "--freeze keeps"),
+                             (["--hold", -9, -9, -0.2, 9, 9, -0.2, "--freeze", every[every.index(",") + 1:]],
+                              "--hold and --freeze keep")]:
+            self.assertRegex(self.error_of_fit("t.txt", *options),
+                             rf"{who} all \d+ vertices of rest.ovm: none is left to move")
         self.assertIn("--hold: the box runs from 1 to 0",
                       self.error_of_fit("t.txt", "--hold", 0, 1, 0, 1, 0, 1))
         self.assertIn("--hold", self.error_of_fit("t.txt", "--continuity", "c1", code=2))

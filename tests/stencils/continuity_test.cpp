@@ -203,8 +203,10 @@ struct Held {
         for (const Point3& p : test::pointsIn(test::Refined(lattice, 1), 400, seed))
             if (p[0] < 1.8) part.push_back(p);
     }
-    std::vector<Index> freeze(Continuity continuity, int level = 2) const {
-        return verticesHoldingPoints(base, lattice.positions, level, kRules, part, continuity);
+    std::vector<Index> freeze(Continuity continuity, int level = 2,
+                              const EmbeddingOptions& options = {}) const {
+        return verticesHoldingPoints(base, lattice.positions, level, kRules, part, continuity,
+                                     options);
     }
     /// Positions with all vertices moved but the frozen ones.
     std::vector<Point3> pose(const std::vector<Index>& frozen) const {
@@ -216,9 +218,10 @@ struct Held {
         return positions;
     }
     /// How far points go when all that is not frozen moves.
-    double largestMove(const std::vector<Index>& frozen, const std::vector<Point3>& points) const {
+    double largestMove(const std::vector<Index>& frozen, const std::vector<Point3>& points,
+                       const EmbeddingOptions& options = {}) const {
         const auto table =
-            bindPoints<double>(base, lattice.positions, 2, kRules, points).binding.table;
+            bindPoints<double>(base, lattice.positions, 2, kRules, points, options).binding.table;
         const auto moved = applyLevelTable(table, pose(frozen));
         const auto atRest = applyLevelTable(table, lattice.positions);
         double largest = 0;
@@ -277,11 +280,73 @@ TEST(Continuity, OfPointsInTheMiddleAndInACorner) {
     EXPECT_EQ(held.freeze(Continuity::C1), block(0, 2));
 }
 
+// With h = 2^-n of a base cell, the vertices of level n beside the cell that starts at 3 are from
+// 3 - h to 3 + 2h. In the last of them vertex 5, whose B-spline is (x - 3)³/6 from there on, weighs
+// h · 2h · 3h / 6 (its blossom at the three knots around): at level 13 that is 2e-12, but 4^13
+// times as much in a second derivative. Vertex 1 weighs 0 in the first, as its own B-spline ends
+// at 3.
+TEST(Continuity, HoldsByTheLastLayerAtFineLevels) {
+    const int level = 13;
+    const double cell = std::ldexp(1, -level);
+    const Lattice box = shapes::box({.cells = {6, 6, 6}, .max = {6, 6, 6}});
+    const far::TopologyRefiner base(box.complex);
+    const Point3 point = {3 + cell / 2, 3 + cell / 2, 3 + cell / 2};
+    const auto frozen =
+        verticesHoldingPoints(base, box.positions, level, kRules, {{point}}, Continuity::C2);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (double x = 0; x <= 6; ++x) {
+            Point3 at = {3, 3, 3};
+            at[axis] = x;
+            const auto vertex = verticesWhere(box, [&](const Point3& p) { return p == at; });
+            ASSERT_EQ(vertex.size(), 1U);
+            EXPECT_EQ(std::binary_search(frozen.begin(), frozen.end(), vertex[0]), x >= 2 && x <= 5)
+                << x;
+        }
+    // What is so little along each of three axes, 6e-36 in all, is nothing.
+    const auto corner = verticesWhere(box, [](const Point3& p) { return p == Point3{5, 5, 5}; });
+    ASSERT_EQ(corner.size(), 1U);
+    EXPECT_FALSE(std::binary_search(frozen.begin(), frozen.end(), corner[0]));
+}
+
 TEST(Continuity, PointsOutsideAskForNothing) {
     Held held;
-    held.part = {{-1, 0, 0}, {1e9, 0, 0}, {std::numeric_limits<double>::quiet_NaN(), 0, 0}};
-    for (const auto continuity : {Continuity::C0, Continuity::C2})
+    held.part = {{-1, 0, 0}, {1e9, 0, 0}, {-1e-3, 2, 2}};
+    for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2})
         EXPECT_TRUE(held.freeze(continuity).empty());
+}
+
+// Unless the nearest cell carries them: then it is held.
+TEST(Continuity, PointsOutsideThatAreCarriedStay) {
+    Held held;
+    const EmbeddingOptions nearest = {.outside = OutsidePolicy::Nearest};
+    // With a point inside and without one.
+    for (const auto& part :
+         {std::vector<Point3>{{-1, 0, 0}, {-1e-3, 2, 2}}, {{-0.5, 1.3, 1.2}, {0.7, 2.2, 2.3}}}) {
+        held.part = part;
+        const auto least = held.freeze(Continuity::C0, 2, nearest);
+        EXPECT_FALSE(least.empty());
+        for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2}) {
+            const auto frozen = held.freeze(continuity, 2, nearest);
+            EXPECT_TRUE(std::includes(frozen.begin(), frozen.end(), least.begin(), least.end()));
+            EXPECT_LT(frozen.size(), held.lattice.positions.size());
+            // As in HeldPointsStay.
+            EXPECT_LT(held.largestMove(frozen, held.part, nearest), 1e-13);
+        }
+        EXPECT_GT(held.largestMove({}, held.part, nearest), 1e-3);
+        // What is beside, by less than a cell of the level, stays as well.
+        auto beside = held.part;
+        for (Point3& p : beside) p[1] += 0.2;
+        EXPECT_LT(held.largestMove(held.freeze(Continuity::C1, 2, nearest), beside, nearest),
+                  1e-13);
+    }
+}
+
+TEST(Continuity, OfPointsThatHaveBeenBound) {
+    const Held held;
+    const auto bound =
+        bindPoints<double>(held.base, held.lattice.positions, 2, kRules, held.part).binding;
+    EXPECT_EQ(verticesHoldingRows(bound.table), held.freeze(Continuity::C0));
+    EXPECT_TRUE(verticesHoldingRows(selectRows<double>(bound.table, {})).empty());
 }
 
 TEST(Continuity, DoesNotDependOnThreads) {
@@ -311,6 +376,17 @@ TEST(Continuity, RefusesWhatCannotBeHeld) {
     held.part = {{1, 1, 1}};
     EXPECT_THAT([&] { held.freeze(Continuity::C1, 0); },
                 ThrowsMessage<Error>(HasSubstr("level 1 or above")));
+    for (const auto continuity : {Continuity::C0, Continuity::C1}) {
+        held.part = {{1, 1, 1}, {2, 2, 2}, {1, 9, 1}};
+        EXPECT_THAT([&] { held.freeze(continuity, 2, {.outside = OutsidePolicy::Error}); },
+                    ThrowsMessage<Error>(HasSubstr("point 2 at (1, 9, 1) is outside the lattice")));
+        for (const double bad :
+             {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+            held.part[1][2] = bad;
+            EXPECT_THAT([&] { held.freeze(continuity); },
+                        ThrowsMessage<Error>(HasSubstr("point 1 to hold is not finite")));
+        }
+    }
 }
 
 }  // namespace

@@ -125,12 +125,27 @@ TEST(NestedLattices, RefuseWhatDoesNotFit) {
                     ThrowsMessage<Error>(
                         HasSubstr("vertex 3 of the child lies outside of the parent lattice")));
     EXPECT_EQ(nest.nest(outside, {.outside = OutsidePolicy::Nearest}).rowCount(), 200);
-    outside.pop_back();
-    EXPECT_THAT([&] { nest.nest(outside); },
+    auto fewer = nest.child.positions;
+    fewer.pop_back();
+    EXPECT_THAT([&] { nest.nest(fewer); },
                 ThrowsMessage<Error>(HasSubstr("got 11 positions for 12 vertices of the child")));
     auto nowhere = nest.child.positions;
     nowhere[2][1] = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_THAT([&] { nest.nest(nowhere); }, ThrowsMessage<Error>(HasSubstr("vertex 2 of the ")));
+    nowhere[0] = {5, 0, 0};
+    for (const auto policy : {OutsidePolicy::Keep, OutsidePolicy::Nearest})
+        EXPECT_THAT(
+            [&] { nest.nest(nowhere, {.outside = policy}); },
+            ThrowsMessage<Error>(HasSubstr("the position of vertex 2 of the child is not finite")));
+    // A parent without a volume gives no place.
+    auto flat = nest.parent;
+    for (Point3& p : flat.positions) p[2] = 0;
+    EXPECT_THAT(
+        [&] {
+            nestTables(nest.ofChild, nest.child.positions, nest.parentBase, flat.positions, kLevel,
+                       kRules, {.outside = OutsidePolicy::Nearest});
+        },
+        ThrowsMessage<Error>(HasSubstr("vertex 0 of the child has no place in the parent lattice: "
+                                       "its cell is degenerate")));
 }
 
 }  // namespace
