@@ -1,25 +1,44 @@
 # SPDX-License-Identifier: Apache-2.0
+include(GNUInstallDirs)
+
+# Versions below 1.0 promise nothing to those of another minor number (SemVer, 4).
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(ESPALIER_SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+else()
+  set(ESPALIER_SOVERSION ${PROJECT_VERSION_MAJOR})
+endif()
 
 # espalier_library(NAME SOURCES ... HEADERS ... DEPENDS ...)
 #
-# One library a folder: espalier_NAME, with the alias espalier::NAME. Its headers are included as
+# One library a folder, and one component of the package: espalier_NAME, with the alias
+# espalier::NAME. HEADERS are those that are installed. They are included as
 # <espalier/NAME/header.h>, by a link of its own to the folder, so that no target sees the headers of
 # one that it does not depend on.
 function(espalier_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HEADERS;DEPENDS")
   set(target espalier_${name})
-  add_library(${target} ${arg_SOURCES} ${arg_HEADERS})
+  add_library(${target} ${arg_SOURCES})
   add_library(espalier::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES
+    EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${ESPALIER_SOVERSION}
+    POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL STATIC_LIBRARY)
+    target_compile_definitions(${target} PRIVATE ESPALIER_STATIC)
+  endif()
 
   set(include_dir ${PROJECT_BINARY_DIR}/include/${name})
   file(MAKE_DIRECTORY ${include_dir}/espalier)
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_dir}/espalier/${name} SYMBOLIC)
-  target_include_directories(${target} PUBLIC ${include_dir})
+  list(TRANSFORM arg_HEADERS PREPEND ${include_dir}/espalier/${name}/)
+  target_sources(${target} PUBLIC
+    FILE_SET HEADERS BASE_DIRS ${include_dir} FILES ${arg_HEADERS})
   foreach(dependency IN LISTS arg_DEPENDS)
     target_link_libraries(${target} PUBLIC espalier::${dependency})
   endforeach()
   espalier_compile_options(${target})
+  set_property(GLOBAL APPEND PROPERTY ESPALIER_COMPONENTS ${name})
+  set_property(GLOBAL PROPERTY ESPALIER_${name}_DEPENDS ${arg_DEPENDS})
 endfunction()
 
 # What every target of ours is compiled with; none of it reaches those who link us, but C++20.
@@ -28,4 +47,19 @@ function(espalier_compile_options target)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
                          $<$<BOOL:${ESPALIER_WARNINGS_AS_ERRORS}>:-Werror>)
+endfunction()
+
+# espalier_uses(NAME PUBLIC|PRIVATE TARGET PACKAGE [PKG_CONFIG_NAME | -lLIBRARY])
+#
+# Links a component to a library of somebody else's. Those who use the package have to find that,
+# too, unless it is private to a shared library.
+function(espalier_uses name scope library package)
+  target_link_libraries(espalier_${name} ${scope} ${library})
+  get_target_property(type espalier_${name} TYPE)
+  if(scope STREQUAL PUBLIC OR type STREQUAL STATIC_LIBRARY)
+    set_property(GLOBAL APPEND PROPERTY ESPALIER_${name}_PACKAGES ${package})
+    foreach(pkg_config IN LISTS ARGN)
+      set_property(GLOBAL APPEND PROPERTY ESPALIER_${name}_PKG_CONFIG ${pkg_config})
+    endforeach()
+  endif()
 endfunction()

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
@@ -28,7 +29,7 @@ struct Bounds {
 
 /// How one level of a surface agrees with OpenSubdiv's. Vertices, edges and faces are matched by
 /// topology, through the parent and child maps of both sides, never by position.
-struct LevelAgreement {
+struct ESPALIER_API LevelAgreement {
     int level = 0;
     std::array<Index, 3> counts = {};            ///< vertices, edges, faces
     std::array<Index, 3> openSubdivCounts = {};  ///< those of OpenSubdiv
@@ -54,7 +55,7 @@ struct SurfaceError {
 };
 
 /// The agreement of one shape, level by level.
-struct Agreement {
+struct ESPALIER_API Agreement {
     std::vector<LevelAgreement> levels = {};
     SurfaceError picture = {};  ///< of a level with few enough faces to be drawn, or of none
     std::string note = {};      ///< what a reader should know besides; mostly empty
@@ -64,6 +65,6 @@ struct Agreement {
 };
 
 /// The version of OpenSubdiv that is compared with: "3.5.0".
-std::string openSubdivVersion();
+ESPALIER_API std::string openSubdivVersion();
 
 }  // namespace espalier::compare

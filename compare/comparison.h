@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/compare/agreement.h>
+#include <espalier/far/api.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -19,7 +20,7 @@ namespace espalier::compare {
 /// What is compared is the whole surface. Under Boundary::Open it is the faces that OpenSubdiv
 /// keeps (its boundary mode "none" makes holes of the others) with their edges and vertices; ours
 /// has faces beyond them.
-class Comparison {
+class ESPALIER_API Comparison {
 public:
     /// Refines the surface of a refiner's level 0 with OpenSubdiv, to the refiner's maxLevel().
     ///

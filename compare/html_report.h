@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/compare/agreement.h>
+#include <espalier/far/api.h>
 
 #include <string>
 #include <vector>
@@ -31,6 +32,6 @@ struct Report {
 ///
 /// \throws Error as errorPicture() does
 /// \cost   O(size of the page): 60 to 70 bytes a face of a picture, 1 kB a level
-std::string htmlReport(const Report& report);
+ESPALIER_API std::string htmlReport(const Report& report);
 
 }  // namespace espalier::compare

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/stencil_table.h>
 #include <opensubdiv/far/stencilTable.h>
 
@@ -12,7 +13,7 @@ namespace espalier::compare {
 /// Osd::CpuEvaluator::EvalStencils and its like. (A Far::StencilTable itself can be made by
 /// OpenSubdiv's factories only.)
 template <class Real>
-class OpenSubdivTable {
+class ESPALIER_API OpenSubdivTable {
 public:
     /// \throws Error if the table has more entries than OpenSubdiv's offsets count (2³¹ − 1)
     /// \cost O(entries); a copy
@@ -44,7 +45,7 @@ private:
 /// \throws Error if the table does not have these rows
 /// \cost O(entries of the table)
 template <class Real>
-stencils::StencilTable<Real> fromOpenSubdiv(const OpenSubdiv::Far::StencilTableReal<Real>& table,
-                                            far::Index first, far::Index count);
+ESPALIER_API stencils::StencilTable<Real> fromOpenSubdiv(
+    const OpenSubdiv::Far::StencilTableReal<Real>& table, far::Index first, far::Index count);
 
 }  // namespace espalier::compare

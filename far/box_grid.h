@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 
 #include <array>
@@ -35,6 +36,6 @@ struct BoxGrid {
 /// \throws TopologyError (WrongDimension) if `complex` is not a lattice; (NotABox) naming the first
 ///         cell that is not a hexahedron, or where the cells first fail to fill a box
 /// \cost O(cells)
-BoxGrid asBoxGrid(const CellComplex& complex);
+ESPALIER_API BoxGrid asBoxGrid(const CellComplex& complex);
 
 }  // namespace espalier::far

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/incidence.h>
 #include <espalier/far/index.h>
 
@@ -26,7 +27,7 @@ namespace espalier::far {
 /// A value: copies share the same immutable data, and any number of threads may read it.
 ///
 /// \cite MacCracken & Joy 1996, section 2 (lattice) and 6 (data structure)
-class CellComplex {
+class ESPALIER_API CellComplex {
 public:
     using Boundaries = std::array<SignedIncidence, kMaxDimension>;
 
@@ -90,6 +91,6 @@ private:
 ///
 /// \throws TopologyError naming the first offender
 /// \cost O(entries), in parallel
-void validate(const CellComplex& complex);
+ESPALIER_API void validate(const CellComplex& complex);
 
 }  // namespace espalier::far

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/standard_cells.h>
 
@@ -18,7 +19,7 @@ namespace espalier::far {
 ///
 /// Entities are numbered in the order of their first appearance. Dimension 3 takes cells, 2 faces
 /// and 1 edges.
-class ComplexBuilder {
+class ESPALIER_API ComplexBuilder {
 public:
     /// \param dimension 1, 2 or 3: what is being built
     /// \param vertexCount vertices 0 to vertexCount − 1 exist from the start
@@ -68,9 +69,9 @@ private:
 };
 
 /// A curve through vertices 0 to vertexCount − 1 in order, closed or not.
-CellComplex buildCurve(Index vertexCount, bool closed);
+ESPALIER_API CellComplex buildCurve(Index vertexCount, bool closed);
 
 /// A mesh of faces given by loops of vertices.
-CellComplex buildMesh(Index vertexCount, std::span<const std::vector<Index>> loops);
+ESPALIER_API CellComplex buildMesh(Index vertexCount, std::span<const std::vector<Index>> loops);
 
 }  // namespace espalier::far

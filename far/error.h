@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/index.h>
 
 #include <stdexcept>
@@ -10,7 +11,7 @@ namespace espalier {
 
 /// Base of every exception that Espalier throws on purpose. what() is one line that names the
 /// offender; the library never prints and never aborts.
-class Error : public std::runtime_error {
+class ESPALIER_API Error : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
@@ -42,7 +43,7 @@ enum class TopologyCause {
 };
 
 /// A topology that cannot be built or refined.
-class TopologyError : public Error {
+class ESPALIER_API TopologyError : public Error {
 public:
     TopologyError(TopologyCause cause, Entity entity, const std::string& what)
         : Error(what), cause_(cause), entity_(entity) {}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/strata.h>
 
@@ -13,8 +14,8 @@ namespace espalier::far {
 /// The sharpness of the child edge [vertex, edge].
 /// \param edge an edge, `vertex` one of its ends
 /// \cost constant under Creasing::Uniform; O(edges at the vertex) under Creasing::Chaikin
-float childSharpness(const CellComplex& complex, const Strata& strata, Creasing creasing,
-                     const Entity& edge, Index vertex);
+ESPALIER_API float childSharpness(const CellComplex& complex, const Strata& strata,
+                                  Creasing creasing, const Entity& edge, Index vertex);
 
 /// An edge or vertex that loses its stratum in the next split, with sharpness that runs out. Its
 /// new point is `weight` of the rule of its stratum and 1 − weight of the rule of stratum `next`.
@@ -32,7 +33,7 @@ struct Fading {
 ///
 /// \cost O(edges at the ends of the entity); constant if nothing is semi-sharp
 /// \cite OpenSubdiv 3.5, Sdc::Scheme::ComputeVertexVertexMask and ComputeEdgeVertexMask
-std::optional<Fading> fadingOf(const CellComplex& complex, const Strata& strata, Creasing creasing,
-                               const Entity& entity);
+ESPALIER_API std::optional<Fading> fadingOf(const CellComplex& complex, const Strata& strata,
+                                            Creasing creasing, const Entity& entity);
 
 }  // namespace espalier::far

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/array.h>
 #include <espalier/far/index.h>
 #include <espalier/far/parallel.h>
@@ -55,7 +56,7 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
 ///
 /// Row r lists the entities of the second dimension that are incident to entity r of the first.
 /// Immutable, and so safe to read from several threads.
-class Incidence {
+class ESPALIER_API Incidence {
 public:
     Incidence() = default;
     explicit Incidence(Rows<Index> rows)
@@ -98,7 +99,7 @@ struct Signed {
 };
 
 /// A relation to the next lower dimension, with the incidence numbers of the boundary operator.
-class SignedIncidence {
+class ESPALIER_API SignedIncidence {
 public:
     SignedIncidence() = default;
     explicit SignedIncidence(const Rows<Signed>& rows);

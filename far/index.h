@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <array>
 #include <compare>
 #include <cstddef>
@@ -51,11 +52,11 @@ using FaceId = Id<2>;
 using CellId = Id<3>;
 
 /// "vertex", "edge", "face" or "cell": how messages name an entity of this dimension.
-const char* dimensionName(int dimension);
+ESPALIER_API const char* dimensionName(int dimension);
 
 /// A row of a relation, read as typed ids.
 template <int Dimension>
-class IdSpan {
+class ESPALIER_API IdSpan {
 public:
     class Iterator {
     public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/sharpness.h>
 
@@ -46,10 +47,10 @@ struct MarkedSharpness {
 
 /// \throws TopologyError (VertexOutOfRange, BadMark) for a mark on what does not exist, or of a
 ///         sharpness that is negative or NaN
-MarkedSharpness readMarks(const CellComplex& complex, const Marks& marks);
+ESPALIER_API MarkedSharpness readMarks(const CellComplex& complex, const Marks& marks);
 
 /// The marked holes, ascending, each once.
 /// \throws TopologyError (BadMark) for a face that does not exist, or if `complex` is not a mesh
-std::vector<Index> readHoles(const CellComplex& complex, const Marks& marks);
+ESPALIER_API std::vector<Index> readHoles(const CellComplex& complex, const Marks& marks);
 
 }  // namespace espalier::far

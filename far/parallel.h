@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/index.h>
 
 #include <functional>
@@ -18,10 +19,11 @@ namespace espalier::far {
 ///
 /// Of the exceptions that bodies throw, that of the lowest range is rethrown here: errors too are
 /// the same for every number of threads.
-void parallelFor(Offset count, Offset grain, const std::function<void(Offset, Offset)>& body);
+ESPALIER_API void parallelFor(Offset count, Offset grain,
+                              const std::function<void(Offset, Offset)>& body);
 
 /// Upper bound on the threads that parallelFor uses while this object lives.
-class ThreadLimit {
+class ESPALIER_API ThreadLimit {
 public:
     /// \param threads at least 1; 0 leaves the number to oneTBB (one a core)
     explicit ThreadLimit(int threads);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/parallel.h>
 
@@ -36,7 +37,7 @@ struct Interval {
 /// of one of the two entities between a and b to [b,b], and by way of the other one back.
 ///
 /// \cite MacCracken & Joy 1996, section 2.2; Joy & MacCracken CSE-96-1, section 6
-class Refinement {
+class ESPALIER_API Refinement {
 public:
     /// Which intervals stay: those with both ends marked by something other than 0.
     struct Kept {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <limits>
 #include <span>
 
@@ -32,7 +33,7 @@ enum class Creasing {
 
 /// A sharpness as it is stored: in single precision, and infinite from kLeastInfinite on.
 /// \param sharpness 0 or more
-float storedSharpness(double sharpness);
+ESPALIER_API float storedSharpness(double sharpness);
 
 inline bool isSemiSharp(float sharpness) {
     return sharpness > kSmooth && sharpness < kInfinitelySharp;
@@ -40,10 +41,11 @@ inline bool isSemiSharp(float sharpness) {
 
 /// Sharpness one level on, without regard to what is around: that of a vertex, and of an edge under
 /// Creasing::Uniform.
-float subdivideSharpness(float sharpness);
+ESPALIER_API float subdivideSharpness(float sharpness);
 
 /// Sharpness of the child of an edge at one of its ends.
 /// \param around the sharpness of all edges at that end, the edge itself among them
-float subdivideEdgeSharpness(Creasing creasing, float sharpness, std::span<const float> around);
+ESPALIER_API float subdivideEdgeSharpness(Creasing creasing, float sharpness,
+                                          std::span<const float> around);
 
 }  // namespace espalier::far

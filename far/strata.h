@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/marks.h>
 #include <espalier/far/sharpness.h>
@@ -52,7 +53,7 @@ struct SharpnessValues {
 /// see fading.h.
 ///
 /// \cite MacCracken & Joy 1996, section 3
-class Strata {
+class ESPALIER_API Strata {
 public:
     Strata() = default;
 
@@ -144,7 +145,8 @@ private:
 ///       1338: releases before it take some corners for creases). Where a face passes a vertex
 ///       twice, OpenSubdiv may take one of its corners there for the other, and then finds another
 ///       sharpness for the vertex
-Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule, const Marks& marks);
+ESPALIER_API Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule,
+                             const Marks& marks);
 
 /// The strata one level on: a child [a, b] inherits what b is without sharpness; a child edge
 /// [v, e] has the sharpness of e as it is subdivided at v, and a child vertex [v, v] that of v.
@@ -153,13 +155,14 @@ Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule, 
 /// border is taken over the edges that are left.
 ///
 /// \cost O(entries)
-Strata refineStrata(const CellComplex& parent, const Strata& strata, const Refinement& refinement,
-                    Boundary boundary, Creasing creasing);
+ESPALIER_API Strata refineStrata(const CellComplex& parent, const Strata& strata,
+                                 const Refinement& refinement, Boundary boundary,
+                                 Creasing creasing);
 
 /// Marks with which classify(complex, boundary, SharpEdges::SingleCell, marks) gives back `strata`:
 /// none on what is so without a mark. They keep the features of a refined complex that is written
 /// to a file.
 /// \param strata of `complex`, and of `boundary`
-Marks marksFor(const CellComplex& complex, const Strata& strata, Boundary boundary);
+ESPALIER_API Marks marksFor(const CellComplex& complex, const Strata& strata, Boundary boundary);
 
 }  // namespace espalier::far

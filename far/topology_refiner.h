@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/refinement.h>
 #include <espalier/far/strata.h>
@@ -41,7 +42,7 @@ struct Level {
 /// vertex i of the level before.
 ///
 /// Const calls are safe from any number of threads.
-class TopologyRefiner {
+class ESPALIER_API TopologyRefiner {
 public:
     /// \throws TopologyError for marks that do not fit `base`
     explicit TopologyRefiner(CellComplex base, const RefinerOptions& options = {});

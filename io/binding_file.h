@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/binding.h>
 
 #include <filesystem>
@@ -31,12 +32,12 @@ struct BoundModel {
 ///     u32       CRC-32 of all before (that of zlib)
 ///
 /// \throws FileError if the file cannot be written
-void writeBoundModel(const std::filesystem::path& path, const BoundModel& model);
+ESPALIER_API void writeBoundModel(const std::filesystem::path& path, const BoundModel& model);
 
 /// Reads a bound model.
 /// \throws FileError if the file cannot be read, is of another kind or version, is truncated, or
 /// does
 ///         not have the checksum that it should; nothing is allocated by what it claims before that
-BoundModel readBoundModel(const std::filesystem::path& path);
+ESPALIER_API BoundModel readBoundModel(const std::filesystem::path& path);
 
 }  // namespace espalier::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/error.h>
 
 #include <cstddef>
@@ -13,7 +14,7 @@
 namespace espalier::io {
 
 /// A file that cannot be read or written. what() is "path: cause" or "path:line: cause".
-class FileError : public Error {
+class ESPALIER_API FileError : public Error {
 public:
     FileError(const std::filesystem::path& path, const std::string& cause);
 
@@ -23,22 +24,23 @@ public:
 
 /// The bytes of a file.
 /// \throws FileError if it cannot be opened or read to its end
-std::string readFile(const std::filesystem::path& path);
+ESPALIER_API std::string readFile(const std::filesystem::path& path);
 
 /// Calls `write` on a new file beside `path`, and renames that to `path` when all is on disk. If
 /// anything fails, the new file is removed and the old one is as it was. A link is followed; a
 /// device or a pipe is written to directly.
 ///
 /// \throws FileError if the file cannot be made, written or renamed; what `write` throws
-void writeFile(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
+ESPALIER_API void writeFile(const std::filesystem::path& path,
+                            const std::function<void(std::ostream&)>& write);
 
 /// A file, and what writes it.
-struct FileToWrite {
+struct ESPALIER_API FileToWrite {
     std::filesystem::path path;
     std::function<void(std::ostream&)> write;
 };
 
 /// The same for files that belong together: none is renamed before all are on disk.
-void writeFiles(const std::vector<FileToWrite>& files);
+ESPALIER_API void writeFiles(const std::vector<FileToWrite>& files);
 
 }  // namespace espalier::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/io/file.h>
 #include <espalier/io/vtu.h>
 #include <espalier/shapes/lattice.h>
@@ -18,7 +19,7 @@ struct WriteLatticeOptions {
 ///
 /// \throws FileError if the extension is none of these, or the file cannot be read or is malformed;
 ///         TopologyError, with the path in its message, if its cells do not form a lattice
-Lattice readLattice(const std::filesystem::path& path);
+ESPALIER_API Lattice readLattice(const std::filesystem::path& path);
 
 /// Writes a lattice in the format that the extension names, so that readLattice() gives it back:
 /// the same vertices, cells and faces of cells, vertices and cells with their numbers, positions
@@ -27,31 +28,31 @@ Lattice readLattice(const std::filesystem::path& path);
 /// \throws FileError if the extension is none of these, the lattice is not of dimension 3 or
 ///         inconsistent, or the file cannot be written; TopologyError if a mark names what is not
 ///         there
-void writeLattice(const std::filesystem::path& path, const Lattice& lattice,
-                  const WriteLatticeOptions& options = {});
+ESPALIER_API void writeLattice(const std::filesystem::path& path, const Lattice& lattice,
+                               const WriteLatticeOptions& options = {});
 
 /// Checks a name for writeLattice() without touching the file, so that it can be refused before
 /// long work. \throws FileError if its extension is none of the formats'
-void checkLatticeTarget(const std::filesystem::path& path);
+ESPALIER_API void checkLatticeTarget(const std::filesystem::path& path);
 
 /// Reads what can be refined: a mesh or a curve (complex of dimension 2 or 1) from .obj
 /// (obj_mesh.h), a lattice as readLattice() does.
 ///
 /// \throws FileError if the extension is none of these; what readObjMesh() and readLattice() throw
-Lattice readRefinable(const std::filesystem::path& path);
+ESPALIER_API Lattice readRefinable(const std::filesystem::path& path);
 
 /// Writes a mesh or a curve as .obj (obj_mesh.h), a lattice as writeLattice() does, so that
 /// readRefinable() gives it back.
 ///
 /// \throws FileError as checkRefinableTarget(); what writeObjMesh() and writeLattice() throw
-void writeRefinable(const std::filesystem::path& path, const Lattice& lattice,
-                    const WriteLatticeOptions& options = {});
+ESPALIER_API void writeRefinable(const std::filesystem::path& path, const Lattice& lattice,
+                                 const WriteLatticeOptions& options = {});
 
 /// Checks a name for writeRefinable() without touching the file.
 ///
 /// \param dimension of the complex that is to be written
 /// \throws FileError if the format that the extension names, if any, is not one for a curve (1),
 ///         a mesh (2) or a lattice (3), or the dimension is another
-void checkRefinableTarget(const std::filesystem::path& path, int dimension);
+ESPALIER_API void checkRefinableTarget(const std::filesystem::path& path, int dimension);
 
 }  // namespace espalier::io

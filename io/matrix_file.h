@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/io/petsc_binary.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -16,10 +17,10 @@ struct MatrixFileOptions {
 };
 
 /// The extensions of writeMatrix(): .mtx, .npz, .npy and .petsc.
-std::vector<std::string> matrixExtensions();
+ESPALIER_API std::vector<std::string> matrixExtensions();
 
 /// The files that writeMatrix() writes for a path: itself, or the three of .npy.
-std::vector<std::filesystem::path> matrixPaths(const std::filesystem::path& path);
+ESPALIER_API std::vector<std::filesystem::path> matrixPaths(const std::filesystem::path& path);
 
 /// Writes a table in the format of the path's extension: Matrix Market text (.mtx), SciPy's archive
 /// (.npz), an array a file (.npy), or PETSc's binary (.petsc). What each holds is said in
@@ -27,7 +28,8 @@ std::vector<std::filesystem::path> matrixPaths(const std::filesystem::path& path
 ///
 /// \throws FileError for another extension; what the writers throw
 template <class Real>
-void writeMatrix(const std::filesystem::path& path, const stencils::StencilTable<Real>& table,
-                 const MatrixFileOptions& options = {});
+ESPALIER_API void writeMatrix(const std::filesystem::path& path,
+                              const stencils::StencilTable<Real>& table,
+                              const MatrixFileOptions& options = {});
 
 }  // namespace espalier::io

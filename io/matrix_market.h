@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <filesystem>
@@ -19,8 +20,9 @@ namespace espalier::io {
 /// \param comments lines for the head of the file; one with line ends becomes several
 /// \throws Error if a weight is not finite, naming the row; FileError if the file cannot be written
 template <class Real>
-void writeMatrixMarket(const std::filesystem::path& path, const stencils::StencilTable<Real>& table,
-                       std::span<const std::string> comments = {});
+ESPALIER_API void writeMatrixMarket(const std::filesystem::path& path,
+                                    const stencils::StencilTable<Real>& table,
+                                    std::span<const std::string> comments = {});
 
 extern template void writeMatrixMarket(const std::filesystem::path&,
                                        const stencils::StencilTable<float>&,
@@ -36,6 +38,6 @@ extern template void writeMatrixMarket(const std::filesystem::path&,
 /// fewer entries than it claims, if a weight is not finite, if an integer is not a double; also if
 /// it claims rows by the million where it has not as many bytes
 /// \cost   24 bytes an entry while reading; O(entries · log entries) where they are not in order
-stencils::StencilTable<double> readMatrixMarket(const std::filesystem::path& path);
+ESPALIER_API stencils::StencilTable<double> readMatrixMarket(const std::filesystem::path& path);
 
 }  // namespace espalier::io

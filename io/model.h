@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 
 #include <cstddef>
@@ -17,7 +18,7 @@ namespace espalier::io {
 /// is identical.
 ///
 /// Immutable, and so safe to share between threads.
-class Model {
+class ESPALIER_API Model {
 public:
     virtual ~Model() = default;
     Model(const Model&) = delete;
@@ -54,11 +55,11 @@ private:
 /// Reads a model in the format that its extension names, in upper or lower case.
 /// \throws FileError if the extension is not known, if the file cannot be read or is malformed
 /// (naming the line, or the byte in binary data), or if it has no points
-std::unique_ptr<Model> readModel(const std::filesystem::path& path);
+ESPALIER_API std::unique_ptr<Model> readModel(const std::filesystem::path& path);
 
 /// The same for a file that is in memory already.
 /// \param path names the format, and the file in messages
 /// \param bytes the whole file
-std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes);
+ESPALIER_API std::unique_ptr<Model> readModel(const std::filesystem::path& path, std::string bytes);
 
 }  // namespace espalier::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <filesystem>
 
 namespace espalier::io {
@@ -14,6 +15,7 @@ namespace espalier::io {
 /// \param number from 0
 /// \throws Error if the pattern has more than one place for the number or a % that is none, if it
 /// names no file, or if the number is negative
-std::filesystem::path numberedPath(const std::filesystem::path& pattern, int number, int count);
+ESPALIER_API std::filesystem::path numberedPath(const std::filesystem::path& pattern, int number,
+                                                int count);
 
 }  // namespace espalier::io

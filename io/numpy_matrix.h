@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -16,11 +17,12 @@ namespace espalier::io {
 /// \throws Error if a weight is not finite, naming the row; FileError if the file cannot be written
 /// \cost reads the table twice, for checksums
 template <class Real>
-void writeNpz(const std::filesystem::path& path, const stencils::StencilTable<Real>& table);
+ESPALIER_API void writeNpz(const std::filesystem::path& path,
+                           const stencils::StencilTable<Real>& table);
 
 /// The files that writeNpyArrays() writes for a path: D.npy stands for D.indptr.npy, D.indices.npy
 /// and D.data.npy.
-std::array<std::filesystem::path, 3> npyPaths(const std::filesystem::path& path);
+ESPALIER_API std::array<std::filesystem::path, 3> npyPaths(const std::filesystem::path& path);
 
 /// Writes the same arrays, each as a file of its own, for numpy.load, which can also map them into
 /// memory. The number of columns is in none of them.
@@ -28,6 +30,7 @@ std::array<std::filesystem::path, 3> npyPaths(const std::filesystem::path& path)
 /// \throws Error if a weight is not finite, naming the row; FileError if a file cannot be written:
 ///         all old ones are then as they were
 template <class Real>
-void writeNpyArrays(const std::filesystem::path& path, const stencils::StencilTable<Real>& table);
+ESPALIER_API void writeNpyArrays(const std::filesystem::path& path,
+                                 const stencils::StencilTable<Real>& table);
 
 }  // namespace espalier::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/io/model.h>
 
 #include <filesystem>
@@ -20,6 +21,6 @@ namespace espalier::io {
 /// \param bytes the whole file
 /// \throws FileError with the line, if a `v` is malformed or not finite
 /// \cost   one pass; 48 bytes a point and the text are kept
-std::unique_ptr<Model> readObj(const std::filesystem::path& path, std::string bytes);
+ESPALIER_API std::unique_ptr<Model> readObj(const std::filesystem::path& path, std::string bytes);
 
 }  // namespace espalier::io

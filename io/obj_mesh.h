@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
@@ -46,7 +47,7 @@ namespace espalier::io {
 ///         naming a vertex that is on no line of a curve; TopologyError, with the path in its
 ///         message, if there is neither face nor line, and with path and line if a face has fewer
 ///         than three corners
-Lattice readObjMesh(const std::filesystem::path& path);
+ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path);
 
 /// Writes a mesh so that it reads back the same: vertices and faces with their numbers, positions
 /// bit for bit, tags, and marks in canonical form, their sharpness rounded to a float. The edges of
@@ -57,6 +58,6 @@ Lattice readObjMesh(const std::filesystem::path& path);
 /// \throws FileError if the mesh is not of dimension 2 or 1, its parts do not fit together, it has
 ///         attributes, for which an OBJ has no place, or a position that is not finite, or if the
 ///         file cannot be written; TopologyError if a mark names what is not there
-void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh);
+ESPALIER_API void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh);
 
 }  // namespace espalier::io

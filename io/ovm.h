@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
@@ -31,7 +32,7 @@ namespace espalier::io {
 /// \throws FileError with the line, if the file is malformed or binary; TopologyError, with the
 ///         path in its message, if the cells do not form a lattice, or an edge or a face is not in
 ///         any
-Lattice readOvm(const std::filesystem::path& path);
+ESPALIER_API Lattice readOvm(const std::filesystem::path& path);
 
 /// Writes a lattice so that it reads back the same: positions and attributes bit for bit, marks in
 /// canonical order.
@@ -39,6 +40,6 @@ Lattice readOvm(const std::filesystem::path& path);
 /// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, an
 ///         attribute has a name of more than one line, or the file cannot be written; TopologyError
 ///         if a mark names what is not there
-void writeOvm(const std::filesystem::path& path, const Lattice& lattice);
+ESPALIER_API void writeOvm(const std::filesystem::path& path, const Lattice& lattice);
 
 }  // namespace espalier::io

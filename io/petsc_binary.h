@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <filesystem>
@@ -16,7 +17,8 @@ enum class PetscInt { Bits32, Bits64 };
 /// \throws Error if the integers do not hold the number of entries, or if a weight is not finite,
 ///         naming the row; FileError if the file cannot be written
 template <class Real>
-void writePetscBinary(const std::filesystem::path& path, const stencils::StencilTable<Real>& table,
-                      PetscInt integers = PetscInt::Bits32);
+ESPALIER_API void writePetscBinary(const std::filesystem::path& path,
+                                   const stencils::StencilTable<Real>& table,
+                                   PetscInt integers = PetscInt::Bits32);
 
 }  // namespace espalier::io

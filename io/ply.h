@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/io/model.h>
 
 #include <filesystem>
@@ -21,6 +22,6 @@ namespace espalier::io {
 /// \throws FileError as readModel(); if x, y or z is of an integer type, which would not hold a
 /// deformed position; or if a position is not finite
 /// \cost   one pass; 48 bytes a point and the file are kept
-std::unique_ptr<Model> readPly(const std::filesystem::path& path, std::string bytes);
+ESPALIER_API std::unique_ptr<Model> readPly(const std::filesystem::path& path, std::string bytes);
 
 }  // namespace espalier::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/io/model.h>
 
 #include <filesystem>
@@ -23,6 +24,6 @@ namespace espalier::io {
 /// \throws FileError as readModel(); if the size is not that of a binary file and the file does not
 /// begin with "solid"; if a position is not finite
 /// \cost   one pass; the file is kept, with 24 bytes a point (binary) or 88 (ASCII)
-std::unique_ptr<Model> readStl(const std::filesystem::path& path, std::string bytes);
+ESPALIER_API std::unique_ptr<Model> readStl(const std::filesystem::path& path, std::string bytes);
 
 }  // namespace espalier::io

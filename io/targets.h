@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/index.h>
 #include <espalier/far/point.h>
 
@@ -23,6 +24,7 @@ struct Target {
 /// \param pointCount of the model
 /// \throws FileError with the line for what is no number, not finite, or no point of the model, and
 ///         for a point that comes twice; if there are no targets
-std::vector<Target> readTargets(const std::filesystem::path& path, far::Index pointCount);
+ESPALIER_API std::vector<Target> readTargets(const std::filesystem::path& path,
+                                             far::Index pointCount);
 
 }  // namespace espalier::io

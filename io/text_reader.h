@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -11,7 +12,7 @@ namespace espalier::io {
 
 /// Walks through a text by tokens or by lines, and knows where it is: every error is a FileError
 /// with path and line.
-class TextReader {
+class ESPALIER_API TextReader {
 public:
     /// \param path for messages
     /// \param text must outlive the reader
@@ -76,13 +77,13 @@ private:
 /// A whole token as a number.
 /// \return false if it is not one, or out of the range of the type
 template <class Number>
-bool parseNumber(std::string_view token, Number& number);
+ESPALIER_API bool parseNumber(std::string_view token, Number& number);
 
 /// The shortest text that reads back as the same number.
-std::string formatNumber(double number);
-std::string formatNumber(float number);
+ESPALIER_API std::string formatNumber(double number);
+ESPALIER_API std::string formatNumber(float number);
 
 /// A text in lower case (ASCII letters only), for keywords that may be written either way.
-std::string lowerCase(std::string_view text);
+ESPALIER_API std::string lowerCase(std::string_view text);
 
 }  // namespace espalier::io

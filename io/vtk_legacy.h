@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
@@ -19,13 +20,13 @@ namespace espalier::io {
 ///
 /// \throws FileError with the line, if the file is malformed or holds cells of other types;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
-Lattice readVtkLegacy(const std::filesystem::path& path);
+ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path);
 
 /// Writes a lattice as ASCII, version 3.0, so that it reads back the same: positions and attributes
 /// bit for bit, marks in canonical order.
 ///
 /// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, or the
 ///         file cannot be written; TopologyError if a mark names what is not there
-void writeVtkLegacy(const std::filesystem::path& path, const Lattice& lattice);
+ESPALIER_API void writeVtkLegacy(const std::filesystem::path& path, const Lattice& lattice);
 
 }  // namespace espalier::io

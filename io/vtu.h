@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
@@ -34,7 +35,7 @@ enum class VtuEncoding {
 ///
 /// \throws FileError with the line, if the file is malformed or holds cells of other types;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
-Lattice readVtu(const std::filesystem::path& path);
+ESPALIER_API Lattice readVtu(const std::filesystem::path& path);
 
 /// Writes a lattice so that it reads back the same: positions and attributes bit for bit, marks in
 /// canonical order. Files are little-endian, with 64-bit headers and the older layout of polyhedra,
@@ -42,7 +43,7 @@ Lattice readVtu(const std::filesystem::path& path);
 ///
 /// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, or the
 ///         file cannot be written; TopologyError if a mark names what is not there
-void writeVtu(const std::filesystem::path& path, const Lattice& lattice,
-              VtuEncoding encoding = VtuEncoding::Compressed);
+ESPALIER_API void writeVtu(const std::filesystem::path& path, const Lattice& lattice,
+                           VtuEncoding encoding = VtuEncoding::Compressed);
 
 }  // namespace espalier::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/stencils/binding.h>
 #include <espalier/stencils/factored_table.h>
@@ -19,7 +20,7 @@ namespace espalier::osd {
 /// \cost O(entries), on all threads
 /// \cite MacCracken & Joy 1996, section 5
 template <class Real, class Table>
-std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& binding,
-                                    std::span<const Point3> pose);
+ESPALIER_API std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& binding,
+                                                 std::span<const Point3> pose);
 
 }  // namespace espalier::osd

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/osd/simd.h>
 
@@ -21,7 +22,7 @@ namespace espalier::osd {
 ///
 /// \cite MacCracken & Joy 1996, section 5: D is linear, and so Dᵀ is its derivative's adjoint
 template <class Real>
-class CompiledAdjoint {
+class ESPALIER_API CompiledAdjoint {
 public:
     /// \param table D, not its transpose
     /// \param simd which kernels evaluate it

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/stencils/factored_table.h>
@@ -16,7 +17,7 @@ namespace espalier::osd {
 ///
 /// Immutable, and so safe to share between threads.
 template <class Real>
-class CompiledChain {
+class ESPALIER_API CompiledChain {
 public:
     /// \param tables T_1 to T_n, at least one
     /// \throws Error if there are none, if one has not the columns that the one before has rows, or
@@ -53,7 +54,7 @@ private:
 ///
 /// Immutable, and so safe to share between threads.
 template <class Real>
-class CompiledAdjointChain {
+class ESPALIER_API CompiledAdjointChain {
 public:
     /// \param tables T_1 to T_n, not their transposes, at least one
     /// \throws Error as CompiledChain

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/osd/simd.h>
 
@@ -24,7 +25,7 @@ namespace espalier::osd {
 ///
 /// \cite MacCracken & Joy 1996, section 5: the deformation is evaluated again for each pose
 template <class Real>
-class CompiledTable {
+class ESPALIER_API CompiledTable {
 public:
     /// \param simd which kernels evaluate it
     /// \throws Error if this processor does not have `simd`

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/osd/evaluation.h>
 
 namespace espalier::osd {
 
 /// On all threads. The result does not depend on their number, bit for bit.
-struct CpuEvaluator {
+struct ESPALIER_API CpuEvaluator {
     /// Evaluates rows of a table; see checkEvaluation() for the contract.
     /// \cost O(entries × components)
     template <class Real>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/osd/buffer_descriptor.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -27,9 +28,9 @@ using MutableValues = std::span<std::type_identity_t<Real>>;
 
 /// The checks of checkEvaluation() below, for any form of a table of so many rows and columns, and
 /// buffers of so many numbers.
-void checkEvaluation(Index rowCount, Index columnCount, std::size_t sourceSize,
-                     const BufferDescriptor& sourceLayout, std::size_t destinationSize,
-                     const BufferDescriptor& destinationLayout, RowRange rows);
+ESPALIER_API void checkEvaluation(Index rowCount, Index columnCount, std::size_t sourceSize,
+                                  const BufferDescriptor& sourceLayout, std::size_t destinationSize,
+                                  const BufferDescriptor& destinationLayout, RowRange rows);
 
 /// What every evaluator is called with, and does:
 ///

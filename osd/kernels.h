@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/index.h>
 #include <espalier/osd/simd.h>
 
@@ -93,7 +94,7 @@ struct RowValues {
 };
 
 template <class Real>
-struct Kernels {
+struct ESPALIER_API Kernels {
     void (*panels)(const PanelRun<Real>& run, const Destination<Real>& to);
     void (*products)(const ProductRun<Real>& run, const Destination<Real>& to);
     void (*rows)(const RowRun<Real>& run, const Destination<Real>& to);
@@ -106,10 +107,10 @@ struct Kernels {
 
 /// \param simd one that hasSimd()
 template <class Real>
-const Kernels<Real>& kernelsFor(Simd simd);
+ESPALIER_API const Kernels<Real>& kernelsFor(Simd simd);
 template <>
-const Kernels<float>& kernelsFor<float>(Simd simd);
+ESPALIER_API const Kernels<float>& kernelsFor<float>(Simd simd);
 template <>
-const Kernels<double>& kernelsFor<double>(Simd simd);
+ESPALIER_API const Kernels<double>& kernelsFor<double>(Simd simd);
 
 }  // namespace espalier::osd::kernels

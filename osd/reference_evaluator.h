@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/osd/evaluation.h>
 
 namespace espalier::osd {
 
 /// The contract in the fewest words, on one thread: what every other evaluator is tested against.
-struct ReferenceEvaluator {
+struct ESPALIER_API ReferenceEvaluator {
     /// Evaluates rows of a table; see checkEvaluation() for the contract.
     /// \cost O(entries × components)
     template <class Real>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 namespace espalier::osd {
 
 /// Vector instructions that compiled tables are evaluated with.
@@ -11,9 +12,9 @@ enum class Simd {
 };
 
 /// The most that this processor has.
-Simd bestSimd();
+ESPALIER_API Simd bestSimd();
 
 /// Whether this processor, and this build, has them.
-bool hasSimd(Simd simd);
+ESPALIER_API bool hasSimd(Simd simd);
 
 }  // namespace espalier::osd

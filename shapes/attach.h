@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/index.h>
 #include <espalier/far/point.h>
@@ -28,14 +29,14 @@ namespace espalier::shapes {
 /// \param offset to the outside of the lattice
 /// \throws Error if the face does not exist, is between two cells, or the offset points inwards or
 ///         along the face
-Lattice attachPrism(const Lattice& lattice, far::FaceId face, const Point3& offset);
+ESPALIER_API Lattice attachPrism(const Lattice& lattice, far::FaceId face, const Point3& offset);
 
 /// Puts a pyramid on a face: a tetrahedron on a triangle. The attributes of the apex are the mean
 /// of those of the face. The faces of the new cell are: the one it stands on, then one an edge.
 ///
 /// \param apex a new vertex, outside the lattice
 /// \throws Error as attachPrism does
-Lattice attachPyramid(const Lattice& lattice, far::FaceId face, const Point3& apex);
+ESPALIER_API Lattice attachPyramid(const Lattice& lattice, far::FaceId face, const Point3& apex);
 
 /// A vertex that comes with a new cell.
 struct NewVertex {
@@ -50,11 +51,13 @@ struct NewVertex {
 ///              old ones
 /// \throws Error for an attribute source that does not exist; far::TopologyError for a cell that
 ///         does not fit: a face that then has three cells, a new vertex that is not used
-Lattice attachCell(const Lattice& lattice, std::span<const std::vector<far::Index>> loops,
-                   std::span<const NewVertex> newVertices);
+ESPALIER_API Lattice attachCell(const Lattice& lattice,
+                                std::span<const std::vector<far::Index>> loops,
+                                std::span<const NewVertex> newVertices);
 
 /// The same with a tetrahedron, pyramid, wedge or hexahedron.
-Lattice attachCell(const Lattice& lattice, far::StandardCell cell,
-                   std::span<const far::Index> vertices, std::span<const NewVertex> newVertices);
+ESPALIER_API Lattice attachCell(const Lattice& lattice, far::StandardCell cell,
+                                std::span<const far::Index> vertices,
+                                std::span<const NewVertex> newVertices);
 
 }  // namespace espalier::shapes

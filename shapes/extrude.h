@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/shapes/transform.h>
@@ -36,17 +37,17 @@ enum class SweepEnds { Open, Closed };
 ///         or too many entities
 /// \cost O(n log n) in the number of entries of the result
 /// \cite MacCracken & Joy 1996, section 5
-Lattice sweep(const Lattice& mesh, std::span<const std::vector<Point3>> layers,
-              SweepEnds ends = SweepEnds::Open);
+ESPALIER_API Lattice sweep(const Lattice& mesh, std::span<const std::vector<Point3>> layers,
+                           SweepEnds ends = SweepEnds::Open);
 
 /// The same with layers that are images of the mesh under affine maps.
-Lattice sweep(const Lattice& mesh, std::span<const Affine> stations,
-              SweepEnds ends = SweepEnds::Open);
+ESPALIER_API Lattice sweep(const Lattice& mesh, std::span<const Affine> stations,
+                           SweepEnds ends = SweepEnds::Open);
 
 /// Translations to layers + 1 places at equal distances on a line: by `from` first, by `to` last,
 /// both exactly.
 /// \param layers 1 or more
-std::vector<Affine> stationsBetween(const Point3& from, const Point3& to, int layers);
+ESPALIER_API std::vector<Affine> stationsBetween(const Point3& from, const Point3& to, int layers);
 
 struct ExtrudeOptions {
     Point3 direction = {0, 0, 1};  ///< from the first layer to the last
@@ -59,6 +60,6 @@ struct ExtrudeOptions {
 /// \throws Error as sweep() does; and for a face that lies along the direction, or that looks
 ///         against it where its neighbours look with it: its cells would have no volume, or a
 ///         negative one
-Lattice extrude(const Lattice& mesh, const ExtrudeOptions& options = {});
+ESPALIER_API Lattice extrude(const Lattice& mesh, const ExtrudeOptions& options = {});
 
 }  // namespace espalier::shapes

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/shapes/section.h>
@@ -24,7 +25,7 @@ struct BoxOptions {
     Point3 min = {0, 0, 0};
     Point3 max = {1, 1, 1};  ///< above min in each coordinate
 };
-Lattice box(const BoxOptions& options = {});
+ESPALIER_API Lattice box(const BoxOptions& options = {});
 
 /// A disk swept along an axis (figures 1 and 5, right). With the default core the cells at the axis
 /// are wedges, and `sectors` of them meet there.
@@ -36,7 +37,7 @@ struct CylinderOptions {
     Point3 from = {0, 0, 0};  ///< the centre of the first end
     Point3 to = {0, 0, 1};    ///< the centre of the last end, elsewhere
 };
-Lattice cylinder(const CylinderOptions& options = {});
+ESPALIER_API Lattice cylinder(const CylinderOptions& options = {});
 
 enum class TorusSection { Grid, Disk };
 
@@ -51,7 +52,7 @@ struct TorusOptions {
     double minorRadius = 0.4;  ///< half the side of the square, or the radius of the disk: above 0
                                ///< and below majorRadius
 };
-Lattice torus(const TorusOptions& options = {});
+ESPALIER_API Lattice torus(const TorusOptions& options = {});
 
 /// A flat star (figure 7): a disk in the plane z = 0, thickened to both sides, whose outermost
 /// vertices are at outerRadius and innerRadius by turns, the first on the +x axis. With equal radii
@@ -64,7 +65,7 @@ struct StarOptions {
     double outerRadius = 1;    ///< above 0
     double height = 0.25;      ///< above 0
 };
-Lattice star(const StarOptions& options = {});
+ESPALIER_API Lattice star(const StarOptions& options = {});
 
 /// Two ends joined by a bar along x (figure 8): a mesh in the plane z = 0, thickened to both sides.
 ///
@@ -83,7 +84,7 @@ struct BarbellOptions {
     double roundness = 1;       ///< of the ends: from 0, square, to 1, round
     double height = 0.5;        ///< above 0
 };
-Lattice barbell(const BarbellOptions& options = {});
+ESPALIER_API Lattice barbell(const BarbellOptions& options = {});
 
 /// A point of the polyline that an arm is built around.
 struct ArmJoint {
@@ -116,6 +117,6 @@ struct ArmOptions {
     /// bone; the same for all poses of a lattice.
     Point3 up = {0, 0, 1};
 };
-Lattice arm(const ArmOptions& options = {});
+ESPALIER_API Lattice arm(const ArmOptions& options = {});
 
 }  // namespace espalier::shapes

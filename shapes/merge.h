@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/shapes/lattice.h>
 
 #include <span>
@@ -35,9 +36,10 @@ struct MergeOptions {
 /// \cost O(n log n) in the number of entries of the result; the search for coincident vertices is
 ///       linear while the vertices are spread out, as those of a lattice are
 /// \cite MacCracken & Joy 1996, section 5
-Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options = {});
+ESPALIER_API Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options = {});
 
 /// The same for two.
-Lattice merge(const Lattice& first, const Lattice& second, const MergeOptions& options = {});
+ESPALIER_API Lattice merge(const Lattice& first, const Lattice& second,
+                           const MergeOptions& options = {});
 
 }  // namespace espalier::shapes

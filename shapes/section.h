@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/shapes/lattice.h>
 
@@ -33,13 +34,13 @@ struct DiskPattern {
 ///
 /// \param outline at least 3 vertices, anticlockwise, all of them visible from the centre
 /// \throws Error naming a field out of range
-Lattice diskMesh(std::span<const Point3> outline, const Point3& centre,
-                 const DiskPattern& pattern = {});
+ESPALIER_API Lattice diskMesh(std::span<const Point3> outline, const Point3& centre,
+                              const DiskPattern& pattern = {});
 
 /// The vertices of a regular polygon about the origin, anticlockwise from the +x axis.
 /// \param sides 3 or more
 /// \param radius of the circle through the vertices, above 0
-std::vector<Point3> regularPolygon(int sides, double radius);
+ESPALIER_API std::vector<Point3> regularPolygon(int sides, double radius);
 
 struct GridOptions {
     std::array<int, 2> cells = {1, 1};  ///< along x and y: 1 or more each
@@ -49,6 +50,6 @@ struct GridOptions {
 
 /// A rectangle divided into rectangles. Vertices and faces are in rows along x, from min y to max.
 /// \throws Error naming a field out of range
-Lattice gridMesh(const GridOptions& options = {});
+ESPALIER_API Lattice gridMesh(const GridOptions& options = {});
 
 }  // namespace espalier::shapes

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/shapes/lattice.h>
 
 // Lattices of a single cell about the origin. A vertex where n edges of its cell meet becomes a
@@ -12,11 +13,12 @@ namespace espalier::shapes {
 struct RegularSolidOptions {
     double radius = 1;  ///< of the sphere through the vertices, above 0
 };
-Lattice tetrahedron(const RegularSolidOptions& options = {});   ///< 4 vertices, type-3
-Lattice cube(const RegularSolidOptions& options = {});          ///< 8 vertices, type-3
-Lattice octahedron(const RegularSolidOptions& options = {});    ///< 6 vertices, type-4
-Lattice dodecahedron(const RegularSolidOptions& options = {});  ///< 20 vertices, type-3
-Lattice icosahedron(const RegularSolidOptions& options = {});   ///< 12 vertices, type-5
+ESPALIER_API Lattice tetrahedron(const RegularSolidOptions& options = {});  ///< 4 vertices, type-3
+ESPALIER_API Lattice cube(const RegularSolidOptions& options = {});         ///< 8 vertices, type-3
+ESPALIER_API Lattice octahedron(const RegularSolidOptions& options = {});   ///< 6 vertices, type-4
+ESPALIER_API Lattice
+dodecahedron(const RegularSolidOptions& options = {});                      ///< 20 vertices, type-3
+ESPALIER_API Lattice icosahedron(const RegularSolidOptions& options = {});  ///< 12 vertices, type-5
 
 /// A solid over a regular polygon in a plane of constant z, which has a vertex on the side of +x.
 struct PolygonalSolidOptions {
@@ -27,14 +29,14 @@ struct PolygonalSolidOptions {
 
 /// The polygon at the bottom (vertices 0 to sides − 1) and at the top (sides to 2 sides − 1). A
 /// wedge for 3 sides.
-Lattice prism(const PolygonalSolidOptions& options = {});
+ESPALIER_API Lattice prism(const PolygonalSolidOptions& options = {});
 
 /// The polygon at the bottom (vertices 0 to sides − 1) and an apex at the top (vertex sides), which
 /// is type-n for n sides. A tetrahedron for 3 sides.
-Lattice pyramid(const PolygonalSolidOptions& options = {});
+ESPALIER_API Lattice pyramid(const PolygonalSolidOptions& options = {});
 
 /// The polygon in the middle (vertices 0 to sides − 1) and an apex at the bottom (vertex sides) and
 /// at the top (vertex sides + 1), both type-n for n sides. An octahedron for 4.
-Lattice bipyramid(const PolygonalSolidOptions& options = {});
+ESPALIER_API Lattice bipyramid(const PolygonalSolidOptions& options = {});
 
 }  // namespace espalier::shapes

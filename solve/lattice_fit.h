@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/point.h>
 #include <espalier/stencils/stencil_table.h>
@@ -66,8 +67,8 @@ struct LatticeFit {
 ///         left open, naming a vertex
 /// \cost O(Σ entries² of the rows + a sparse Cholesky factor of the vertices)
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p'
-LatticeFit fitLattice(const stencils::StencilTable<double>& deformation,
-                      std::span<const Point3> misses, const far::CellComplex& base,
-                      const FitOptions& options = {});
+ESPALIER_API LatticeFit fitLattice(const stencils::StencilTable<double>& deformation,
+                                   std::span<const Point3> misses, const far::CellComplex& base,
+                                   const FitOptions& options = {});
 
 }  // namespace espalier::solve

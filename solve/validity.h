@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
@@ -69,7 +70,7 @@ struct LargestStep {
 /// the way, so near its end check() may prove what largestStep() does not.
 ///
 /// Immutable; any number of threads may ask. The answers do not depend on how many work.
-class ValidityCheck {
+class ESPALIER_API ValidityCheck {
 public:
     /// \param complex a refined lattice, of level 1 or above (or of hexahedra); kept (a cheap copy)
     /// \param rest where its vertices are at rest; copied
@@ -106,6 +107,6 @@ private:
 /// The base cell that a cell of a level descends from.
 /// \throws Error if the level is not there
 /// \cost O(levels · log cells)
-Index baseCellOf(const far::TopologyRefiner& refiner, int level, Index cell);
+ESPALIER_API Index baseCellOf(const far::TopologyRefiner& refiner, int level, Index cell);
 
 }  // namespace espalier::solve

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/index.h>
 
 #include <vector>
@@ -22,7 +23,7 @@ struct AxisRange {
 
 /// Where the functions of an axis add up to 1: all of it for Bernstein polynomials; 1 to cells − 1
 /// for B-splines, which is what Boundary::Open leaves in the limit.
-AxisRange axisRange(Basis basis, Index cells);
+ESPALIER_API AxisRange axisRange(Basis basis, Index cells);
 
 /// The functions of successive grid points of an axis at one place; all others are 0 there.
 struct AxisFunctions {
@@ -38,6 +39,6 @@ struct AxisFunctions {
 /// \param at in axisRange(basis, cells), which must not be empty
 /// \cost Bézier O(cells²), B-spline constant
 /// \cite MacCracken & Joy 1996, section 4, on Sederberg & Parry; Joy, bicubic refinement, for M
-AxisFunctions axisFunctions(Basis basis, Index cells, double at);
+ESPALIER_API AxisFunctions axisFunctions(Basis basis, Index cells, double at);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/embedding.h>
 #include <espalier/stencils/tensor_product.h>
 
@@ -29,12 +30,13 @@ struct Binding {
 /// \param points as they were embedded
 /// \throws Error if their number is not that of the embedding, or that is in another level
 template <class Real>
-Binding<Real> makeBinding(const far::TopologyRefiner& refiner, int level, Rules rules,
-                          const Embedding& embedding, std::span<const Point3> points);
+ESPALIER_API Binding<Real> makeBinding(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                       const Embedding& embedding, std::span<const Point3> points);
 
 /// The same for a box lattice with Bézier or B-spline weights.
 template <class Real>
-Binding<Real> makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
-                          std::span<const Point3> points);
+ESPALIER_API Binding<Real> makeBinding(const TensorLattice& lattice,
+                                       const TensorEmbedding& embedding,
+                                       std::span<const Point3> points);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <Eigen/Core>
 
 namespace espalier::stencils {
@@ -11,7 +12,7 @@ namespace espalier::stencils {
 ///
 /// \param map, target finite; the map may be singular
 /// \cost 27 solves of at most 3 × 3: under 1 µs
-Eigen::Vector3d nearestInBox(const Eigen::Matrix3d& map, const Eigen::Vector3d& target,
-                             const Eigen::Vector3d& low, const Eigen::Vector3d& high);
+ESPALIER_API Eigen::Vector3d nearestInBox(const Eigen::Matrix3d& map, const Eigen::Vector3d& target,
+                                          const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/index.h>
 #include <espalier/stencils/space_curve.h>
 
@@ -13,7 +14,7 @@ namespace espalier::stencils {
 
 /// A bounding-volume tree over boxes: which contain a point, and which item is nearest to it.
 /// Immutable once built; any number of threads may ask.
-class BoxTree {
+class ESPALIER_API BoxTree {
 public:
     using Box = Eigen::AlignedBox<double, 3>;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/point.h>
 
@@ -39,16 +40,17 @@ struct VertexWeight {
 /// They sum to 1, and are between 0 and 1 where the offset is 0. A vertex may come twice.
 ///
 /// \param complex a refined lattice: level 1 or above
-std::vector<VertexWeight> placeWeights(const far::CellComplex& complex, const CellPlace& place);
+ESPALIER_API std::vector<VertexWeight> placeWeights(const far::CellComplex& complex,
+                                                    const CellPlace& place);
 
 /// The weights of a place in a hexahedron, one a corner in the order of far::hexahedronVertices().
-std::array<double, 8> hexahedronWeights(const CellPlace& place);
+ESPALIER_API std::array<double, 8> hexahedronWeights(const CellPlace& place);
 
 /// The vertices P₁P₂P₃ of a tetrahedron of a type-n cell.
-std::array<far::Index, 3> tetrahedronBase(const far::CellComplex& complex, far::CellId cell,
-                                          far::Index tetrahedron);
+ESPALIER_API std::array<far::Index, 3> tetrahedronBase(const far::CellComplex& complex,
+                                                       far::CellId cell, far::Index tetrahedron);
 
 /// Number of tetrahedra of a type-n cell: 4n.
-far::Index tetrahedronCount(const far::CellComplex& complex, far::CellId cell);
+ESPALIER_API far::Index tetrahedronCount(const far::CellComplex& complex, far::CellId cell);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/cell_place.h>
 
 #include <Eigen/Geometry>
@@ -46,7 +47,7 @@ using LocatedPoint = Located<CellPlace>;
 /// Any number of threads may ask; answers depend on nothing but the point and the cells.
 ///
 /// \cite MacCracken & Joy 1996, sections 4 to 6
-class CellSolver {
+class ESPALIER_API CellSolver {
 public:
     /// What lengths are measured by.
     struct Scale {

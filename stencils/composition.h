@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
@@ -17,12 +18,13 @@ namespace espalier::stencils {
 /// \throws Error under Rules::Rats for a lattice, under Boundary::Open and under
 ///         TriangleSubdivision::Smooth; far::TopologyError (BadMark) for an edge or a vertex that
 ///         is semi-sharp
-void checkRules(const far::TopologyRefiner& refiner, Rules rules);
+ESPALIER_API void checkRules(const far::TopologyRefiner& refiner, Rules rules);
 
 /// Checks that a level has the given vertices.
 ///
 /// \throws Error for a vertex that the level does not have, and for a level that is not there
-void checkVertices(const far::TopologyRefiner& refiner, int level, std::span<const Index> vertices);
+ESPALIER_API void checkVertices(const far::TopologyRefiner& refiner, int level,
+                                std::span<const Index> vertices);
 
 /// Builds R_level: row i holds the weights of level-`level` vertex i over the vertices of the level
 /// before. 8 to 27 entries a row in regular lattices. Rows sum to 1.
@@ -31,13 +33,13 @@ void checkVertices(const far::TopologyRefiner& refiner, int level, std::span<con
 /// \throws Error as checkRules()
 /// \cost O(entries), in parallel; does not depend on positions
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3; Savva & Clapworthy, section 2.2 (Rules::Rats)
-StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
-                                     Rules rules = Rules::Siggraph96);
+ESPALIER_API StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
+                                                  Rules rules = Rules::Siggraph96);
 
 /// Builds the rows of R_level for the given vertices of the level: row i is that of vertices[i].
 /// \throws Error for a vertex that the level does not have
-StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules,
-                                     std::span<const Index> vertices);
+ESPALIER_API StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
+                                                  Rules rules, std::span<const Index> vertices);
 
 /// R_1 to R_level, in this order, for values that are carried level by level, pose after pose:
 /// apply the first to values on the base, and each to what the one before gave.
@@ -49,8 +51,9 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
 ///
 /// \cost O(entries), in parallel: as much as refineValues() for one pose
 template <class Real = double>
-std::vector<StencilTable<Real>> buildLevelTables(const far::TopologyRefiner& refiner, int level,
-                                                 Rules rules = Rules::Siggraph96);
+ESPALIER_API std::vector<StencilTable<Real>> buildLevelTables(const far::TopologyRefiner& refiner,
+                                                              int level,
+                                                              Rules rules = Rules::Siggraph96);
 
 /// Composes the level tables into S_level = R_level … R_1: row i holds the weights of level-`level`
 /// vertex i over the base vertices. At most 64 entries a row in regular lattices. Rows sum to 1.
@@ -62,8 +65,8 @@ std::vector<StencilTable<Real>> buildLevelTables(const far::TopologyRefiner& ref
 /// \cost O(products of entries), in parallel; memory for S_level and S_(level−1) at once
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3
 template <class Real = double>
-StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
-                                 Rules rules = Rules::Siggraph96);
+ESPALIER_API StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
+                                              Rules rules = Rules::Siggraph96);
 
 /// Builds the rows of S_level for the given vertices of the level: row i is that of vertices[i].
 /// Of each level, only the rows that these depend on are made.
@@ -71,8 +74,8 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
 /// \param vertices in any order, repeats allowed
 /// \throws Error for a vertex that the level does not have
 template <class Real = double>
-StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
-                                 std::span<const Index> vertices);
+ESPALIER_API StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
+                                              Rules rules, std::span<const Index> vertices);
 
 /// The same from level tables at hand, of whole levels or of those of
 /// far::TopologyRefiner::refineAround().
@@ -80,9 +83,9 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
 /// \param tables R_1 to R_level: see buildLevelTables(). At least one
 /// \throws Error if they are not as many as the levels of `refiner`, or not of these
 template <class Real = double>
-StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
-                                   std::span<const StencilTable<double>> tables,
-                                   std::span<const Index> vertices);
+ESPALIER_API StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
+                                                std::span<const StencilTable<double>> tables,
+                                                std::span<const Index> vertices);
 
 /// The product of two tables: row i is Σ_k left(i, k) · right(k, ·). Sums are made in double.
 ///
@@ -91,8 +94,9 @@ StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
 /// \throws Error if left.columnCount() is not right.rowCount()
 /// \cost O(products of entries), in parallel; twice the memory of the result
 template <class Real>
-StencilTable<Real> multiply(const StencilTable<double>& left, const StencilTable<double>& right,
-                            const RowOrder& order = {});
+ESPALIER_API StencilTable<Real> multiply(const StencilTable<double>& left,
+                                         const StencilTable<double>& right,
+                                         const RowOrder& order = {});
 
 /// The columns that a table names, ascending, and the table over just those: column c of `table`
 /// stands for column `columns[c]` of the original.
@@ -100,7 +104,7 @@ struct CompactTable {
     StencilTable<double> table;
     std::vector<Index> columns;
 };
-CompactTable compactColumns(StencilTable<double> table);
+ESPALIER_API CompactTable compactColumns(StencilTable<double> table);
 
 /// Values on the base vertices carried to the vertices of a level: R_level … R_1 applied in turn.
 ///
@@ -109,15 +113,16 @@ CompactTable compactColumns(StencilTable<double> table);
 /// \throws Error if values.size() is not components × base vertices
 /// \cost O(entries of the level tables), most of it to make them: see buildLevelTables() for many
 ///       poses. Holds one of them at a time
-std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
-                                 std::span<const double> values, int components);
+ESPALIER_API std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
+                                              Rules rules, std::span<const double> values,
+                                              int components);
 
 /// One step of that for positions, with its table at hand: R_k times positions of level k − 1.
-std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
-                                    std::span<const Point3> positions);
+ESPALIER_API std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
+                                                 std::span<const Point3> positions);
 
 /// All steps for positions.
-std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level, Rules rules,
-                                    std::span<const Point3> positions);
+ESPALIER_API std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,
+                                                 Rules rules, std::span<const Point3> positions);
 
 }  // namespace espalier::stencils

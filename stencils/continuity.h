@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/embedding.h>
@@ -42,14 +43,15 @@ enum class Continuity {
 ///         covers less than the faces; if there are no faces, or one is not there
 /// \cost O(base + the cells around the faces, twice refined)
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3
-std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base, Rules rules,
-                                        std::span<const Index> faces, Continuity continuity);
+ESPALIER_API std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base, Rules rules,
+                                                     std::span<const Index> faces,
+                                                     Continuity continuity);
 
 /// The vertices to freeze, ascending, to hold points in their places (C0) that have been bound:
 /// those that move one of them by more than 1e-11 of their own displacement.
 /// \param deformation D: a row for each of the points; an empty one asks for no vertex
 /// \cost O(entries)
-std::vector<Index> verticesHoldingRows(const StencilTable<double>& deformation);
+ESPALIER_API std::vector<Index> verticesHoldingRows(const StencilTable<double>& deformation);
 
 /// The vertices to freeze, ascending, to hold points: a part of a model.
 ///
@@ -68,9 +70,10 @@ std::vector<Index> verticesHoldingRows(const StencilTable<double>& deformation);
 /// \throws Error if there are no points; naming one that is not finite; as bindPoints()
 /// \cost as bindPoints()
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 5
-std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
-                                         std::span<const Point3> positions, int level, Rules rules,
-                                         std::span<const Point3> points, Continuity continuity,
-                                         const EmbeddingOptions& options = {});
+ESPALIER_API std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
+                                                      std::span<const Point3> positions, int level,
+                                                      Rules rules, std::span<const Point3> points,
+                                                      Continuity continuity,
+                                                      const EmbeddingOptions& options = {});
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -16,7 +17,7 @@ namespace espalier::stencils {
 /// each with a factor of its own; frozen ones have none. B says how: its row 3v + c holds the
 /// weights of the variables in the displacement of coordinate c of vertex v. With D, points ×
 /// vertices, J = (D ⊗ I₃) · B is the Jacobian of the points' coordinates by the variables.
-class DesignVariables {
+class ESPALIER_API DesignVariables {
 public:
     explicit DesignVariables(Index vertexCount);
 
@@ -83,7 +84,7 @@ private:
 /// \throws Error if B has not three rows for each column of D; if there are more than 2^31 / 3
 ///         points
 /// \cost O(products of entries), in parallel
-StencilTable<double> buildJacobian(const StencilTable<double>& deformation,
-                                   const StencilTable<double>& design);
+ESPALIER_API StencilTable<double> buildJacobian(const StencilTable<double>& deformation,
+                                                const StencilTable<double>& design);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/factored_table.h>
 #include <espalier/stencils/masks.h>
@@ -65,21 +66,23 @@ using Embedding = PlacedPoints<CellPlace>;
 /// \cost O(cells log cells + points log cells), in parallel. The result does not depend on the
 ///       number of threads.
 /// \cite MacCracken & Joy 1996, sections 4 to 6
-Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> positions,
-                      std::span<const Point3> points, const EmbeddingOptions& options = {},
-                      const std::function<void(Offset)>& progress = {});
+ESPALIER_API Embedding embedPoints(const far::CellComplex& complex,
+                                   std::span<const Point3> positions,
+                                   std::span<const Point3> points,
+                                   const EmbeddingOptions& options = {},
+                                   const std::function<void(Offset)>& progress = {});
 
 /// W: row i holds the weights of point i over the vertices of the refined lattice; 8 entries in a
 /// hexahedron, 2n + 2 in a type-n cell. Rows sum to 1; the row of a point without a place is empty.
 /// \throws Error if the embedding is in a lattice with another number of vertices
-StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
-                                         const Embedding& embedding);
+ESPALIER_API StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
+                                                      const Embedding& embedding);
 
 /// The order of the rows of W for the product with S_level: the points in a base cell lead to the
 /// vertices around it.
 /// \param baseCells for each cell of the level a number of the base cell that it lies in
-RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> baseCells,
-                         Index groupCount);
+ESPALIER_API RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> baseCells,
+                                      Index groupCount);
 
 /// D = W · S_level: row i holds the weights of point i over the base vertices, so that x' = D · p'.
 /// It is also the Jacobian of the points by the lattice vertices. Rows sum to 1, or are empty. Only
@@ -88,27 +91,28 @@ RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> base
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries), in parallel
 template <class Real = double>
-StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
-                                         Rules rules, const Embedding& embedding);
+ESPALIER_API StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
+                                                      int level, Rules rules,
+                                                      const Embedding& embedding);
 
 /// The same from the level tables R_1 to R_level: see composeStencils().
 template <class Real = double>
-StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
-                                         std::span<const StencilTable<double>> tables,
-                                         const Embedding& embedding);
+ESPALIER_API StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
+                                                      std::span<const StencilTable<double>> tables,
+                                                      const Embedding& embedding);
 
 /// W and the rows of S_level that it asks for, in the order of the vertices of the level.
 ///
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries of S_level), in parallel
 template <class Real = double>
-FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner, int level, Rules rules,
-                                       const Embedding& embedding);
+ESPALIER_API FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner, int level,
+                                                    Rules rules, const Embedding& embedding);
 
 /// The same from the level tables R_1 to R_level: see composeStencils().
 template <class Real = double>
-FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner,
-                                       std::span<const StencilTable<double>> tables,
-                                       const Embedding& embedding);
+ESPALIER_API FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner,
+                                                    std::span<const StencilTable<double>> tables,
+                                                    const Embedding& embedding);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/binding.h>
 #include <espalier/stencils/factored_table.h>
 
@@ -43,17 +44,18 @@ struct BoundModel {
 ///       of threads
 /// \cite MacCracken & Joy 1996, sections 4 to 6
 template <class Real>
-BoundModel<Real> bindPoints(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                            int level, Rules rules, std::span<const Point3> points,
-                            const EmbeddingOptions& options = {},
-                            const std::function<void(Offset)>& progress = {});
+ESPALIER_API BoundModel<Real> bindPoints(const far::TopologyRefiner& base,
+                                         std::span<const Point3> positions, int level, Rules rules,
+                                         std::span<const Point3> points,
+                                         const EmbeddingOptions& options = {},
+                                         const std::function<void(Offset)>& progress = {});
 
 /// The same with D left in its factors. Their product is the D of bindPoints(), but for rounding. A
 /// vertex of the level may be there more than once, for points of different groups.
 ///
 /// \cost less, by the product
 template <class Real>
-BoundModel<Real, FactoredTable<Real>> bindFactored(
+ESPALIER_API BoundModel<Real, FactoredTable<Real>> bindFactored(
     const far::TopologyRefiner& base, std::span<const Point3> positions, int level, Rules rules,
     std::span<const Point3> points, const EmbeddingOptions& options = {},
     const std::function<void(Offset)>& progress = {});

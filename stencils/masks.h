@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/index.h>
 
 #include <array>
@@ -45,13 +46,13 @@ using Mask = std::array<double, far::kMaxDimension + 1>;
 ///        number of its edges on the surface; at least 1; not used otherwise
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3; Joy, bicubic refinement, "face", "edge" and
 ///       "vertex" points (stratum 2); CSE-96-1, section 2 (stratum 1)
-Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence);
+ESPALIER_API Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence);
 
 /// The rule of an edge on stratum 2 under TriangleSubdivision::Smooth: M (1 − 2w) + 2w Ā, where w
 /// is the mean of 0.47 for each triangle and 1/4 for each other face at the edge.
 ///
 /// \param triangles how many of the two faces at the edge are triangles: 0 to 2
 /// \cite OpenSubdiv 3.5, Sdc::Scheme<SCHEME_CATMARK>, after Stam
-Mask smoothTriangleMask(int triangles);
+ESPALIER_API Mask smoothTriangleMask(int triangles);
 
 }  // namespace espalier::stencils

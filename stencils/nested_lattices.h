@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/embedding.h>
@@ -35,10 +36,10 @@ namespace espalier::stencils {
 ///         it; and as bindPoints()
 /// \cost as bindPoints() for the vertices of the child, and the product
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p', twice
-StencilTable<double> nestTables(const StencilTable<double>& child,
-                                std::span<const Point3> childPose,
-                                const far::TopologyRefiner& parent,
-                                std::span<const Point3> parentRest, int level, Rules rules,
-                                const EmbeddingOptions& options = {});
+ESPALIER_API StencilTable<double> nestTables(const StencilTable<double>& child,
+                                             std::span<const Point3> childPose,
+                                             const far::TopologyRefiner& parent,
+                                             std::span<const Point3> parentRest, int level,
+                                             Rules rules, const EmbeddingOptions& options = {});
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/box_tree.h>
 #include <espalier/stencils/cell_solver.h>
 
@@ -17,7 +18,7 @@ namespace espalier::stencils {
 /// Any number of threads may ask; answers depend on nothing but the point.
 ///
 /// \cite MacCracken & Joy 1996, sections 4 to 6
-class PointLocator {
+class ESPALIER_API PointLocator {
 public:
     /// \param complex a lattice of level 1 or above; kept (a cheap copy)
     /// \param positions one a vertex; copied

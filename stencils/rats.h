@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <vector>
@@ -40,7 +41,7 @@ enum class RatsPoint {
 };
 
 /// The type of the new point of an entity of a curve or a mesh.
-RatsPoint ratsPoint(const far::Level& level, far::Entity entity);
+ESPALIER_API RatsPoint ratsPoint(const far::Level& level, far::Entity entity);
 
 /// The entities of whose averages the new point of `entity` is the mean. A vertex that the loop of
 /// a face passes twice is there twice.
@@ -49,13 +50,13 @@ RatsPoint ratsPoint(const far::Level& level, far::Entity entity);
 /// border edges then, and its centroid is also the mean of its new vertex points.
 ///
 /// \cite Savva & Clapworthy, Eq 4 to 19; section 3 (F_γ and E_δ are means of new vertex points)
-std::vector<far::Entity> ratsSources(const far::Level& level, far::Entity entity);
+ESPALIER_API std::vector<far::Entity> ratsSources(const far::Level& level, far::Entity entity);
 
 /// Checks that the rules of RATS say how to refine what a refiner holds.
 ///
 /// \throws Error for a lattice, under Boundary::Open (RATS reaches the border), and under
 ///         TriangleSubdivision::Smooth; far::TopologyError (BadMark) naming the first vertex or
 ///         edge that is semi-sharp
-void checkRats(const far::TopologyRefiner& refiner);
+ESPALIER_API void checkRats(const far::TopologyRefiner& refiner);
 
 }  // namespace espalier::stencils

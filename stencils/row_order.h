@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/array.h>
 #include <espalier/far/topology_refiner.h>
 
@@ -15,7 +16,7 @@ using far::Offset;
 
 /// An order of the rows of a table in which those come one after the other that share columns, or
 /// will after a product. Without groups, the order of the table.
-class RowOrder {
+class ESPALIER_API RowOrder {
 public:
     RowOrder() = default;
 
@@ -44,7 +45,7 @@ private:
 /// Of each entity of a level, the entity of the base in whose interior it lies: numbered through
 /// the dimensions, vertices first. Entities of the same one are refined from the same base
 /// vertices, those around it.
-class BaseEntities {
+class ESPALIER_API BaseEntities {
 public:
     explicit BaseEntities(const far::CellComplex& base);
 
@@ -71,6 +72,6 @@ private:
 };
 
 /// Those of levels 0 to `level`.
-std::vector<BaseEntities> baseEntities(const far::TopologyRefiner& refiner, int level);
+ESPALIER_API std::vector<BaseEntities> baseEntities(const far::TopologyRefiner& refiner, int level);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/array.h>
 #include <espalier/far/index.h>
 
@@ -19,7 +20,7 @@ struct CurvePlace {
 /// which eighth of a part of the box it lies, and the higher bits in which part: points with common
 /// high bits are in a common box. Points outside count as the nearest inside, and those that are
 /// not finite have some place.
-class MortonCurve {
+class ESPALIER_API MortonCurve {
 public:
     static constexpr int kBitsPerAxis = 21;
     static constexpr int kBits = 3 * kBitsPerAxis;
@@ -34,6 +35,6 @@ private:
 
 /// Sorts by the highest `bits` of the key; those with the same stay in order.
 /// \cost O(places · bits): 1 M places by all bits in 0.05 s
-void sortAlongCurve(far::Array<CurvePlace>& places, int bits = MortonCurve::kBits);
+ESPALIER_API void sortAlongCurve(far::Array<CurvePlace>& places, int bits = MortonCurve::kBits);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/error.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -18,7 +19,7 @@ namespace espalier::stencils {
 ///
 /// The table must outlive the view, and the view what matrix() returns.
 template <class Real>
-class SparseView {
+class ESPALIER_API SparseView {
 public:
     using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;
     using Map = Eigen::Map<const Matrix>;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/array.h>
 #include <espalier/far/index.h>
 
@@ -23,7 +24,7 @@ struct Trusted {};
 /// Columns ascend and are unique in a row. Immutable, and so safe to share between threads.
 /// Real is float or double.
 template <class Real>
-class StencilTable {
+class ESPALIER_API StencilTable {
 public:
     /// The table of no rows and no columns.
     StencilTable() = default;
@@ -72,7 +73,7 @@ extern template class StencilTable<double>;
 
 /// The same table with weights rounded to another precision.
 template <class To, class From>
-StencilTable<To> convertTable(const StencilTable<From>& table);
+ESPALIER_API StencilTable<To> convertTable(const StencilTable<From>& table);
 
 /// The same of a table that is done with: itself, if that is its precision.
 template <class To, class From>
@@ -87,12 +88,13 @@ StencilTable<To> convertTable(StencilTable<From>&& table) {
 /// by the points to gradients by the lattice vertices.
 /// \cost O(entries + rows + columns)
 template <class Real>
-StencilTable<Real> transposeTable(const StencilTable<Real>& table);
+ESPALIER_API StencilTable<Real> transposeTable(const StencilTable<Real>& table);
 
 /// Some rows of a table, in the order in which they are named.
 /// \param rows those of the table, repeats allowed
 /// \cost O(entries), in parallel
 template <class Real>
-StencilTable<Real> selectRows(const StencilTable<Real>& table, std::span<const Index> rows);
+ESPALIER_API StencilTable<Real> selectRows(const StencilTable<Real>& table,
+                                           std::span<const Index> rows);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/box_grid.h>
 #include <espalier/stencils/basis_functions.h>
 #include <espalier/stencils/embedding.h>
@@ -35,7 +36,7 @@ using TensorEmbedding = PlacedPoints<TensorPlace>;
 ///
 /// \cite MacCracken & Joy 1996, sections 1 and 4, on Sederberg & Parry 1986 and Griessmair &
 ///       Purgathofer 1989
-class TensorLattice {
+class ESPALIER_API TensorLattice {
 public:
     /// \param complex a box of hexahedra; kept (a cheap copy)
     /// \param rest one position a vertex; copied
@@ -83,9 +84,10 @@ private:
 
 /// Finds each point in a box lattice, as embedPoints() does in a refined one: the same statuses and
 /// policies, errors included. \cost O(points · weights of a place), in parallel
-TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3> points,
-                            const EmbeddingOptions& options = {},
-                            const std::function<void(Offset)>& progress = {});
+ESPALIER_API TensorEmbedding embedPoints(const TensorLattice& lattice,
+                                         std::span<const Point3> points,
+                                         const EmbeddingOptions& options = {},
+                                         const std::function<void(Offset)>& progress = {});
 
 /// D: row i holds the weights of point i over the vertices of the lattice. Rows sum to 1, or are
 /// empty for points without a place. Full of Bézier weights, it has points × vertices entries.
@@ -93,7 +95,7 @@ TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3
 /// \throws Error if the embedding is in a lattice with another number of vertices
 /// \cost O(entries), in parallel
 template <class Real = double>
-StencilTable<Real> buildDeformationTable(const TensorLattice& lattice,
-                                         const TensorEmbedding& embedding);
+ESPALIER_API StencilTable<Real> buildDeformationTable(const TensorLattice& lattice,
+                                                      const TensorEmbedding& embedding);
 
 }  // namespace espalier::stencils

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <Eigen/Core>
 #include <array>
 #include <optional>
@@ -11,7 +12,7 @@ namespace espalier::stencils {
 /// 1 is at (1, 0, 0), 2 at (1, 1, 0), 3 at (0, 1, 0), and 4 to 7 the same at w = 1.
 ///
 /// \cite MacCracken & Joy 1996, section 6
-class Trilinear {
+class ESPALIER_API Trilinear {
 public:
     using Corners = std::array<Eigen::Vector3d, 8>;
     using Weights = std::array<double, 8>;
@@ -57,6 +58,6 @@ private:
 };
 
 /// Whether a place lies in [0, 1]³, give or take `tolerance`.
-bool isInUnitCube(const Eigen::Vector3d& uvw, double tolerance);
+ESPALIER_API bool isInUnitCube(const Eigen::Vector3d& uvw, double tolerance);
 
 }  // namespace espalier::stencils

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+# What `cmake --install` puts where, for find_package(espalier) and for pkg-config. One export set
+# and one .pc file a component, so that none asks for what another needs.
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/espalier)
+set(pkg_config_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+get_property(components GLOBAL PROPERTY ESPALIER_COMPONENTS)
+
+# So that the tree can be moved.
+file(RELATIVE_PATH prefix_from_here /prefix/${pkg_config_dir} /prefix)
+
+set(component_facts)
+foreach(name IN LISTS components)
+  get_property(depends GLOBAL PROPERTY ESPALIER_${name}_DEPENDS)
+  get_property(packages GLOBAL PROPERTY ESPALIER_${name}_PACKAGES)
+  string(APPEND component_facts "set(_espalier_${name}_depends ${depends})\n"
+                                "set(_espalier_${name}_packages ${packages})\n")
+
+  install(TARGETS espalier_${name} EXPORT espalier-${name}
+          LIBRARY COMPONENT libraries NAMELINK_COMPONENT development
+          ARCHIVE COMPONENT development
+          FILE_SET HEADERS COMPONENT development)
+  install(EXPORT espalier-${name} NAMESPACE espalier:: DESTINATION ${package_dir}
+          FILE espalier-${name}.cmake COMPONENT development)
+
+  get_property(pkg_config_names GLOBAL PROPERTY ESPALIER_${name}_PKG_CONFIG)
+  set(other_libraries ${pkg_config_names})
+  list(FILTER other_libraries INCLUDE REGEX "^-l")
+  list(FILTER pkg_config_names EXCLUDE REGEX "^-l")
+  list(TRANSFORM depends PREPEND espalier- OUTPUT_VARIABLE requires)
+  list(APPEND requires ${pkg_config_names})
+  list(JOIN requires " " requires)
+  list(JOIN other_libraries " " other_libraries)
+  configure_file(cmake/espalier.pc.in ${PROJECT_BINARY_DIR}/pkgconfig/espalier-${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/pkgconfig/espalier-${name}.pc
+          DESTINATION ${pkg_config_dir} COMPONENT development)
+endforeach()
+
+configure_package_config_file(cmake/espalier-config.cmake.in espalier-config.cmake
+                              INSTALL_DESTINATION ${package_dir} NO_SET_AND_CHECK_MACRO)
+# As ESPALIER_SOVERSION has it.
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(compatibility SameMinorVersion)
+else()
+  set(compatibility SameMajorVersion)
+endif()
+write_basic_package_version_file(espalier-config-version.cmake COMPATIBILITY ${compatibility})
+install(FILES ${PROJECT_BINARY_DIR}/espalier-config.cmake
+              ${PROJECT_BINARY_DIR}/espalier-config-version.cmake
+              cmake/FindOpenSubdivCpu.cmake cmake/FindPetscReal.cmake
+        DESTINATION ${package_dir} COMPONENT development)

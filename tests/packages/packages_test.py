@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Installs a build, and links somebody else's program to it by CMake and by pkg-config."""
+
+import os
+import pathlib
+import shlex
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+CONSUMER = HERE / "consumer"
+CMAKE = BUILD = None  # set by main: the program, and the build to install
+
+
+class Packages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        cls.prefix = cls.folder / "installed"
+        cls.run_program(CMAKE, "--install", BUILD, "--prefix", cls.prefix)
+        # As a relocated tree, which does not know the folder that it was made for.
+        cls.prefix = cls.prefix.rename(cls.folder / "moved")
+
+    @classmethod
+    def run_program(cls, *command, code=0, **options):
+        result = subprocess.run([str(part) for part in command], text=True, cwd=cls.folder,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+                                **options)
+        if result.returncode != code:
+            raise AssertionError(f"{command} exits with {result.returncode}:\n{result.stdout}")
+        return result.stdout
+
+    def environment(self, **more):
+        libraries = [str(path.parent) for path in self.prefix.glob("lib*/**/libespalier_far.*")]
+        return {**os.environ, "LD_LIBRARY_PATH": ":".join(libraries), **more}
+
+    def configure(self, name, *options, code=0):
+        return self.run_program(CMAKE, "-G", "Ninja", "-S", CONSUMER, "-B", name,
+                                f"-DCMAKE_PREFIX_PATH={self.prefix}", *options, code=code)
+
+    def test_find_package(self):
+        self.configure("by-package", "-DCMAKE_BUILD_TYPE=Debug")
+        self.run_program(CMAKE, "--build", "by-package")
+        out = self.run_program("by-package/consumer", env=self.environment())
+        self.assertIn("none.ovm", out)
+
+    def test_components_that_are_not_there_are_named(self):
+        (self.folder / "asks").mkdir()
+        (self.folder / "asks/CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.25)\nproject(asks LANGUAGES CXX)\n"
+            "find_package(espalier REQUIRED COMPONENTS io teapot)\n")
+        out = self.run_program(CMAKE, "-S", "asks", "-B", "asks/build",
+                               f"-DCMAKE_PREFIX_PATH={self.prefix}", code=1)
+        self.assertIn("teapot", out)
+        out = self.run_program(CMAKE, "-S", CONSUMER, "-B", "newer", "-DCMAKE_PREFIX_PATH=/none",
+                               code=1)
+        self.assertIn("espalier", out)
+
+    def test_other_versions_are_refused(self):
+        (self.folder / "newer").mkdir()
+        (self.folder / "newer/CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.25)\nproject(newer LANGUAGES CXX)\n"
+            "find_package(espalier 99.0 REQUIRED)\n")
+        out = self.run_program(CMAKE, "-S", "newer", "-B", "newer/build",
+                               f"-DCMAKE_PREFIX_PATH={self.prefix}", code=1)
+        self.assertIn("99.0", out)
+
+    def test_pkg_config(self):
+        path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
+        flags = self.run_program("pkg-config", "--cflags", "--libs", "espalier-io", "espalier-osd",
+                                 "espalier-solve", env=self.environment(PKG_CONFIG_PATH=path))
+        self.assertNotIn("-Wall", flags)
+        self.run_program("c++", "-std=c++20", CONSUMER / "main.cpp", "-o", "by-pkg-config",
+                         *shlex.split(flags))
+        self.run_program("./by-pkg-config", env=self.environment())
+
+    def test_nothing_of_the_build_is_left_in_the_package(self):
+        for path in [*self.prefix.glob("**/*.cmake"), *self.prefix.glob("**/*.pc")]:
+            text = path.read_text(encoding="utf-8")
+            for place in (str(BUILD), str(HERE.parents[1]), str(self.folder)):
+                self.assertNotIn(place, text, path)
+
+    def test_private_headers_stay(self):
+        headers = {str(path.relative_to(self.prefix / "include/espalier"))
+                   for path in self.prefix.glob("include/espalier/**/*.h")}
+        self.assertIn("stencils/local_binding.h", headers)
+        for name in ("stencils/group_binder.h", "io/zip_writer.h", "solve/bernstein.h"):
+            self.assertTrue((HERE.parents[1] / name).is_file(), name)
+            self.assertNotIn(name, headers)
+
+
+if __name__ == "__main__":
+    BUILD = pathlib.Path(sys.argv.pop())
+    CMAKE = sys.argv.pop()
+    unittest.main()
