@@ -2,6 +2,14 @@
 
 # Finds PETSc of real double scalars, by its pkg-config file, and the MPI that it is built on:
 # PetscReal_FOUND, and the target PetscReal::petsc. Integers may have either size.
+#
+# Where PETSc is there and cannot be used, it says why, asked quietly or not.
+
+# What failed is tried anew, since another PETSc may have been installed.
+if(NOT PetscReal_SCALARS_ARE_DOUBLE)
+  unset(PetscReal_SCALARS_ARE_DOUBLE CACHE)
+  unset(PetscReal_PC_FOUND CACHE)
+endif()
 find_package(PkgConfig QUIET)
 find_package(MPI QUIET COMPONENTS CXX)
 if(PKG_CONFIG_FOUND)
@@ -24,6 +32,18 @@ if(PetscReal_PC_FOUND AND MPI_CXX_FOUND)
     static_assert(static_cast<PetscScalar*>(nullptr) == static_cast<double*>(nullptr));
     int main() { return PetscFinalize() == 0 ? 0 : 1; }" PetscReal_SCALARS_ARE_DOUBLE)
   cmake_pop_check_state()
+endif()
+
+unset(PetscReal_unfit)
+if(PetscReal_PC_FOUND AND PetscReal_PC_VERSION VERSION_LESS PetscReal_FIND_VERSION)
+  set(PetscReal_unfit "${PetscReal_FIND_VERSION} or later is needed")
+elseif(PetscReal_PC_FOUND AND NOT MPI_CXX_FOUND)
+  set(PetscReal_unfit "the MPI of its C++ programs is not found")
+elseif(PetscReal_PC_FOUND AND NOT PetscReal_SCALARS_ARE_DOUBLE)
+  set(PetscReal_unfit "its scalars are not real doubles, or no program links with it")
+endif()
+if(PetscReal_unfit)
+  message(STATUS "PETSc ${PetscReal_PC_VERSION} cannot be used: ${PetscReal_unfit}")
 endif()
 
 include(FindPackageHandleStandardArgs)

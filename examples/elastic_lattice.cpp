@@ -12,6 +12,7 @@
 // D moves the points with the lattice, and so Dᵀ carries the forces on them to the lattice: both do
 // the same work.
 
+#include <espalier/far/error.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
@@ -26,6 +27,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <exception>
 #include <iostream>
 #include <span>
 #include <string>
@@ -108,6 +110,20 @@ Sparse toEigen(const stencils::StencilTable<double>& table) {
     return stencils::SparseView<double>(table).matrix();
 }
 
+/// What moves under a load, and how far.
+/// \throws Error where something may move without resistance
+Eigen::VectorXd solve(const Sparse& stiffness, const Eigen::VectorXd& load) {
+    if (load.size() == 0) return load;  // all is held
+    const Eigen::SimplicialLDLT<Sparse> factors(stiffness);
+    // Movements without resistance, a hinge say, leave pivots that are rounding: below 2e-12 of the
+    // largest for lattices of up to 1,000 cells. Of lattices that are held, the softest that was
+    // tried, a bar of 1,000 × 1 × 1, has none below 4e-4.
+    const Eigen::VectorXd pivots = factors.vectorD().cwiseAbs();
+    if (factors.info() != Eigen::Success || !(pivots.minCoeff() > 1e-10 * pivots.maxCoeff()))
+        throw Error("the vertices that are held do not hold the lattice");
+    return factors.solve(load);
+}
+
 double numberOf(const char* text) {
     char* end = nullptr;
     const double number = std::strtod(text, &end);
@@ -142,10 +158,7 @@ void run(int count, char** arguments) {
                                     stencils::applyLevelTable(levelTable, lattice.positions)) *
                           toLevel;
     const Eigen::VectorXd load = toPoints.transpose() * forces.reshaped();
-    const Eigen::VectorXd solution = Eigen::SimplicialLDLT<Sparse>(matrix).solve(load);
-    // A negation, so that it holds for what is not a number.
-    if (!((matrix * solution - load).norm() <= 1e-6 * load.norm()))
-        throw Error("the vertices that are held do not hold the lattice");
+    const Eigen::VectorXd solution = solve(matrix, load);
 
     const Eigen::VectorXd displacements = toEigen(movable) * solution;
     Eigen::Map<Eigen::VectorXd>(lattice.positions.front().data(), displacements.size()) +=
@@ -153,9 +166,7 @@ void run(int count, char** arguments) {
     model->write(arguments[5], osd::evaluateBinding(bound.binding, lattice.positions));
     if (count > 6) io::writeLattice(arguments[6], lattice);
 
-    // (Dᵀ · forcesᵀ)ᵀ: rows of D sum to 1, so the lattice bears what the points do.
-    const Eigen::Vector3d borne = (forces * toEigen(deformation)).rowwise().sum();
-    std::cout << "force on the lattice: " << borne.transpose() << "\nlargest displacement: "
+    std::cout << "largest displacement: "
               << (toPoints * solution).reshaped(3, forces.cols()).colwise().norm().maxCoeff()
               << '\n';
 }

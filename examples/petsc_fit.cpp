@@ -1,104 +1,143 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Fits a lattice to where the points of a model are wanted, over several machines:
+// Fits a lattice to where the points of a model are wanted, over several ranks of MPI:
 //
-//     espalier stencils LATTICE --points MODEL -n 2 -o D.petsc
-//     mpirun -n 2 petsc_fit D.petsc REST.txt WANTED.txt OUT.txt
+//     mpirun -n 2 petsc_fit MODEL REST WANTED OUT POSE
 //
-// REST and WANTED have a line "x y z" for each point of the model, and so has OUT: where the points
-// go when the lattice moves by d, the smallest of those that make |D d − (wanted − rest)| least.
-// Points outside the lattice stay where they are.
+// WANTED is the model with its points where they should be. The lattice REST moves by d, the
+// smallest of those that make |D d − (wanted − rest)| least; it is written as POSE, and the model
+// as it carries that as OUT. Points outside the lattice stay where they are.
+//
+// Each rank binds its share of the points, and has no other rows of D. (It does read both files: a
+// program for models beyond one machine's memory would read its own part of them.)
 
+#include <espalier/far/error.h>
+#include <espalier/far/parallel.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/model.h>
+#include <espalier/petsc/distributed_table.h>
+#include <espalier/stencils/local_binding.h>
 #include <petscksp.h>
 
-#include <array>
-#include <fstream>
-#include <iomanip>
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <span>
 #include <string>
+#include <vector>
+
+using namespace espalier;
 
 namespace {
 
-constexpr PetscInt kXyz = 3;
+constexpr int kLevel = 2;
 
-/// Each rank reads its own lines into its part of the vector.
-PetscErrorCode readPoints(const std::string& path, Vec points) {
-    PetscFunctionBeginUser;
-    PetscInt first = 0, last = 0;
-    PetscCall(VecGetOwnershipRange(points, &first, &last));
-    PetscScalar* values = nullptr;
-    PetscCall(VecGetArray(points, &values));
-    std::ifstream in(path);
-    std::string line;
-    for (PetscInt i = 0; i < first / kXyz; ++i) std::getline(in, line);
-    for (PetscInt i = 0; i < last - first; ++i) in >> values[i];
-    const bool complete = static_cast<bool>(in);
-    PetscCall(VecRestoreArray(points, &values));
-    PetscCheck(complete, PETSC_COMM_SELF, PETSC_ERR_FILE_READ, "%s: expected x y z for each point",
-               path.c_str());
-    PetscFunctionReturn(0);
-}
+struct Paths {
+    std::string model, rest, wanted, out, pose;
+};
 
-/// Rank 0 collects the points and writes them.
-PetscErrorCode writePoints(const std::string& path, Vec points) {
-    PetscFunctionBeginUser;
-    VecScatter toFirst = nullptr;
-    Vec all = nullptr;
-    PetscCall(VecScatterCreateToZero(points, &toFirst, &all));
-    PetscCall(VecScatterBegin(toFirst, points, all, INSERT_VALUES, SCATTER_FORWARD));
-    PetscCall(VecScatterEnd(toFirst, points, all, INSERT_VALUES, SCATTER_FORWARD));
-    PetscInt count = 0;
-    PetscCall(VecGetLocalSize(all, &count));
-    const PetscScalar* values = nullptr;
-    PetscCall(VecGetArrayRead(all, &values));
-    if (count > 0) {
-        std::ofstream out(path);
-        out << std::setprecision(17);
-        for (PetscInt i = 0; i < count; ++i) out << values[i] << (i % kXyz == 2 ? '\n' : ' ');
+struct Ranks {
+    int rank = 0, size = 1;
+
+    template <class Value>
+    std::span<const Value> ownPart(std::span<const Value> all) const {
+        const auto own = petsc::evenRange(static_cast<far::Offset>(all.size()), rank, size);
+        return all.subspan(static_cast<std::size_t>(own.first),
+                           static_cast<std::size_t>(own.count()));
     }
-    PetscCall(VecRestoreArrayRead(all, &values));
-    PetscCall(VecDestroy(&all));
-    PetscCall(VecScatterDestroy(&toFirst));
-    PetscFunctionReturn(0);
+};
+
+std::span<const double> numbersOf(std::span<const Point3> points) {
+    return {points.data()->data(), 3 * points.size()};
 }
 
-PetscErrorCode fit(const std::array<std::string, 4>& paths) {
+/// \param misses 3 numbers for each point of the rank
+/// \param moves becomes 3 numbers for each of its vertices
+PetscErrorCode leastSquares(const petsc::DistributedTable& table, std::span<const double> misses,
+                            std::vector<double>& moves) {
     PetscFunctionBeginUser;
-    // D, its rows spread over the ranks; and D for each of x, y and z.
-    PetscViewer viewer = nullptr;
-    Mat matrix = nullptr, blocked = nullptr;
-    PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, paths[0].c_str(), FILE_MODE_READ, &viewer));
-    PetscCall(MatCreate(PETSC_COMM_WORLD, &matrix));
-    PetscCall(MatSetType(matrix, MATAIJ));
-    PetscCall(MatLoad(matrix, viewer));
-    PetscCall(PetscViewerDestroy(&viewer));
-    PetscCall(MatCreateMAIJ(matrix, kXyz, &blocked));
-
-    Vec displacements = nullptr, rest = nullptr, misses = nullptr;
-    PetscCall(MatCreateVecs(blocked, &displacements, &rest));
-    PetscCall(VecDuplicate(rest, &misses));
-    PetscCall(readPoints(paths[1], rest));
-    PetscCall(readPoints(paths[2], misses));
-    PetscCall(VecAXPY(misses, -1, rest));
+    Vec right = nullptr, solution = nullptr;
+    PetscCall(MatCreateVecs(table.blocked(), &solution, &right));
+    PetscScalar* values = nullptr;
+    PetscCall(VecGetArrayWrite(right, &values));
+    std::copy(misses.begin(), misses.end(), values);
+    PetscCall(VecRestoreArrayWrite(right, &values));
 
     // LSQR from 0 finds the smallest solution, and takes only products with D and its transpose.
     KSP solver = nullptr;
     PC preconditioner = nullptr;
     PetscCall(KSPCreate(PETSC_COMM_WORLD, &solver));
     PetscCall(KSPSetType(solver, KSPLSQR));
-    PetscCall(KSPSetOperators(solver, blocked, blocked));
+    PetscCall(KSPSetOperators(solver, table.blocked(), table.blocked()));
     PetscCall(KSPGetPC(solver, &preconditioner));
     PetscCall(PCSetType(preconditioner, PCNONE));
     PetscCall(KSPSetTolerances(solver, 1e-12, 1e-14, PETSC_DEFAULT, 10'000));
     PetscCall(KSPSetErrorIfNotConverged(solver, PETSC_TRUE));
     PetscCall(KSPSetFromOptions(solver));
-    PetscCall(KSPSolve(solver, misses, displacements));
+    PetscCall(KSPSolve(solver, right, solution));
 
-    PetscCall(MatMultAdd(blocked, displacements, rest, rest));
-    PetscCall(writePoints(paths[3], rest));
+    const PetscScalar* found = nullptr;
+    PetscCall(VecGetArrayRead(solution, &found));
+    moves.assign(found, found + 3 * table.ownVertices().count());
+    PetscCall(VecRestoreArrayRead(solution, &found));
     PetscCall(KSPDestroy(&solver));
-    for (Vec* vector : {&displacements, &rest, &misses}) PetscCall(VecDestroy(vector));
-    PetscCall(MatDestroy(&blocked));
-    PetscCall(MatDestroy(&matrix));
+    PetscCall(VecDestroy(&right));
+    PetscCall(VecDestroy(&solution));
+    PetscFunctionReturn(0);
+}
+
+/// The points of all ranks, on rank 0; elsewhere none.
+std::vector<Point3> gather(const Ranks& ranks, const std::vector<double>& own, std::size_t total) {
+    std::vector<Point3> all(ranks.rank == 0 ? total : 0);
+    std::vector<int> counts, firsts;
+    for (int rank = 0; rank < ranks.size; ++rank) {
+        const auto range = petsc::evenRange(static_cast<far::Offset>(total), rank, ranks.size);
+        counts.push_back(static_cast<int>(3 * range.count()));
+        firsts.push_back(static_cast<int>(3 * range.first));
+    }
+    MPI_Gatherv(own.data(), static_cast<int>(own.size()), MPI_DOUBLE, all.data(), counts.data(),
+                firsts.data(), MPI_DOUBLE, 0, PETSC_COMM_WORLD);
+    return all;
+}
+
+PetscErrorCode fit(const Paths& paths) {
+    PetscFunctionBeginUser;
+    Ranks ranks;
+    MPI_Comm_rank(PETSC_COMM_WORLD, &ranks.rank);
+    MPI_Comm_size(PETSC_COMM_WORLD, &ranks.size);
+    const auto model = io::readModel(paths.model), wanted = io::readModel(paths.wanted);
+    const std::size_t pointCount = model->positions().size();
+    if (wanted->positions().size() != pointCount)
+        throw Error(paths.wanted + ": has " + std::to_string(wanted->positions().size()) +
+                    " points; " + paths.model + " has " + std::to_string(pointCount));
+    Lattice lattice = io::readLattice(paths.rest);
+    model->checkTarget(paths.out);
+    io::checkLatticeTarget(paths.pose);
+
+    const auto ownPoints = ranks.ownPart(model->positions());
+    const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
+
+    const auto own = stencils::bindPoints<double>(base, lattice.positions, kLevel,
+                                                  stencils::Rules::Siggraph96, ownPoints);
+    const auto vertices = petsc::evenRange(lattice.complex.count(0), ranks.rank, ranks.size);
+    petsc::DistributedTable table(PETSC_COMM_WORLD, own.binding, vertices.count());
+
+    const auto ownWanted = numbersOf(ranks.ownPart(wanted->positions()));
+    std::vector<double> misses(ownWanted.begin(), ownWanted.end()), ownMoves;
+    for (std::size_t i = 0; i < misses.size(); ++i) misses[i] -= numbersOf(ownPoints)[i];
+    PetscCall(leastSquares(table, misses, ownMoves));
+
+    const auto ownRest = numbersOf(ranks.ownPart(std::span<const Point3>(lattice.positions)));
+    std::vector<double> ownPose(ownRest.begin(), ownRest.end()), ownMoved(misses.size());
+    for (std::size_t i = 0; i < ownPose.size(); ++i) ownPose[i] += ownMoves[i];
+    table.evaluate(ownPose, ownMoved);  // 3 numbers for each own vertex, and each own point
+
+    const auto moved = gather(ranks, ownMoved, pointCount);
+    lattice.positions = gather(ranks, ownPose, lattice.positions.size());
+    if (ranks.rank == 0) {
+        model->write(paths.out, moved);
+        io::writeLattice(paths.pose, lattice);
+    }
     PetscFunctionReturn(0);
 }
 
@@ -106,9 +145,17 @@ PetscErrorCode fit(const std::array<std::string, 4>& paths) {
 
 int main(int count, char** arguments) {
     PetscCall(PetscInitialize(&count, &arguments, nullptr, nullptr));
-    PetscCheck(count >= 5, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT,
-               "usage: petsc_fit D.petsc REST.txt WANTED.txt OUT.txt");
-    PetscCall(fit({arguments[1], arguments[2], arguments[3], arguments[4]}));
+    PetscCheck(count >= 6, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT,
+               "usage: petsc_fit MODEL REST WANTED OUT POSE");
+    // Ranks take the place of threads.
+    const far::ThreadLimit oneThread(1);
+    try {
+        PetscCall(fit({arguments[1], arguments[2], arguments[3], arguments[4], arguments[5]}));
+    } catch (const std::exception& error) {
+        // Others may be waiting for this rank, whose error may be its own.
+        std::cerr << "petsc_fit: " << error.what() << std::endl;
+        MPI_Abort(PETSC_COMM_WORLD, 1);
+    }
     PetscCall(PetscFinalize());
     return 0;
 }

@@ -3,31 +3,48 @@
 #include <espalier/petsc/agreement.h>
 #include <espalier/petsc/error_capture.h>
 
-#include <exception>
+#include <array>
+#include <cstring>
+#include <new>
 #include <string>
 
 namespace espalier::petsc {
+namespace {
 
-void checkOnAllRanks(MPI_Comm comm, const std::function<void()>& check) {
+/// Of fixed size, since memory may be what is missing.
+using Complaint = std::array<char, 501>;
+
+Complaint complaintOf(const std::exception_ptr& wrong) {
+    Complaint result{};
+    const auto keep = [&](const char* text) {
+        std::strncpy(result.data(), text, result.size() - 1);
+    };
+    try {
+        std::rethrow_exception(wrong);
+    } catch (const std::bad_alloc&) {
+        keep("out of memory");
+    } catch (const std::exception& error) {
+        keep(error.what());
+    } catch (...) {
+        keep("an exception of no known type");
+    }
+    return result;
+}
+
+}  // namespace
+
+void throwOnAllRanks(MPI_Comm comm, const std::exception_ptr& wrong) {
     int rank = 0, size = 0;
     checkMpi(MPI_Comm_rank(comm, &rank));
     checkMpi(MPI_Comm_size(comm, &size));
-    std::string complaint;
-    int complaining = size;
-    try {
-        check();
-    } catch (const std::exception& error) {
-        complaint = error.what();
-        complaining = rank;
-    }
+    int complaining = wrong ? rank : size;
     checkMpi(MPI_Allreduce(MPI_IN_PLACE, &complaining, 1, MPI_INT, MPI_MIN, comm));
     if (complaining == size) return;
 
-    auto length = static_cast<int>(complaint.size());
-    checkMpi(MPI_Bcast(&length, 1, MPI_INT, complaining, comm));
-    complaint.resize(static_cast<std::size_t>(length));
-    checkMpi(MPI_Bcast(complaint.data(), length, MPI_CHAR, complaining, comm));
-    throw Error("rank " + std::to_string(complaining) + ": " + complaint);
+    Complaint complaint = rank == complaining ? complaintOf(wrong) : Complaint{};
+    checkMpi(MPI_Bcast(complaint.data(), static_cast<int>(complaint.size()), MPI_CHAR, complaining,
+                       comm));
+    throw Error("rank " + std::to_string(complaining) + ": " + complaint.data());
 }
 
 }  // namespace espalier::petsc

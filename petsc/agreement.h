@@ -3,17 +3,32 @@
 
 #include <mpi.h>
 
-#include <functional>
+#include <exception>
 
 namespace espalier::petsc {
 
-/// Checks on each rank what only that rank sees, so that none goes on to wait for one that threw.
-/// Collective.
+/// Throws on all ranks what was thrown on any. Collective; allocates nothing before all know.
 ///
-/// \param check throws what is wrong on this rank
-/// \throws Error on all ranks, where it throws on any: "rank 2: ", and what the lowest of those
-///         that threw has to say
+/// \param wrong what this rank has caught; null where all is well
+/// \throws Error on all ranks, where any has caught something: "rank 2: ", and what the lowest of
+///         those has to say, of which 500 bytes are sent
 /// \cost one reduction of an int
-void checkOnAllRanks(MPI_Comm comm, const std::function<void()>& check);
+void throwOnAllRanks(MPI_Comm comm, const std::exception_ptr& wrong);
+
+/// Does on each rank what only that rank may fail at (its checks, its allocations), so that none
+/// goes on to wait for one that threw. Collective.
+///
+/// \param work throws what is wrong on this rank; must not itself be collective
+/// \throws Error as throwOnAllRanks()
+template <class Work>
+void checkOnAllRanks(MPI_Comm comm, const Work& work) {
+    std::exception_ptr wrong;
+    try {
+        work();
+    } catch (...) {
+        wrong = std::current_exception();
+    }
+    throwOnAllRanks(comm, wrong);
+}
 
 }  // namespace espalier::petsc

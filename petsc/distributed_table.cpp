@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace espalier::petsc {
@@ -38,7 +38,7 @@ void checkInitialised() {
 }
 
 /// What a rank sees without the others.
-void checkOwn(const StencilTable<double>& rows, Index ownVertexCount, int components,
+void checkOwn(const StencilTable<double>& rows, Offset ownVertexCount, int components,
               int componentsOfRank0) {
     if (components < 1) throw Error("got " + std::to_string(components) + " components");
     if (components != componentsOfRank0)
@@ -67,14 +67,22 @@ Offset sumOf(MPI_Comm comm, Offset count) {
     return sum;
 }
 
-/// Calls body with the columns as PETSc's integers, which may be ours.
-template <class Body>
-void withColumns(const StencilTable<double>& rows, Body body) {
-    if constexpr (std::is_same_v<PetscInt, Index>)
-        body(rows.columns().data());
-    else
-        body(far::Array<PetscInt>(rows.columns().begin(), rows.columns().end()).data());
-}
+/// The offsets and the columns of rows as PETSc's integers; columns are copied if ours are others.
+template <class Integer>
+struct IntegersOf {
+    explicit IntegersOf(const StencilTable<double>& rows)
+        : offsets(rows.offsets().begin(), rows.offsets().end()) {
+        if constexpr (std::is_same_v<Integer, Index>) {
+            columns = rows.columns();
+        } else {
+            ownColumns.assign(rows.columns().begin(), rows.columns().end());
+            columns = ownColumns;
+        }
+    }
+
+    far::Array<Integer> offsets, ownColumns;
+    std::span<const Integer> columns;
+};
 
 /// An array in a vector that has none of its own.
 class Placed {
@@ -113,7 +121,7 @@ void DistributedTable::Destroy::operator()(Vec vector) const {
 }
 
 DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ownRows,
-                                   Index ownVertexCount, int components)
+                                   Offset ownVertexCount, int components)
     : components_(components) {
     checkInitialised();
     int componentsOfRank0 = components;
@@ -125,12 +133,14 @@ DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ow
     ownVertices_ = rangeOf(comm, ownVertexCount);
     pointCount_ = sumOf(comm, ownRows.rowCount());
     vertexCount_ = sumOf(comm, ownVertexCount);
+    std::optional<IntegersOf<PetscInt>> integers;
     checkOnAllRanks(comm, [&] {
         if (ownRows.columnCount() != vertexCount_)
             throw Error("the rows are over " + std::to_string(ownRows.columnCount()) +
                         " vertices; the ranks own " + std::to_string(vertexCount_));
         checkPetscInt(pointCount_ * components, "components of points");
         checkPetscInt(vertexCount_ * components, "components of vertices");
+        integers.emplace(ownRows);
     });
 
     const ErrorCapture errors;
@@ -138,17 +148,15 @@ DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ow
     Mat matrix = nullptr;
     errors.check(MatCreate(comm, &matrix));
     matrix_.reset(matrix);
-    errors.check(MatSetSizes(matrix, ownRows.rowCount(), ownVertexCount, toPetscInt(pointCount_),
-                             toPetscInt(vertexCount_)));
+    errors.check(MatSetSizes(matrix, ownRows.rowCount(), toPetscInt(ownVertexCount),
+                             toPetscInt(pointCount_), toPetscInt(vertexCount_)));
     errors.check(MatSetType(matrix, MATAIJ));
-    const std::vector<PetscInt> offsets(ownRows.offsets().begin(), ownRows.offsets().end());
-    withColumns(ownRows, [&](const PetscInt* columns) {
-        // Each does nothing for a matrix of the other type.
-        errors.check(MatSeqAIJSetPreallocationCSR(matrix, offsets.data(), columns,
-                                                  ownRows.weights().data()));
-        errors.check(MatMPIAIJSetPreallocationCSR(matrix, offsets.data(), columns,
-                                                  ownRows.weights().data()));
-    });
+    // Each does nothing for a matrix of the other type.
+    errors.check(MatSeqAIJSetPreallocationCSR(matrix, integers->offsets.data(),
+                                              integers->columns.data(), ownRows.weights().data()));
+    errors.check(MatMPIAIJSetPreallocationCSR(matrix, integers->offsets.data(),
+                                              integers->columns.data(), ownRows.weights().data()));
+    integers.reset();
     Mat blocked = nullptr;
     errors.check(MatCreateMAIJ(matrix, components, &blocked));
     blocked_.reset(blocked);
@@ -167,7 +175,7 @@ DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ow
 }
 
 DistributedTable::DistributedTable(MPI_Comm comm, const stencils::Binding<double>& own,
-                                   Index ownVertexCount)
+                                   Offset ownVertexCount)
     : DistributedTable(comm, own.table, ownVertexCount, 3) {
     checkOnAllRanks(comm, [&] {
         if (own.kept.size() != own.keptAt.size())
@@ -177,9 +185,9 @@ DistributedTable::DistributedTable(MPI_Comm comm, const stencils::Binding<double
             if (point < 0 || point >= own.table.rowCount())
                 throw Error("point " + std::to_string(point) + " cannot be kept; there are " +
                             std::to_string(own.table.rowCount()));
+        kept_ = own.kept;
+        keptAt_ = own.keptAt;
     });
-    kept_ = own.kept;
-    keptAt_ = own.keptAt;
 }
 
 void DistributedTable::evaluate(std::span<const double> ownVertexValues,

@@ -27,15 +27,19 @@ namespace espalier::petsc {
 ///
 /// MPI and PETSc are the caller's to initialise, and to finalise when the table is gone. The
 /// constructors, both evaluations and the destructor are collective: all ranks of the communicator
-/// must call them, in the same order. Arguments are checked on each rank before any goes on, and
-/// what is wrong on one is thrown on all, with its rank; only where PETSc itself fails on some
-/// ranks, out of memory say, may the others wait for ever. Not for several threads at a time.
+/// must call them, in the same order. So is assignment, which destroys what the table had. A table
+/// that was moved from may only be assigned to or destroyed.
+///
+/// On each rank arguments are checked, and copies made, before any goes on; what fails on one is
+/// thrown on all, with its rank. Only where PETSc itself fails on some ranks, out of memory say,
+/// may the others wait for ever. Not for several threads at a time.
 ///
 /// Messages: evaluate() receives ghostCount() · components doubles, at most one message from each
 /// rank that owns some of these vertices, while the rank's own vertices are already multiplied;
 /// evaluateAdjoint() sends as many back. Each also reduces one int over all ranks, for the checks.
-/// Memory of a rank: 12 bytes an entry (16 where PETSc's integers have 64 bits), 36 to 72 bytes a
-/// point, and the ghosts. docs/scaling.md has the sums.
+/// Memory of a rank: 12 bytes an entry, 44 bytes a point (on one rank 20), and 52 a ghost; where
+/// PETSc's integers have 64 bits, 16 bytes an entry and 88 a point (40). docs/scaling.md has the
+/// sums.
 ///
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p'
 class DistributedTable {
@@ -48,16 +52,18 @@ public:
     /// \throws Error on all ranks if PETSc is not initialised; if the vertices of all ranks are not
     ///         the columns of each; for weights that are not finite, naming rank and row; if
     ///         PETSc's integers do not hold the entries of a rank or the rows of `blocked`
-    /// \cost O(entries); twice the memory of ownRows meanwhile, which binding took already
+    /// \cost O(entries). Meanwhile ownRows is there too, and with PETSc's integers of 64 bits a
+    /// copy
+    ///       of its columns: 24 bytes an entry, or 36
     DistributedTable(MPI_Comm comm, const stencils::StencilTable<double>& ownRows,
-                     Index ownVertexCount, int components = 3);
+                     Offset ownVertexCount, int components = 3);
 
     /// The same for positions of points of which some are kept in place: evaluate() puts these
     /// where they stay, as osd::evaluateBinding() does; in the adjoint their gradients count for
     /// nothing. (With the constructor above, rows that are empty give 0.)
     ///
     /// \throws Error also for kept points that are not the rank's
-    DistributedTable(MPI_Comm comm, const stencils::Binding<double>& own, Index ownVertexCount);
+    DistributedTable(MPI_Comm comm, const stencils::Binding<double>& own, Offset ownVertexCount);
 
     int components() const { return components_; }
     OwnedRange ownPoints() const { return ownPoints_; }

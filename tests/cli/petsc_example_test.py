@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The example petsc_fit over one and two ranks, against a dense solver on the same D.
+"""The example petsc_fit over one to three ranks, against a dense solver on D of espalier itself.
 
     petsc_example_test.py PATH_OF_ESPALIER PATH_OF_PETSC_FIT PATH_OF_MPIRUN
 """
 
+import pathlib
+import re
 import subprocess
 import sys
 import unittest
@@ -17,6 +19,7 @@ from program import CliTest, icosphere_points
 
 PETSC_FIT = ""
 MPIRUN = ""
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 class PetscFit(CliTest):
@@ -27,35 +30,73 @@ class PetscFit(CliTest):
         self.write_model([tuple(p) for p in self.rest])
         self.run_program("shape", "cylinder", "--sectors", 5, "--from", 0.5, 0.5, -0.2,
                          "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "c.ovm")
-        for name in ["D.petsc", "D.npz"]:
-            self.run_program("stencils", "c.ovm", "--points", "model.obj", "-n", 2, "-o", name)
-        numpy.savetxt(self.path / "rest.txt", self.rest, fmt="%.17g")
 
-    def fit(self, ranks, wanted):
-        numpy.savetxt(self.path / "wanted.txt", wanted, fmt="%.17g")
-        return subprocess.run([MPIRUN, "-n", str(ranks), PETSC_FIT, "D.petsc", "rest.txt",
-                               "wanted.txt", "out.txt"], cwd=self.path, text=True,
-                              capture_output=True, timeout=60)
+    def fit(self, ranks=2, wanted="wanted.obj", out="out.obj", pose="pose.ovm"):
+        return subprocess.run([MPIRUN, "-n", str(ranks), PETSC_FIT, "model.obj", "c.ovm", wanted,
+                               out, pose], cwd=self.path, text=True, capture_output=True,
+                              timeout=60, check=False)
+
+    def assert_refused(self, message, **arguments):
+        result = self.fit(**arguments)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn(message, result.stderr)
+        self.assertFalse((self.path / "out.obj").exists())
+        self.assertFalse((self.path / "pose.ovm").exists())
 
     def test_is_the_least_squares_fit(self):
         # No lattice reaches these, so that all depends on what least means.
         moves = numpy.random.default_rng(3).uniform(-0.1, 0.1, self.rest.shape)
+        self.write_model([tuple(p) for p in self.rest + moves], "wanted.obj")
+        self.run_program("stencils", "c.ovm", "--points", "model.obj", "-n", 2, "-o", "D.npz")
         matrix = scipy.sparse.load_npz(self.path / "D.npz").toarray()
         displacements = numpy.linalg.lstsq(matrix, moves, rcond=1e-10)[0]
         expected = self.rest + matrix @ displacements
         self.assertGreater(numpy.abs(expected - self.rest - moves).max(), 0.01)
-        for ranks in [1, 2]:
-            result = self.fit(ranks, self.rest + moves)
+        lattice = numpy.array(self.read_ovm_positions("c.ovm"))
+        for ranks in [1, 2, 3]:
+            result = self.fit(ranks)
             self.assertEqual(result.returncode, 0, result.stderr)
-            out = numpy.loadtxt(self.path / "out.txt")
+            out = self.read_points("out.obj")
             # LSQR stops at 1e-12 of the misses, times the condition of D, some hundreds.
             numpy.testing.assert_allclose(out, expected, rtol=0, atol=1e-9)
             self.assertEqual(list(out[7]), list(self.rest[7]))
-            (self.path / "out.txt").unlink()
+            # That D has less than full rank: of all that do the same, the smallest.
+            numpy.testing.assert_allclose(self.read_ovm_positions("pose.ovm"),
+                                          lattice + displacements, rtol=0, atol=1e-9)
+            # The model is what the program makes of that lattice, but for the order of sums.
+            self.run_program("deform", "model.obj", "--rest", "c.ovm", "--to", "pose.ovm", "-n", 2,
+                             "-o", "deformed.obj")
+            numpy.testing.assert_allclose(self.read_points("deformed.obj"), out, rtol=0, atol=1e-14)
+            (self.path / "out.obj").unlink()
+            (self.path / "pose.ovm").unlink()
 
-    def test_too_few_points(self):
-        self.assertNotEqual(self.fit(2, self.rest[:-1]).returncode, 0)
-        self.assertFalse((self.path / "out.txt").exists())
+    def test_refuses_other_points(self):
+        self.write_model([tuple(p) for p in self.rest[:-1]], "wanted.obj")
+        self.assert_refused("wanted.obj: has 149 points; model.obj has 150")
+        self.write_model([tuple(p) for p in [*self.rest, self.rest[0]]], "wanted.obj")
+        self.assert_refused("wanted.obj: has 151 points; model.obj has 150")
+
+    def test_refuses_malformed_files(self):
+        for line in ["v 1 2", "v 1 2 nan", "v 1 2 three"]:
+            lines = (self.path / "model.obj").read_text().splitlines()
+            lines[5] = line
+            (self.path / "wanted.obj").write_text("\n".join(lines))
+            self.assert_refused("wanted.obj:6: ")
+
+    def test_says_what_cannot_be_written(self):
+        self.assert_refused("/dev/full: cannot write", wanted="model.obj", out="/dev/full")
+        self.assert_refused("pose.obj: ", wanted="model.obj", pose="pose.obj")
+        result = self.fit(wanted="model.obj", pose="none/pose.ovm")
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("none/pose.ovm: cannot ", result.stderr)
+
+    def test_the_documentation_quotes_it(self):
+        source = (ROOT / "examples/petsc_fit.cpp").read_text(encoding="utf-8")
+        page = (ROOT / "docs/scaling.md").read_text(encoding="utf-8")
+        quoted = re.search("```cpp\n(.*?)```", page, re.DOTALL)[1].splitlines()
+        self.assertGreater(len(quoted), 3)
+        lines = [line.strip() for line in source.splitlines()]
+        self.assertEqual([line for line in quoted if line.strip() not in lines], [])
 
 
 if __name__ == "__main__":

@@ -64,7 +64,7 @@ TEST_F(DistributedBinding, HasTheRowsOfTheWhole) {
     EXPECT_EQ(own.table, test::ownRows(whole.table, own_));
     EXPECT_EQ(whole.kept.size(), 100u);
 
-    DistributedTable distributed(MPI_COMM_WORLD, own, static_cast<Index>(vertices_.count()));
+    DistributedTable distributed(MPI_COMM_WORLD, own, vertices_.count());
     const auto pose = makePose();
     std::vector<double> moved(3 * ownPoints_.size(), 99);
     distributed.evaluate(test::ownValues(numbers(pose), vertices_, 3), moved);
@@ -84,8 +84,7 @@ TEST_F(DistributedBinding, HasTheRowsOfTheWhole) {
 // A kept point does not move with the lattice, so its gradient counts for nothing.
 TEST_F(DistributedBinding, CarriesBackWhatTheAdjointDoes) {
     const auto whole = bind(points_);
-    DistributedTable distributed(MPI_COMM_WORLD, bind(ownPoints_),
-                                 static_cast<Index>(vertices_.count()));
+    DistributedTable distributed(MPI_COMM_WORLD, bind(ownPoints_), vertices_.count());
     const auto gradients = test::randomValues(3 * points_.size(), 8);
     std::vector<double> back(static_cast<std::size_t>(3 * vertices_.count()), 99);
     distributed.evaluateAdjoint(test::ownValues(gradients, own_, 3), back);

@@ -6,8 +6,10 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 
+#include "allocation_limit.h"
 #include "ranks.h"
 #include "refusals.h"
 
@@ -43,9 +45,7 @@ class DistributedTableErrors : public ::testing::Test {
 protected:
     std::string errorOfTable(const stencils::StencilTable<double>& rows, Offset ownVertexCount,
                              int components = 3) const {
-        return errorOf([&] {
-            DistributedTable(MPI_COMM_WORLD, rows, static_cast<Index>(ownVertexCount), components);
-        });
+        return errorOf([&] { DistributedTable(MPI_COMM_WORLD, rows, ownVertexCount, components); });
     }
 
     const stencils::StencilTable<double> table_ = test::randomTable(kPoints, kVertices, 1);
@@ -97,9 +97,7 @@ TEST_F(DistributedTableErrors, MoreThanPetscCounts) {
 TEST_F(DistributedTableErrors, KeptPointsThatAreNotThere) {
     stencils::Binding<double> own{rows_, {}, {}, 0};
     if (isLast()) own.kept = {rows_.rowCount()};
-    const auto make = [&] {
-        DistributedTable(MPI_COMM_WORLD, own, static_cast<Index>(vertices_.count()));
-    };
+    const auto make = [&] { DistributedTable(MPI_COMM_WORLD, own, vertices_.count()); };
     EXPECT_EQ(errorOf(make), lastRank() + "1 points are kept, at 0 places");
     if (isLast()) own.keptAt = {{1, 2, 3}};
     const std::string error = errorOf(make);
@@ -107,8 +105,25 @@ TEST_F(DistributedTableErrors, KeptPointsThatAreNotThere) {
     EXPECT_THAT(error, HasSubstr(" cannot be kept"));
 }
 
+// All that the last rank copies, one after the other: 5,001 offsets, 5,000 kept points, and where
+// these are, each of at least 20,000 bytes.
+TEST_F(DistributedTableErrors, OutOfMemoryForCopies) {
+    constexpr Index kMany = 5'000;
+    const stencils::Binding<double> own{test::randomTable(kMany, kVertices, 1),
+                                        std::vector<Index>(kMany), std::vector<Point3>(kMany), 0};
+    // What comes before the copies takes far less, and the second limit leaves room for offsets of
+    // 64 bits.
+    for (const std::size_t bytes : {10'000u, 60'000u})
+        EXPECT_EQ(errorOf([&] {
+                      std::optional<test::AllocationLimit> limit;
+                      if (isLast()) limit.emplace(bytes);
+                      DistributedTable(MPI_COMM_WORLD, own, vertices_.count());
+                  }),
+                  lastRank() + "out of memory");
+}
+
 TEST_F(DistributedTableErrors, SizesOfValues) {
-    DistributedTable distributed(MPI_COMM_WORLD, rows_, static_cast<Index>(vertices_.count()));
+    DistributedTable distributed(MPI_COMM_WORLD, rows_, vertices_.count());
     const auto pointNumbers = static_cast<std::size_t>(3 * points_.count());
     const auto vertexNumbers = static_cast<std::size_t>(3 * vertices_.count());
     const std::size_t extra = isLast() ? 1 : 0;

@@ -80,8 +80,8 @@ TEST_P(DistributedTableTest, EvaluatesAsTheReference) {
     const auto table = test::randomTable(kPoints, kVertices, 1);
     const OwnedRange points = test::ownRange(kPoints, GetParam().points);
     const OwnedRange vertices = test::ownRange(kVertices, GetParam().vertices);
-    DistributedTable distributed(MPI_COMM_WORLD, test::ownRows(table, points),
-                                 static_cast<Index>(vertices.count()), components);
+    DistributedTable distributed(MPI_COMM_WORLD, test::ownRows(table, points), vertices.count(),
+                                 components);
     EXPECT_EQ(distributed.ownPoints().count(), points.count());
     EXPECT_EQ(distributed.ownVertices().count(), vertices.count());
     EXPECT_EQ(distributed.components(), components);
@@ -107,7 +107,7 @@ TEST_P(DistributedTableTest, CountsWhatItNeedsOfOthers) {
     const OwnedRange points = test::ownRange(kPoints, GetParam().points);
     const OwnedRange vertices = test::ownRange(kVertices, GetParam().vertices);
     const auto rows = test::ownRows(table, points);
-    const DistributedTable distributed(MPI_COMM_WORLD, rows, static_cast<Index>(vertices.count()),
+    const DistributedTable distributed(MPI_COMM_WORLD, rows, vertices.count(),
                                        GetParam().components);
     std::set<Index> others;
     for (const Index column : rows.columns())
@@ -128,7 +128,7 @@ TEST(DistributedTable, RepeatsItself) {
     std::vector<double> forward(gradients.size()), back(values.size());
     std::vector<double> firstForward, firstBack;
     for (int made = 0; made < 2; ++made) {
-        DistributedTable distributed(MPI_COMM_WORLD, rows, static_cast<Index>(vertices.count()));
+        DistributedTable distributed(MPI_COMM_WORLD, rows, vertices.count());
         for (int repetition = 0; repetition < 50; ++repetition) {
             distributed.evaluate(values, forward);
             distributed.evaluateAdjoint(gradients, back);
@@ -147,8 +147,8 @@ TEST(DistributedTable, MovesWithItsMatrices) {
     const OwnedRange points = test::ownRange(kPoints, Spread::Even);
     const OwnedRange vertices = test::ownRange(kVertices, Spread::Even);
     const auto make = [&](int components) {
-        return DistributedTable(MPI_COMM_WORLD, test::ownRows(table, points),
-                                static_cast<Index>(vertices.count()), components);
+        return DistributedTable(MPI_COMM_WORLD, test::ownRows(table, points), vertices.count(),
+                                components);
     };
     DistributedTable distributed = make(1);
     distributed = make(3);
@@ -169,7 +169,7 @@ TEST(DistributedTable, MovesWithItsMatrices) {
 TEST(DistributedTable, MayHaveNoPointsAtAll) {
     const OwnedRange vertices = test::ownRange(kVertices, Spread::Even);
     DistributedTable distributed(MPI_COMM_WORLD, test::randomTable(0, kVertices, 1),
-                                 static_cast<Index>(vertices.count()));
+                                 vertices.count());
     std::vector<double> none, gradients(static_cast<std::size_t>(3 * vertices.count()), 7);
     distributed.evaluate(gradients, none);
     distributed.evaluateAdjoint(none, gradients);
