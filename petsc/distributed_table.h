@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/point.h>
 #include <espalier/petsc/owned_range.h>
 #include <espalier/stencils/binding.h>
@@ -42,7 +43,7 @@ namespace espalier::petsc {
 /// sums.
 ///
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p'
-class DistributedTable {
+class ESPALIER_API DistributedTable {
 public:
     /// \param ownRows the rows of this rank's points, over all vertices of the lattice: the table
     ///        of stencils::bindPoints() for these points. It is copied, so that it may go

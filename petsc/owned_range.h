@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/far/index.h>
 
 namespace espalier::petsc {
@@ -21,6 +22,6 @@ struct OwnedRange {
 /// The part of `rank` of an even split, as PetscSplitOwnership makes it: the first ranks have one
 /// more where it does not come out even.
 /// \throws Error unless total ≥ 0 and 0 ≤ rank < size
-OwnedRange evenRange(Offset total, int rank, int size);
+ESPALIER_API OwnedRange evenRange(Offset total, int rank, int size);
 
 }  // namespace espalier::petsc
