@@ -10,6 +10,7 @@ get_property(components GLOBAL PROPERTY ESPALIER_COMPONENTS)
 # So that the tree can be moved.
 file(RELATIVE_PATH prefix_from_here /prefix/${pkg_config_dir} /prefix)
 
+set(ESPALIER_OPTIONAL_COMPONENTS compare petsc)
 set(component_facts)
 foreach(name IN LISTS components)
   get_property(depends GLOBAL PROPERTY ESPALIER_${name}_DEPENDS)
@@ -17,13 +18,22 @@ foreach(name IN LISTS components)
   string(APPEND component_facts "set(_espalier_${name}_depends ${depends})\n"
                                 "set(_espalier_${name}_packages ${packages})\n")
 
+  # Shared libraries that need what most do not have are packages of their own.
+  set(component libraries)
+  if(name IN_LIST ESPALIER_OPTIONAL_COMPONENTS)
+    set(component ${name})
+  endif()
   install(TARGETS espalier_${name} EXPORT espalier-${name}
-          LIBRARY COMPONENT libraries NAMELINK_COMPONENT development
+          LIBRARY COMPONENT ${component} NAMELINK_COMPONENT development
           ARCHIVE COMPONENT development
           FILE_SET HEADERS COMPONENT development)
   install(EXPORT espalier-${name} NAMESPACE espalier:: DESTINATION ${package_dir}
           FILE espalier-${name}.cmake COMPONENT development)
 
+  get_target_property(library_name espalier_${name} OUTPUT_NAME)
+  if(NOT library_name)
+    set(library_name espalier_${name})
+  endif()
   get_property(pkg_config_names GLOBAL PROPERTY ESPALIER_${name}_PKG_CONFIG)
   set(other_libraries ${pkg_config_names})
   list(FILTER other_libraries INCLUDE REGEX "^-l")

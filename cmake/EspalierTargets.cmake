@@ -49,17 +49,18 @@ function(espalier_compile_options target)
                          $<$<BOOL:${ESPALIER_WARNINGS_AS_ERRORS}>:-Werror>)
 endfunction()
 
-# espalier_uses(NAME PUBLIC|PRIVATE TARGET PACKAGE [PKG_CONFIG_NAME | -lLIBRARY])
+# espalier_uses(NAME PUBLIC|PRIVATE TARGET PACKAGE name PKG_CONFIG name|-lname... DEBIAN name)
 #
-# Links a component to a library of somebody else's. Those who use the package have to find that,
-# too, unless it is private to a shared library.
-function(espalier_uses name scope library package)
+# Links a component to a library of somebody else's, which has these names for find_package, for
+# pkg-config (or none there) and for apt. Those who use the component have to find that, too, unless
+# it is private to a shared library.
+function(espalier_uses name scope library)
+  cmake_parse_arguments(PARSE_ARGV 3 arg "" "PACKAGE;DEBIAN" "PKG_CONFIG")
   target_link_libraries(espalier_${name} ${scope} ${library})
   get_target_property(type espalier_${name} TYPE)
   if(scope STREQUAL PUBLIC OR type STREQUAL STATIC_LIBRARY)
-    set_property(GLOBAL APPEND PROPERTY ESPALIER_${name}_PACKAGES ${package})
-    foreach(pkg_config IN LISTS ARGN)
-      set_property(GLOBAL APPEND PROPERTY ESPALIER_${name}_PKG_CONFIG ${pkg_config})
-    endforeach()
+    set_property(GLOBAL APPEND PROPERTY ESPALIER_${name}_PACKAGES ${arg_PACKAGE})
+    set_property(GLOBAL APPEND PROPERTY ESPALIER_${name}_PKG_CONFIG ${arg_PKG_CONFIG})
+    set_property(GLOBAL APPEND PROPERTY ESPALIER_${name}_DEBIAN ${arg_DEBIAN})
   endif()
 endfunction()
