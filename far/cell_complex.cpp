@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/cell_complex.h>
 
+#include <atomic>
 #include <cassert>
 #include <mutex>
 #include <numeric>
@@ -14,7 +15,8 @@ struct CellComplex::Data {
 
     /// Relations derived on first use, at [from][to].
     struct Lazy {
-        std::once_flag once;
+        std::mutex mutex;
+        std::atomic<bool> isThere = false;
         Incidence incidence;
     };
     mutable std::array<std::array<Lazy, kMaxDimension + 1>, kMaxDimension + 1> derived;
@@ -93,7 +95,14 @@ const Incidence& CellComplex::relation(int from, int to) const {
     assert(0 <= from && from <= data_->dimension && 0 <= to && to <= data_->dimension);
     if (from == to + 1) return boundary(from).unsignedRows();
     Data::Lazy& lazy = data_->derived[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
-    std::call_once(lazy.once, [&] { lazy.incidence = deriveRelation(*this, from, to); });
+    // Not std::call_once: work may be cancelled, and not every platform's lets exceptions out.
+    if (!lazy.isThere.load(std::memory_order_acquire)) {
+        const std::lock_guard lock(lazy.mutex);
+        if (!lazy.isThere.load(std::memory_order_relaxed)) {
+            lazy.incidence = deriveRelation(*this, from, to);
+            lazy.isThere.store(true, std::memory_order_release);
+        }
+    }
     return lazy.incidence;
 }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/loop_context.h>
 #include <espalier/far/parallel.h>
 
 #include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <utility>
 
 #ifdef ESPALIER_WITH_TBB
 #include <tbb/global_control.h>
@@ -14,33 +16,143 @@
 
 namespace espalier::far {
 
-#ifdef ESPALIER_WITH_TBB
+LoopContext& loopContext() {
+    thread_local LoopContext context;
+    return context;
+}
 
-void parallelFor(Offset count, Offset grain, const std::function<void(Offset, Offset)>& body) {
-    const Offset chunkCount = (count + grain - 1) / grain;
-    if (chunkCount <= 1) {
-        if (count > 0) body(0, count);
-        return;
+namespace {
+
+/// A loop of several ranges, while it runs.
+class Loop {
+public:
+    Loop(Offset count, Offset grain, FunctionRef<void(Offset, Offset)> body)
+        : count_(count),
+          grain_(grain),
+          rangeCount_((count + grain - 1) / grain),
+          body_(body),
+          outer_(loopContext()),
+          isStage_(outer_.progress != nullptr && !outer_.isInStage),
+          failedRange_(rangeCount_) {
+        if (isStage_) outer_.progress->beginStage(count);
     }
-    std::atomic<Offset> failedChunk = chunkCount;
-    std::exception_ptr failure;
-    std::mutex failureMutex;
-    const auto runChunk = [&](Offset chunk) {
-        if (chunk > failedChunk.load(std::memory_order_relaxed)) return;
+    ~Loop() {
+        if (isStage_) outer_.progress->endStage();
+    }
+    Loop(const Loop&) = delete;
+    Loop& operator=(const Loop&) = delete;
+
+    Offset rangeCount() const { return rangeCount_; }
+
+    /// For any thread, each range once. Does nothing if a lower range has failed.
+    void runRange(Offset range) {
+        if (range > failedRange_.load(std::memory_order_relaxed)) return;
+        const LoopContext own = std::exchange(
+            loopContext(), {outer_.executor, outer_.progress, outer_.progress != nullptr, nullptr});
         try {
-            body(chunk * grain, std::min((chunk + 1) * grain, count));
+            if (outer_.progress != nullptr) outer_.progress->check();
+            const Offset first = range * grain_, last = std::min(first + grain_, count_);
+            body_(first, last);
+            if (outer_.progress != nullptr) {
+                if (isStage_) outer_.progress->add(last - first);
+                outer_.progress->report();
+            }
         } catch (...) {
-            const std::lock_guard lock(failureMutex);
-            if (chunk < failedChunk) {
-                failedChunk = chunk;
-                failure = std::current_exception();
+            const std::lock_guard lock(failureMutex_);
+            if (range < failedRange_) {
+                failedRange_ = range;
+                failure_ = std::current_exception();
             }
         }
+        loopContext() = own;
+    }
+
+    /// When all ranges have run.
+    void rethrowFailure() const {
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+private:
+    Offset count_, grain_, rangeCount_;
+    FunctionRef<void(Offset, Offset)> body_;
+    LoopContext outer_;
+    bool isStage_;
+    std::atomic<Offset> failedRange_;
+    std::exception_ptr failure_;
+    std::mutex failureMutex_;
+};
+
+/// Ranges are taken in ascending order, whatever the order of the calls.
+class SharedRanges {
+public:
+    explicit SharedRanges(Loop& loop) : loop_(loop) {}
+
+    /// \return whether there was one left
+    bool runNext() {
+        const Offset range = next_.fetch_add(1, std::memory_order_relaxed);
+        if (range >= loop_.rangeCount()) return false;
+        loop_.runRange(range);
+        return true;
+    }
+
+private:
+    Loop& loop_;
+    std::atomic<Offset> next_ = 0;
+};
+
+void runOn(Executor& executor, Loop& loop) {
+    SharedRanges ranges(loop);
+    // A thread that waits for another loop may hold a lock that this one wants.
+    const auto task = [&](Offset) {
+        const void* awaited = loopContext().awaited;
+        if (awaited == nullptr || awaited == &loop) ranges.runNext();
     };
-    // Isolated: the caller may hold a lock that other work of the arena wants.
-    tbb::this_task_arena::isolate([&] { tbb::parallel_for(Offset{0}, chunkCount, runChunk); });
-    if (failure) std::rethrow_exception(failure);
+    struct Wait {
+        explicit Wait(const Loop& loop) : outer(std::exchange(loopContext().awaited, &loop)) {}
+        ~Wait() { loopContext().awaited = outer; }
+        const void* outer;
+    };
+    const Wait wait(loop);
+    executor.run(loop.rangeCount(), task);
+    // What threads turned away.
+    while (ranges.runNext()) {
+    }
 }
+
+#ifdef ESPALIER_WITH_TBB
+void runInArena(Loop& loop) {
+    // Isolated: the caller may hold a lock that other work of the arena wants.
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_for(Offset{0}, loop.rangeCount(),
+                          [&](Offset range) { loop.runRange(range); });
+    });
+}
+#else
+void runInArena(Loop& loop) {
+    for (Offset range = 0; range < loop.rangeCount(); ++range) loop.runRange(range);
+}
+#endif
+
+}  // namespace
+
+void parallelFor(Offset count, Offset grain, FunctionRef<void(Offset, Offset)> body) {
+    if (count <= 0) return;
+    const LoopContext& context = loopContext();
+    if (context.progress != nullptr) context.progress->check();
+    if (count <= grain) {
+        body(0, count);
+        if (context.progress != nullptr) context.progress->report();
+        return;
+    }
+    Loop loop(count, grain, body);
+    if (context.executor != nullptr)
+        runOn(*context.executor, loop);
+    else
+        runInArena(loop);
+    loop.rethrowFailure();
+}
+
+#ifdef ESPALIER_WITH_TBB
 
 struct ThreadLimit::Control {
     explicit Control(int threads)
@@ -52,11 +164,6 @@ ThreadLimit::ThreadLimit(int threads)
     : control_(threads > 0 ? std::make_unique<Control>(threads) : nullptr) {}
 
 #else
-
-void parallelFor(Offset count, Offset grain, const std::function<void(Offset, Offset)>& body) {
-    for (Offset first = 0; first < count; first += grain)
-        body(first, std::min(first + grain, count));
-}
 
 struct ThreadLimit::Control {};
 

@@ -3,14 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <chrono>
-#include <mutex>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "support/threads.h"
+#include "support/waiting_thread.h"
 
 namespace espalier::far {
 namespace {
@@ -42,33 +40,10 @@ TEST(ParallelFor, RethrowsTheErrorOfTheLowestRange) {
     }
 }
 
-// A body may hold a lock round a nested loop, as CellComplex::relation() does: a thread that waits
-// for the inner loop must not take up another range of the outer one, which would want the same
-// lock.
 TEST(ParallelFor, WaitingThreadTakesUpNoOtherWork) {
-    thread_local bool holdsLock = false;
-    std::atomic<bool> isEnteredAgain = false;
     // More threads than the machine has cores: some must be free to help with the inner loop, so
     // that the one that began it has to wait for them.
-    test::withThreads(8, [&] {
-        for (int repeat = 0; repeat < 300; ++repeat) {
-            std::once_flag once;
-            parallelFor(64, 1, [&](Offset, Offset) {
-                if (holdsLock) {
-                    isEnteredAgain = true;  // Waiting for the flag here would never end.
-                    return;
-                }
-                std::call_once(once, [&] {
-                    holdsLock = true;
-                    parallelFor(16, 1, [](Offset first, Offset) {
-                        std::this_thread::sleep_for(std::chrono::microseconds(10 + 7 * first));
-                    });
-                    holdsLock = false;
-                });
-            });
-        }
-    });
-    EXPECT_FALSE(isEnteredAgain);
+    test::withThreads(8, [] { EXPECT_FALSE(test::waitingThreadTakesUpOtherWork(300)); });
 }
 
 }  // namespace

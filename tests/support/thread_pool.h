@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/executor.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace espalier::test {
+
+/// Threads of a host, which know nothing of oneTBB. All of it happens under one mutex, for the
+/// thread sanitizer to see.
+class ThreadPool final : public far::Executor {
+public:
+    enum class Waiting {
+        Blocks,        ///< a thread that waits for its loop does nothing else
+        HelpsAnybody,  ///< it takes up whatever work there is, as many schedulers do
+    };
+
+    explicit ThreadPool(int threads, Waiting waiting = Waiting::Blocks) : waiting_(waiting) {
+        jobs_.reserve(1000);
+        for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+    }
+    ~ThreadPool() override {
+        {
+            const std::lock_guard lock(mutex_);
+            isEnding_ = true;
+        }
+        changed_.notify_all();
+        for (std::thread& thread : threads_) thread.join();
+    }
+
+    void run(far::Offset count, far::FunctionRef<void(far::Offset)> task) override {
+        Job job{task, count};
+        std::unique_lock lock(mutex_);
+        jobs_.push_back(&job);
+        changed_.notify_all();
+        while (job.next < job.count) runNext(job, lock);
+        while (job.running > 0) {
+            Job* other = waiting_ == Waiting::HelpsAnybody ? open() : nullptr;
+            if (other != nullptr)
+                runNext(*other, lock);
+            else
+                changed_.wait(lock);
+        }
+        jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
+    }
+
+private:
+    struct Job {
+        far::FunctionRef<void(far::Offset)> task;
+        far::Offset count;
+        far::Offset next = 0;
+        int running = 0;
+    };
+
+    Job* open() const {
+        // The oldest, which makes it likely to be another loop's.
+        const auto job = std::find_if(jobs_.begin(), jobs_.end(),
+                                      [](const Job* each) { return each->next < each->count; });
+        return job == jobs_.end() ? nullptr : *job;
+    }
+
+    void runNext(Job& job, std::unique_lock<std::mutex>& lock) {
+        const far::Offset index = job.next++;
+        ++job.running;
+        lock.unlock();
+        job.task(index);
+        lock.lock();
+        --job.running;
+        changed_.notify_all();
+    }
+
+    void work() {
+        std::unique_lock lock(mutex_);
+        while (!isEnding_)
+            if (Job* job = open())
+                runNext(*job, lock);
+            else
+                changed_.wait(lock);
+    }
+
+    Waiting waiting_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::vector<Job*> jobs_;
+    bool isEnding_ = false;
+    std::vector<std::thread> threads_;
+};
+
+}  // namespace espalier::test

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/executor.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/change_evaluator.h>
+#include <espalier/osd/compiled_adjoint.h>
+#include <espalier/osd/compiled_chain.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/osd/cpu_evaluator.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/local_binding.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/refined_lattice.h"
+#include "support/thread_pool.h"
+#include "support/zoo.h"
+
+// Several threads of a host, which do the same with the same objects at the same time.
+namespace espalier::osd {
+namespace {
+
+using far::TopologyRefiner;
+using stencils::Rules;
+
+constexpr int kThreads = 6;
+
+/// Calls work(thread) on all threads at once: each alone, then each on the threads of a pool that
+/// they share. Not in oneTBB's arena, which the thread sanitizer does not see through.
+template <class Work>
+void onThreads(Work work) {
+    test::ThreadPool pool(2);
+    for (const bool isShared : {false, true}) {
+        std::atomic<int> ready = 0;
+        std::vector<std::thread> threads;
+        for (int thread = 0; thread < kThreads; ++thread)
+            threads.emplace_back([&, thread] {
+                far::SerialExecutor serial;
+                far::Executor& executor = isShared ? static_cast<far::Executor&>(pool) : serial;
+                const far::ExecutorScope scope(executor);
+                ++ready;
+                while (ready < kThreads) std::this_thread::yield();
+                work(thread);
+            });
+        for (std::thread& thread : threads) thread.join();
+    }
+}
+
+const Lattice& lattice() {
+    static const Lattice lattice = shapes::cylinder({.sectors = 5});
+    return lattice;
+}
+
+std::vector<Point3> points(std::size_t count) {
+    return test::pointsIn(test::Refined(lattice(), 2), count, 7);
+}
+
+/// Of a thread: each has another pose.
+std::vector<float> valuesOf(int thread, Index entries) {
+    const auto values =
+        test::randomValues(3 * static_cast<std::size_t>(entries), static_cast<unsigned>(thread));
+    return {values.begin(), values.end()};
+}
+
+/// evaluate(source, destination) on all threads gives what it gives on one.
+void expectSame(Index rowCount, Index columnCount,
+                const std::function<void(std::span<const float>, std::span<float>)>& evaluate) {
+    std::vector<std::vector<float>> expected;
+    for (int thread = 0; thread < kThreads; ++thread) {
+        expected.emplace_back(3 * static_cast<std::size_t>(rowCount));
+        evaluate(valuesOf(thread, columnCount), expected.back());
+    }
+    onThreads([&](int thread) {
+        const auto source = valuesOf(thread, columnCount);
+        std::vector<float> result(3 * static_cast<std::size_t>(rowCount));
+        for (int repeat = 0; repeat < 3; ++repeat) {
+            std::fill(result.begin(), result.end(), 99.0F);
+            evaluate(source, result);
+            EXPECT_EQ(result, expected[static_cast<std::size_t>(thread)]);
+        }
+    });
+}
+
+TEST(Concurrency, EvaluatorsOfOneTable) {
+    const TopologyRefiner base(lattice().complex);
+    const auto model = points(6000);
+    const auto table =
+        stencils::bindPoints<float>(base, lattice().positions, 3, Rules::Siggraph96, model)
+            .binding.table;
+    const auto factors =
+        stencils::bindFactored<float>(base, lattice().positions, 3, Rules::Siggraph96, model)
+            .binding.table;
+    const auto xyz = BufferDescriptor::packed(3);
+    const Index rows = table.rowCount(), columns = table.columnCount();
+    expectSame(rows, columns, [&](auto source, auto result) {
+        CpuEvaluator::evaluate(table, source, xyz, result, xyz, {0, rows});
+    });
+    const CompiledTable<float> compiled(table);
+    expectSame(rows, columns, [&](auto source, auto result) {
+        compiled.evaluate(source, xyz, result, xyz, {0, rows});
+    });
+    const CompiledChain<float> chain(factors);
+    expectSame(rows, columns, [&](auto source, auto result) {
+        chain.evaluate(source, xyz, result, xyz, {0, rows});
+    });
+    const CompiledAdjoint<float> adjoint(table);
+    expectSame(columns, rows, [&](auto source, auto result) {
+        adjoint.evaluate(source, xyz, result, xyz, {0, columns});
+    });
+    const CompiledAdjointChain<float> adjointChain(factors);
+    expectSame(columns, rows, [&](auto source, auto result) {
+        adjointChain.evaluate(source, xyz, result, xyz, {0, columns});
+    });
+    const ChangeEvaluator<float> changes(compiled);
+    expectSame(rows, columns, [&](auto source, auto result) {
+        std::vector<float> before(source.begin(), source.end());
+        before[3 * 4 + 1] += 1;
+        compiled.evaluate(before, xyz, result, xyz, {0, rows});
+        changes.evaluateChanged(source, xyz, result, xyz, std::vector<Index>{4});
+    });
+}
+
+TEST(Concurrency, OneBinding) {
+    const auto bound =
+        stencils::bindPoints<double>(TopologyRefiner(lattice().complex), lattice().positions, 3,
+                                     Rules::Siggraph96, points(3000));
+    const auto expected = evaluateBinding(bound.binding, lattice().positions);
+    onThreads(
+        [&](int) { EXPECT_EQ(evaluateBinding(bound.binding, lattice().positions), expected); });
+}
+
+// A refiner is shared, and derives its relations when they are asked for.
+TEST(Concurrency, BindingToOneLattice) {
+    const auto model = points(2000);
+    const auto bind = [&](const TopologyRefiner& base) {
+        return stencils::bindPoints<double>(base, lattice().positions, 3, Rules::Siggraph96, model)
+            .binding;
+    };
+    const auto expected = bind(TopologyRefiner(shapes::cylinder({.sectors = 5}).complex));
+    // Built again, so that nothing of it has been derived.
+    const TopologyRefiner fresh(shapes::cylinder({.sectors = 5}).complex);
+    onThreads([&](int) { EXPECT_EQ(bind(fresh), expected); });
+}
+
+}  // namespace
+}  // namespace espalier::osd

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/executor.h>
+#include <espalier/far/parallel.h>
+#include <espalier/far/progress.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <vector>
+
+#include "support/refined_lattice.h"
+#include "support/thread_pool.h"
+
+namespace espalier::far {
+namespace {
+
+using test::ThreadPool;
+using namespace std::chrono_literals;
+
+TEST(Progress, CountsItemsOfOutermostLoops) {
+    SerialExecutor serial;
+    const ExecutorScope onThisThread(serial);
+    std::vector<std::array<Offset, 3>> heard;
+    const ProgressScope scope(
+        [&](const Progress& progress) {
+            heard.push_back({progress.stage, progress.done, progress.count});
+            return true;
+        },
+        0ms);
+    parallelFor(25, 10, [](Offset, Offset) {});
+    parallelFor(7, 10, [](Offset, Offset) {});  // One range is no stage; loops within it are.
+    parallelFor(1, 1, [](Offset, Offset) {
+        parallelFor(2, 1, [](Offset, Offset) { parallelFor(2, 1, [](Offset, Offset) {}); });
+    });
+    const std::vector<std::array<Offset, 3>> expected = {
+        {0, 10, 25}, {0, 20, 25}, {0, 25, 25},              //
+        {1, 0, 0},                                          //
+        {1, 0, 2},   {1, 0, 2},   {1, 1, 2},                // two ranges inside, then the outer one
+        {1, 1, 2},   {1, 1, 2},   {1, 2, 2},   {2, 0, 0}};  //
+    EXPECT_EQ(heard, expected);
+    EXPECT_EQ((Progress{0, 1, 4}.fraction()), 0.25);
+    EXPECT_EQ(Progress{}.fraction(), 0);
+}
+
+TEST(Progress, NeverFallsAndIsNeverHeardTwiceAtOnce) {
+    ThreadPool pool(4);
+    const ExecutorScope onPool(pool);
+    std::atomic<int> callers = 0;
+    Progress last;
+    const ProgressScope scope(
+        [&](const Progress& progress) {
+            EXPECT_EQ(++callers, 1);
+            EXPECT_GE(progress.stage, last.stage);
+            if (progress.stage == last.stage) {
+                EXPECT_GE(progress.fraction(), last.fraction());
+            }
+            last = progress;
+            --callers;
+            return true;
+        },
+        0ms);
+    for (int loop = 0; loop < 20; ++loop)
+        parallelFor(500, 1, [](Offset, Offset) { parallelFor(3, 1, [](Offset, Offset) {}); });
+    EXPECT_EQ(last.stage, 19);
+}
+
+TEST(Progress, IsHeardNoMoreOftenThanAsked) {
+    int calls = 0;
+    const auto count = [&](const Progress&) { return ++calls > 0; };
+    {
+        const ProgressScope scope(count, std::chrono::hours(1));
+        parallelFor(1000, 1, [](Offset, Offset) {});
+    }
+    EXPECT_EQ(calls, 0);
+    {
+        SerialExecutor serial;
+        const ExecutorScope onThisThread(serial);
+        const ProgressScope scope(count, 0ms);
+        parallelFor(1000, 1, [](Offset, Offset) {});
+        {
+            int inner = 0;
+            const ProgressScope another([&](const Progress&) { return ++inner > 0; }, 0ms);
+            parallelFor(10, 1, [](Offset, Offset) {});
+            EXPECT_EQ(inner, 10);
+        }
+        EXPECT_EQ(calls, 1000);
+        parallelFor(10, 1, [](Offset, Offset) {});
+        EXPECT_EQ(calls, 1010);
+    }
+    parallelFor(10, 1, [](Offset, Offset) {});
+    EXPECT_EQ(calls, 1010);
+}
+
+// A preview in the callback, say.
+TEST(Progress, WorkOfTheCallbackIsNotHeard) {
+    SerialExecutor serial;
+    const ExecutorScope onThisThread(serial);
+    int calls = 0;
+    const ProgressScope scope(
+        [&](const Progress&) {
+            ++calls;
+            parallelFor(5, 1, [](Offset, Offset) {});
+            return true;
+        },
+        0ms);
+    parallelFor(10, 1, [](Offset, Offset) {});
+    EXPECT_EQ(calls, 10);
+}
+
+TEST(Cancelled, LastsAsLongAsTheScope) {
+    int begun = 0;
+    SerialExecutor serial;
+    const ExecutorScope onThisThread(serial);
+    const auto work = [&] { parallelFor(10, 1, [&](Offset, Offset) { ++begun; }); };
+    {
+        int calls = 0;
+        const ProgressScope scope([&](const Progress&) { return ++calls < 3; }, 0ms);
+        EXPECT_THROW(work(), Cancelled);
+        EXPECT_EQ(begun, 3);
+        EXPECT_THROW(work(), Cancelled);
+        EXPECT_THROW(parallelFor(1, 1, [&](Offset, Offset) { ++begun; }), Cancelled);
+        EXPECT_EQ(begun, 3);
+        EXPECT_EQ(calls, 3);
+    }
+    work();
+    EXPECT_EQ(begun, 13);
+}
+
+// What is done is not thrown away.
+TEST(Cancelled, NotAfterTheLastRange) {
+    const ProgressScope scope([](const Progress& p) { return p.count == 0 || p.done < p.count; },
+                              0ms);
+    SerialExecutor serial;
+    const ExecutorScope onThisThread(serial);
+    parallelFor(10, 1, [](Offset, Offset) {});
+    EXPECT_THROW(parallelFor(10, 1, [](Offset, Offset) {}), Cancelled);
+}
+
+TEST(Cancelled, IsNoError) {
+    EXPECT_FALSE((std::is_base_of_v<Error, Cancelled>));
+    EXPECT_STREQ(Cancelled().what(), "cancelled");
+}
+
+TEST(Cancelled, OrWhatTheCallbackThrows) {
+    ThreadPool pool(3);
+    const ExecutorScope onPool(pool);
+    for (int repeat = 0; repeat < 20; ++repeat) {
+        std::atomic<int> calls = 0;
+        const ProgressScope scope(
+            [&](const Progress&) -> bool {
+                if (++calls == 7) throw std::runtime_error("the window was closed");
+                return true;
+            },
+            0ms);
+        const auto work = [] {
+            for (int loop = 0; loop < 100; ++loop)
+                parallelFor(100, 1,
+                            [](Offset, Offset) { parallelFor(2, 1, [](Offset, Offset) {}); });
+        };
+        EXPECT_THROW(work(), std::runtime_error);
+        EXPECT_THROW(work(), std::runtime_error);
+        EXPECT_EQ(calls, 7);
+    }
+}
+
+/// Calls work() again and again, cancelled after 0, 1, 3, 7 … calls of the callback, until it comes
+/// to its end, and has the result looked at each time that it does.
+template <class Work>
+void cancelEverywhere(Work work) {
+    const auto expected = work();
+    int cancelled = 0;
+    for (int limit = 1;; limit = 2 * limit + 1) {
+        int calls = 0;
+        const auto run = [&] {
+            const ProgressScope scope([&](const Progress&) { return ++calls < limit; }, 0ms);
+            return work();
+        };
+        try {
+            EXPECT_EQ(run(), expected);
+            break;
+        } catch (const Cancelled&) {
+            ++cancelled;
+            EXPECT_EQ(calls, limit);
+        }
+    }
+    // At the least, after a first and a later range.
+    EXPECT_GT(cancelled, 1);
+    EXPECT_EQ(work(), expected);
+}
+
+/// Each of them where there are no threads, and on four.
+template <class Test>
+void withAndWithoutThreads(Test test) {
+    SerialExecutor serial;
+    {
+        const ExecutorScope scope(serial);
+        test();
+    }
+    ThreadPool pool(3);
+    const ExecutorScope scope(pool);
+    test();
+}
+
+const Lattice& lattice() {
+    static const Lattice lattice = shapes::box({.cells = {4, 4, 4}});
+    return lattice;
+}
+
+// It has the levels that were complete, and goes on from there.
+TEST(Cancelled, LeavesARefinerAsItWas) {
+    TopologyRefiner whole(lattice().complex);
+    whole.refineUniform(3);
+    const auto loops = [](const TopologyRefiner& refiner) {
+        const auto values = refiner.level(3).complex.relation(2, 0).values();
+        return std::vector<Index>(values.begin(), values.end());
+    };
+    const auto expected = loops(whole);
+    withAndWithoutThreads([&] {
+        std::array<bool, 4> isSeen = {};
+        for (int limit = 1; !isSeen[3]; limit = 2 * limit + 1) {
+            TopologyRefiner refiner(lattice().complex);
+            int calls = 0;
+            const auto refine = [&] {
+                const ProgressScope scope([&](const Progress&) { return ++calls < limit; }, 0ms);
+                refiner.refineUniform(3);
+            };
+            try {
+                refine();
+            } catch (const Cancelled&) {
+                EXPECT_LT(refiner.maxLevel(), 3);
+            }
+            isSeen[static_cast<std::size_t>(refiner.maxLevel())] = true;
+            refiner.refineUniform(3);
+            ASSERT_EQ(loops(refiner), expected);
+        }
+        EXPECT_TRUE(isSeen[0]);
+        EXPECT_TRUE(isSeen[2]);
+    });
+}
+
+TEST(Cancelled, TablesAndBindings) {
+    TopologyRefiner refiner(lattice().complex);
+    refiner.refineUniform(2);
+    const TopologyRefiner base(lattice().complex);
+    const auto points = test::pointsIn(test::Refined(lattice(), 1), 20'000, 4);
+    withAndWithoutThreads([&] {
+        cancelEverywhere([&] { return stencils::buildStencils<float>(refiner, 2); });
+        cancelEverywhere([&] {
+            return stencils::bindPoints<double>(base, lattice().positions, 2,
+                                                stencils::Rules::Siggraph96, points)
+                .binding;
+        });
+    });
+}
+
+}  // namespace
+}  // namespace espalier::far
