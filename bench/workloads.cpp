@@ -76,8 +76,12 @@ Workload surface(int rowCount) {
     return workload(stencils::buildStencils<double>(refiner, kLevel));
 }
 
+Lattice regularLattice() {
+    return shapes::box({.cells = {10, 10, 10}});
+}
+
 Workload regularModel() {
-    const Lattice box = shapes::box({.cells = {10, 10, 10}});
+    const Lattice box = regularLattice();
     const stencils::TensorLattice lattice(box.complex, box.positions, stencils::Basis::BSpline);
     return workload(
         stencils::buildDeformationTable<double>(lattice, stencils::embedPoints(lattice, model())));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/point.h>
+#include <espalier/shapes/lattice.h>
 #include <espalier/stencils/factored_table.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -50,6 +51,9 @@ bool givesBack(std::span<const Point3> moved, std::span<const Point3> points);
 /// The model of a million points bound to a box of 10 × 10 × 10 cells by B-splines, so that each
 /// row has 64 entries; as a subdivided lattice has between the planes of its base vertices.
 Workload regularModel();
+
+/// The box.
+Lattice regularLattice();
 
 /// The same model bound at level 3 to a cylinder, whose axis is irregular, as are its ends. Has
 /// factors.

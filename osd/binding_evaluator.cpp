@@ -46,6 +46,17 @@ std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& bindin
     return points;
 }
 
+template <class Real, class Stored, class Table>
+void writeKept(const stencils::Binding<Stored, Table>& binding, MutableValues<Real> destination,
+               const BufferDescriptor& layout) {
+    const Index count = binding.table.rowCount();
+    checkEvaluation(count, 0, 0, kXyz, destination.size(), layout, {0, count});
+    for (std::size_t i = 0; i < binding.kept.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            destination[static_cast<std::size_t>(layout.offset + binding.kept[i] * layout.stride) +
+                        c] = static_cast<Real>(binding.keptAt[i][c]);
+}
+
 template std::vector<Point3> evaluateBinding(const stencils::Binding<float>&,
                                              std::span<const Point3>);
 template std::vector<Point3> evaluateBinding(const stencils::Binding<double>&,
@@ -54,5 +65,22 @@ template std::vector<Point3> evaluateBinding(
     const stencils::Binding<float, stencils::FactoredTable<float>>&, std::span<const Point3>);
 template std::vector<Point3> evaluateBinding(
     const stencils::Binding<double, stencils::FactoredTable<double>>&, std::span<const Point3>);
+
+template void writeKept<float>(const stencils::Binding<float>&, MutableValues<float>,
+                               const BufferDescriptor&);
+template void writeKept<float>(const stencils::Binding<double>&, MutableValues<float>,
+                               const BufferDescriptor&);
+template void writeKept<float>(const stencils::Binding<float, stencils::FactoredTable<float>>&,
+                               MutableValues<float>, const BufferDescriptor&);
+template void writeKept<float>(const stencils::Binding<double, stencils::FactoredTable<double>>&,
+                               MutableValues<float>, const BufferDescriptor&);
+template void writeKept<double>(const stencils::Binding<float>&, MutableValues<double>,
+                                const BufferDescriptor&);
+template void writeKept<double>(const stencils::Binding<double>&, MutableValues<double>,
+                                const BufferDescriptor&);
+template void writeKept<double>(const stencils::Binding<float, stencils::FactoredTable<float>>&,
+                                MutableValues<double>, const BufferDescriptor&);
+template void writeKept<double>(const stencils::Binding<double, stencils::FactoredTable<double>>&,
+                                MutableValues<double>, const BufferDescriptor&);
 
 }  // namespace espalier::osd

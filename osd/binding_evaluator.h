@@ -3,6 +3,7 @@
 
 #include <espalier/far/api.h>
 #include <espalier/far/point.h>
+#include <espalier/osd/evaluation.h>
 #include <espalier/stencils/binding.h>
 #include <espalier/stencils/factored_table.h>
 
@@ -17,10 +18,26 @@ namespace espalier::osd {
 ///
 /// \param pose positions of the base vertices
 /// \throws Error if the pose is not of binding.table.columnCount() vertices
-/// \cost O(entries), on all threads
+/// \cost O(entries), on all threads; memory for the pose and the result as Real
 /// \cite MacCracken & Joy 1996, section 5
 template <class Real, class Table>
 ESPALIER_API std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& binding,
                                                  std::span<const Point3> pose);
+
+/// Puts the kept points where they were: an evaluator of binding.table has made them 0. So each
+/// pose of a host is two calls, which allocate nothing:
+///
+///     compiled.evaluate(pose, xyz, points, xyz, {0, compiled.rowCount()}, workspace);
+///     osd::writeKept<float>(binding, points, xyz);
+///
+/// The binding may be of another precision than the destination.
+///
+/// \param destination where entry i is point i; of `layout`, whose length is 3
+/// \throws Error if the layout does not make sense, or not all points have room; nothing has been
+///         written then
+/// \cost O(kept points)
+template <class Real, class Stored, class Table>
+ESPALIER_API void writeKept(const stencils::Binding<Stored, Table>& binding,
+                            MutableValues<Real> destination, const BufferDescriptor& layout);
 
 }  // namespace espalier::osd

@@ -2,6 +2,7 @@
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
 #include <espalier/osd/compiled_adjoint.h>
+#include <espalier/osd/room.h>
 #include <espalier/osd/table_compiler.h>
 
 #include <algorithm>
@@ -74,13 +75,18 @@ struct CompiledAdjoint<Real>::Data {
                rows.groups[at(g + 1)].firstNumber > rows.groups[at(g)].firstNumber;
     }
 
+    /// The lanes of a task.
+    TaskNumbers<Real> taskNumbers() const {
+        return {std::ssize(rows.taskStarts) - 1, 4 * Offset{mostColumns} * kernels::kLanes<Real>};
+    }
+
     /// The sums of each group for its columns: `length` numbers a place of groupColumns.
-    std::vector<Real> sumGroups(const kernels::RowValues<Real>& source) const {
-        std::vector<Real> sums(rows.groupColumns.size() * at(source.length));
+    void sumGroups(const kernels::RowValues<Real>& source, const TaskNumbers<Real>& numbers,
+                   std::span<Real> sums) const {
         const auto& starts = rows.taskStarts;
-        far::parallelFor(static_cast<Offset>(starts.size()) - 1, 1, [&](Offset first, Offset last) {
-            AlignedVector<Real> lanes(4 * at(mostColumns * kernels::kLanes<Real>));
-            for (Offset g = starts[at(first)]; g < starts[at(last)]; ++g) {
+        far::parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
+            typename TaskNumbers<Real>::Local lanes(numbers, task);
+            for (Offset g = starts[at(task)]; g < starts[at(task + 1)]; ++g) {
                 const auto& group = rows.groups[at(g)];
                 kernels.adjoint(
                     {rows.groupNumbers.data() + group.firstNumber,
@@ -93,7 +99,6 @@ struct CompiledAdjoint<Real>::Data {
                     source, sums.data() + group.firstColumn * source.length, lanes.data());
             }
         });
-        return sums;
     }
 };
 
@@ -141,16 +146,50 @@ std::size_t CompiledAdjoint<Real>::byteCount() const {
 }
 
 template <class Real>
+std::size_t CompiledAdjoint<Real>::roomFor(Offset length) const {
+    return data_->taskNumbers().bytes() +
+           roomOf<Real>(std::ssize(data_->rows.groupColumns) * length);
+}
+
+template <class Real>
+Workspace CompiledAdjoint<Real>::workspace(Offset length) const {
+    return Workspace(roomFor(length));
+}
+
+template <class Real>
 void CompiledAdjoint<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                                      MutableValues<Real> destination,
                                      const BufferDescriptor& destinationLayout,
                                      RowRange rows) const {
+    Workspace workspace;
+    evaluate(source, sourceLayout, destination, destinationLayout, rows, workspace);
+}
+
+template <class Real>
+void CompiledAdjoint<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                                     MutableValues<Real> destination,
+                                     const BufferDescriptor& destinationLayout, RowRange rows,
+                                     Workspace& workspace) const {
     checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
                     destinationLayout, rows);
+    evaluateIn(workspace.reserve(roomFor(sourceLayout.length)), source, sourceLayout, destination,
+               destinationLayout, rows);
+}
+
+template <class Real>
+void CompiledAdjoint<Real>::evaluateIn(std::byte* memory, Values<Real> source,
+                                       const BufferDescriptor& sourceLayout,
+                                       MutableValues<Real> destination,
+                                       const BufferDescriptor& destinationLayout,
+                                       RowRange rows) const {
     const Offset length = sourceLayout.length;
     const kernels::RowValues<Real> values = {source.data() + sourceLayout.offset,
                                              sourceLayout.stride, length};
-    const std::vector<Real> sums = data_->sumGroups(values);
+    Room room(memory);
+    TaskNumbers<Real> numbers = data_->taskNumbers();
+    numbers.takeFrom(room);
+    const std::span<Real> sums = room.take<Real>(std::ssize(data_->rows.groupColumns) * length);
+    data_->sumGroups(values, numbers, sums);
     constexpr Offset kGrain = 64;
     far::parallelFor(rows.last - rows.first, kGrain, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {

@@ -4,11 +4,15 @@
 #include <espalier/far/api.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/osd/simd.h>
+#include <espalier/osd/workspace.h>
 
 #include <cstddef>
 #include <memory>
 
 namespace espalier::osd {
+
+template <class Real>
+class CompiledAdjointChain;
 
 /// The adjoint of a table, Dᵀ, in the form that is fastest to evaluate: gradients by the points of
 /// a model become gradients by the vertices of its lattice.
@@ -45,14 +49,31 @@ public:
     /// for bit. A source value that is not finite may reach columns of its group whose weight for
     /// it is 0.
     ///
-    /// \cost O(entries × components), in parallel, whatever the range
+    /// \cost O(entries × components), in parallel, whatever the range; memory for the sums of the
+    ///       groups
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows) const;
 
+    /// The same in memory that is kept: for real time (workspace.h).
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows, Workspace& workspace) const;
+
+    /// One that is large enough for entries of so many components, in any layout.
+    Workspace workspace(Offset length) const;
+
 private:
     struct Data;
+
+    std::size_t roomFor(Offset length) const;
+    void evaluateIn(std::byte* memory, Values<Real> source, const BufferDescriptor& sourceLayout,
+                    MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                    RowRange rows) const;
+
     std::unique_ptr<const Data> data_;
+
+    friend class CompiledAdjointChain<Real>;
 };
 
 }  // namespace espalier::osd

@@ -1,13 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
 #include <espalier/osd/compiled_chain.h>
-#include <espalier/osd/padding.h>
+#include <espalier/osd/room.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
 namespace espalier::osd {
+
+/// Room for the values between the steps, of so many components, and for each step in its turn.
+/// Those before and after a step are held at once.
+struct ChainRoom {
+    std::array<Offset, 2> held = {0, 0};  ///< numbers after every other step
+    std::size_t ofStep = 0;
+
+    template <class Step, class RoomForStep>
+    ChainRoom(std::span<const Step> steps, Offset length, RoomForStep roomForStep) {
+        for (std::size_t i = 0; i < steps.size(); ++i) {
+            if (i + 1 < steps.size())
+                held[i % 2] = std::max(held[i % 2], steps[i].rowCount() * paddedLength(length));
+            ofStep = std::max(ofStep, roomForStep(steps[i], i > 0));
+        }
+    }
+
+    template <class Real>
+    std::size_t bytes() const {
+        return roomOf<Real>(held[0]) + roomOf<Real>(held[1]) + ofStep;
+    }
+};
+
 namespace {
 
 using stencils::FactoredTable;
@@ -54,25 +77,30 @@ std::size_t bytesOf(std::span<const Step> steps) {
     return bytes;
 }
 
-template <class Real, class Step>
-void evaluateInTurn(std::span<const Step> steps, Values<Real> source,
-                    const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
-                    const BufferDescriptor& destinationLayout, RowRange rows) {
-    checkEvaluation(steps.back().rowCount(), steps.front().columnCount(), source.size(),
-                    sourceLayout, destination.size(), destinationLayout, rows);
+/// \param evaluateStep what a step does, in the memory that it is given first
+template <class Real, class Step, class EvaluateStep>
+void evaluateInTurn(std::span<const Step> steps, const ChainRoom& needed, std::byte* memory,
+                    Values<Real> source, const BufferDescriptor& sourceLayout,
+                    MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                    RowRange rows, EvaluateStep evaluateStep) {
+    Room room(memory);
+    const std::span<Real> held[] = {room.take<Real>(needed.held[0]),
+                                    room.take<Real>(needed.held[1])};
+    std::byte* const own = room.take<std::byte>(static_cast<Offset>(needed.ofStep)).data();
     // Between the tables, entries lie as the kernels want them.
     const BufferDescriptor between{0, sourceLayout.length, paddedLength(sourceLayout.length)};
     Values<Real> values = source;
     BufferDescriptor layout = sourceLayout;
-    AlignedVector<Real> held;
-    for (const Step& step : steps.first(steps.size() - 1)) {
-        AlignedVector<Real> next(static_cast<std::size_t>(step.rowCount() * between.stride));
-        step.evaluate(values, layout, next, between, {0, step.rowCount()});
-        held = std::move(next);
-        values = held;
+    for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
+        const auto next =
+            held[i % 2].first(static_cast<std::size_t>(steps[i].rowCount() * between.stride));
+        // Behind the components no numbers that happen to be slow: denormal ones.
+        if (between.stride > between.length) std::fill(next.begin(), next.end(), Real{0});
+        evaluateStep(steps[i], own, values, layout, next, between, {0, steps[i].rowCount()});
+        values = next;
         layout = between;
     }
-    steps.back().evaluate(values, layout, destination, destinationLayout, rows);
+    evaluateStep(steps.back(), own, values, layout, destination, destinationLayout, rows);
 }
 
 }  // namespace
@@ -91,11 +119,42 @@ std::size_t CompiledChain<Real>::byteCount() const {
 }
 
 template <class Real>
+ChainRoom CompiledChain<Real>::roomFor(Offset length) const {
+    return ChainRoom(
+        std::span(steps_), length,
+        [&]([[maybe_unused]] const CompiledTable<Real>& step, [[maybe_unused]] bool isPadded) {
+            return step.roomFor(length, isPadded);
+        });
+}
+
+template <class Real>
+Workspace CompiledChain<Real>::workspace(Offset length) const {
+    return Workspace(roomFor(length).template bytes<Real>());
+}
+
+template <class Real>
 void CompiledChain<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                                    MutableValues<Real> destination,
                                    const BufferDescriptor& destinationLayout, RowRange rows) const {
-    evaluateInTurn<Real>(std::span(steps_), source, sourceLayout, destination, destinationLayout,
-                         rows);
+    Workspace workspace;
+    evaluate(source, sourceLayout, destination, destinationLayout, rows, workspace);
+}
+
+template <class Real>
+void CompiledChain<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                                   MutableValues<Real> destination,
+                                   const BufferDescriptor& destinationLayout, RowRange rows,
+                                   Workspace& workspace) const {
+    checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
+                    destinationLayout, rows);
+    const ChainRoom room = roomFor(sourceLayout.length);
+    evaluateInTurn<Real>(std::span(steps_), room, workspace.reserve(room.template bytes<Real>()),
+                         source, sourceLayout, destination, destinationLayout, rows,
+                         [](const CompiledTable<Real>& step, std::byte* memory, Values<Real> from,
+                            const BufferDescriptor& fromLayout, MutableValues<Real> to,
+                            const BufferDescriptor& toLayout, RowRange range) {
+                             step.evaluateIn(memory, from, fromLayout, to, toLayout, range);
+                         });
 }
 
 template <class Real>
@@ -113,12 +172,41 @@ std::size_t CompiledAdjointChain<Real>::byteCount() const {
 }
 
 template <class Real>
+ChainRoom CompiledAdjointChain<Real>::roomFor(Offset length) const {
+    return ChainRoom(std::span(steps_), length,
+                     [&]([[maybe_unused]] const CompiledAdjoint<Real>& step,
+                         [[maybe_unused]] bool isPadded) { return step.roomFor(length); });
+}
+
+template <class Real>
+Workspace CompiledAdjointChain<Real>::workspace(Offset length) const {
+    return Workspace(roomFor(length).template bytes<Real>());
+}
+
+template <class Real>
 void CompiledAdjointChain<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                                           MutableValues<Real> destination,
                                           const BufferDescriptor& destinationLayout,
                                           RowRange rows) const {
-    evaluateInTurn<Real>(std::span(steps_), source, sourceLayout, destination, destinationLayout,
-                         rows);
+    Workspace workspace;
+    evaluate(source, sourceLayout, destination, destinationLayout, rows, workspace);
+}
+
+template <class Real>
+void CompiledAdjointChain<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                                          MutableValues<Real> destination,
+                                          const BufferDescriptor& destinationLayout, RowRange rows,
+                                          Workspace& workspace) const {
+    checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
+                    destinationLayout, rows);
+    const ChainRoom room = roomFor(sourceLayout.length);
+    evaluateInTurn<Real>(std::span(steps_), room, workspace.reserve(room.template bytes<Real>()),
+                         source, sourceLayout, destination, destinationLayout, rows,
+                         [](const CompiledAdjoint<Real>& step, std::byte* memory, Values<Real> from,
+                            const BufferDescriptor& fromLayout, MutableValues<Real> to,
+                            const BufferDescriptor& toLayout, RowRange range) {
+                             step.evaluateIn(memory, from, fromLayout, to, toLayout, range);
+                         });
 }
 
 template class CompiledChain<float>;

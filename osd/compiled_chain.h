@@ -12,6 +12,8 @@
 
 namespace espalier::osd {
 
+struct ChainRoom;
+
 /// Tables that are applied one after the other, T_n · (… · (T_1 · source)), each compiled: the two
 /// factors of a deformation table, or the level tables R_1 to R_n.
 ///
@@ -45,7 +47,17 @@ public:
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows) const;
 
+    /// The same in memory that is kept: for real time (workspace.h).
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows, Workspace& workspace) const;
+
+    /// One that is large enough for entries of so many components, in any layout.
+    Workspace workspace(Offset length) const;
+
 private:
+    ChainRoom roomFor(Offset length) const;
+
     std::vector<CompiledTable<Real>> steps_;
 };
 
@@ -81,7 +93,17 @@ public:
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows) const;
 
+    /// The same in memory that is kept: for real time (workspace.h).
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows, Workspace& workspace) const;
+
+    /// One that is large enough for entries of so many components, in any layout.
+    Workspace workspace(Offset length) const;
+
 private:
+    ChainRoom roomFor(Offset length) const;
+
     std::vector<CompiledAdjoint<Real>> steps_;  ///< T_nᵀ first
 };
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
-#include <espalier/osd/compiled_table.h>
-#include <espalier/osd/table_compiler.h>
+#include <espalier/osd/compiled_table_data.h>
+#include <espalier/osd/room.h>
 
 #include <algorithm>
-#include <cstdint>
+#include <utility>
 
 namespace espalier::osd {
 namespace {
@@ -14,89 +14,24 @@ std::size_t at(Offset index) {
     return static_cast<std::size_t>(index);
 }
 
-/// Source entries as the kernels want them: where they do not lie so, a copy.
-template <class Real>
-class Points {
-public:
-    Points(Index count, Values<Real> source, const BufferDescriptor& layout)
-        : stride_(paddedLength(layout.length)) {
-        const Real* first = source.data() + layout.offset;
-        if (layout.stride == stride_ && source.size() >= at(layout.offset + count * stride_) &&
-            reinterpret_cast<std::uintptr_t>(first) % (kernels::kPadding * sizeof(Real)) == 0) {
-            values_ = first;
-            return;
-        }
-        copy_.resize(at(count * stride_));
-        constexpr Offset kGrain = 8192;
-        far::parallelFor(count, kGrain, [&](Offset begin, Offset end) {
-            for (Offset i = begin; i < end; ++i)
-                std::copy_n(first + i * layout.stride, layout.length, copy_.data() + i * stride_);
-        });
-        values_ = copy_.data();
-    }
-
-    const Real* data() const { return values_; }
-    Offset stride() const { return stride_; }
-
-private:
-    Offset stride_;
-    AlignedVector<Real> copy_;
-    const Real* values_;
-};
+/// The numbers of a task: the entries of one group after the other.
+template <class Data>
+auto taskNumbers(const Data& data, Offset stride) {
+    using Real = typename decltype(data.rows.weights)::value_type;
+    return TaskNumbers<Real>(std::ssize(data.rows.taskStarts) - 1, data.mostColumns * stride);
+}
 
 }  // namespace
 
 template <class Real>
-struct CompiledTable<Real>::Data {
-    Index rowCount, columnCount;
-    kernels::Kernels<Real> kernels;
-    CompiledRows<Real> rows;
-
-    void evaluateGroups(Offset first, Offset last, const Points<Real>& points,
-                        const kernels::Destination<Real>& to) const {
-        const Offset stride = points.stride();
-        AlignedVector<Real> own;
-        for (Offset g = first; g < last; ++g) {
-            const auto& group = rows.groups[at(g)];
-            if (group.highest < to.first || group.lowest >= to.last) continue;
-            own.resize(at(group.columnCount * stride));
-            for (Index k = 0; k < group.columnCount; ++k)
-                std::copy_n(points.data() + rows.groupColumns[at(group.firstColumn + k)] * stride,
-                            stride, own.data() + k * stride);
-            const Real* numbers = rows.groupNumbers.data() + group.firstNumber;
-            const Index* rowNumbers = rows.groupRows.data() + group.firstRow;
-            if (group.size[0] == 0)
-                kernels.panels(
-                    {numbers, own.data(), stride, group.columnCount, rowNumbers, group.rowCount},
-                    to);
-            else
-                kernels.products({numbers,
-                                  own.data(),
-                                  stride,
-                                  {group.size[0], group.size[1], group.size[2]},
-                                  rowNumbers,
-                                  group.rowCount},
-                                 to);
-        }
-    }
-
-    void evaluateRuns(Offset first, Offset last, const Points<Real>& points,
-                      const kernels::Destination<Real>& to) const {
-        for (Offset r = first; r < last; ++r) {
-            const auto& run = rows.runs[at(r)];
-            kernels.rows({rows.weights.data() + run.firstWeight, run.isShared,
-                          rows.columns.data() + run.firstColumn, run.length, points.data(),
-                          points.stride(), rows.rows.data() + run.firstRow, run.rowCount},
-                         to);
-        }
-    }
-};
-
-template <class Real>
 CompiledTable<Real>::CompiledTable(const stencils::StencilTable<Real>& table, Simd simd) {
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
-    data_ = std::make_unique<const Data>(Data{table.rowCount(), table.columnCount(),
-                                              kernels::kernelsFor<Real>(simd), compileRows(table)});
+    CompiledRows<Real> rows = compileRows(table);
+    Index mostColumns = 0;
+    for (const auto& group : rows.groups) mostColumns = std::max(mostColumns, group.columnCount);
+    data_ = std::make_shared<const Data>(Data{table.rowCount(), table.columnCount(),
+                                              kernels::kernelsFor<Real>(simd), std::move(rows),
+                                              mostColumns});
 }
 
 template <class Real>
@@ -134,25 +69,79 @@ std::size_t CompiledTable<Real>::byteCount() const {
 }
 
 template <class Real>
+std::size_t CompiledTable<Real>::roomFor(Offset length, bool hasPaddedSource) const {
+    const Offset stride = paddedLength(length);
+    return taskNumbers(*data_, stride).bytes() +
+           (hasPaddedSource ? 0 : roomOf<Real>(columnCount() * stride));
+}
+
+template <class Real>
+Workspace CompiledTable<Real>::workspace(Offset length) const {
+    return Workspace(roomFor(length, false));
+}
+
+template <class Real>
 void CompiledTable<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                                    MutableValues<Real> destination,
                                    const BufferDescriptor& destinationLayout, RowRange rows) const {
+    Workspace workspace;
+    evaluate(source, sourceLayout, destination, destinationLayout, rows, workspace);
+}
+
+template <class Real>
+void CompiledTable<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                                   MutableValues<Real> destination,
+                                   const BufferDescriptor& destinationLayout, RowRange rows,
+                                   Workspace& workspace) const {
     checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
                     destinationLayout, rows);
-    const Points<Real> points(columnCount(), source, sourceLayout);
+    const bool hasPaddedSource = isPadded<Real>(columnCount(), source, sourceLayout);
+    evaluateIn(workspace.reserve(roomFor(sourceLayout.length, hasPaddedSource)), source,
+               sourceLayout, destination, destinationLayout, rows);
+}
+
+template <class Real>
+void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
+                                     const BufferDescriptor& sourceLayout,
+                                     MutableValues<Real> destination,
+                                     const BufferDescriptor& destinationLayout,
+                                     RowRange rows) const {
+    Room room(memory);
+    const Offset length = sourceLayout.length, stride = paddedLength(length);
+    auto numbers = taskNumbers(*data_, stride);
+    numbers.takeFrom(room);
+    const Real* entries = source.data() + sourceLayout.offset;
+    if (!isPadded<Real>(columnCount(), source, sourceLayout)) {
+        const std::span<Real> copy = room.take<Real>(columnCount() * stride);
+        constexpr Offset kGrain = 8192;
+        far::parallelFor(columnCount(), kGrain, [&](Offset first, Offset last) {
+            for (Offset i = first; i < last; ++i)
+                copyPadded(entries + i * sourceLayout.stride, length, stride,
+                           copy.data() + i * stride);
+        });
+        entries = copy.data();
+    }
     const kernels::Destination<Real> to = {destination.data() + destinationLayout.offset,
                                            destinationLayout.stride,
-                                           destinationLayout.length,
+                                           length,
                                            rows.first,
                                            rows.last,
                                            rows.first == 0 && rows.last == rowCount()};
     const auto& starts = data_->rows.taskStarts;
-    far::parallelFor(static_cast<Offset>(starts.size()) - 1, 1, [&](Offset first, Offset last) {
-        data_->evaluateGroups(starts[at(first)], starts[at(last)], points, to);
+    far::parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
+        typename TaskNumbers<Real>::Local own(numbers, task);
+        for (Offset g = starts[at(task)]; g < starts[at(task + 1)]; ++g) {
+            const auto& group = data_->rows.groups[at(g)];
+            if (group.highest < to.first || group.lowest >= to.last) continue;
+            Real* next = own.data();
+            for (const Index column : data_->columnsOf(group))
+                next = std::copy_n(entries + column * stride, stride, next);
+            data_->evaluateGroup(group, own.data(), stride, data_->rowsOf(group).data(), to);
+        }
     });
-    far::parallelFor(
-        static_cast<Offset>(data_->rows.runs.size()), 1,
-        [&](Offset first, Offset last) { data_->evaluateRuns(first, last, points, to); });
+    far::parallelFor(std::ssize(data_->rows.runs), 1, [&](Offset run, Offset) {
+        data_->evaluateRun(data_->rows.runs[at(run)], entries, stride, to);
+    });
 }
 
 template class CompiledTable<float>;

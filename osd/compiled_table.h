@@ -4,11 +4,17 @@
 #include <espalier/far/api.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/osd/simd.h>
+#include <espalier/osd/workspace.h>
 
 #include <cstddef>
 #include <memory>
 
 namespace espalier::osd {
+
+template <class Real>
+class CompiledChain;
+template <class Real>
+class ChangeEvaluator;
 
 /// A stencil table in the form that is fastest to evaluate. The table itself stays the truth; this
 /// holds all of its weights, and does not refer to it.
@@ -54,14 +60,32 @@ public:
     /// \cost O(entries of the range × components), in parallel, and a look at each group of rows; a
     ///       copy of the source, unless its stride is its length rounded up to a multiple of 4, and
     ///       the first entry is at a multiple of 4 numbers in memory. What lies between such
-    ///       entries makes no difference
+    ///       entries makes no difference. The copy is allocated, and what rows of very many columns
+    ///       need (more than 1024 of xyz in float)
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows) const;
 
+    /// The same in memory that is kept: for real time (workspace.h).
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows, Workspace& workspace) const;
+
+    /// One that is large enough for entries of so many components, in any layout.
+    Workspace workspace(Offset length) const;
+
 private:
     struct Data;
-    std::unique_ptr<const Data> data_;
+
+    std::size_t roomFor(Offset length, bool hasPaddedSource) const;
+    void evaluateIn(std::byte* memory, Values<Real> source, const BufferDescriptor& sourceLayout,
+                    MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                    RowRange rows) const;
+
+    std::shared_ptr<const Data> data_;
+
+    friend class CompiledChain<Real>;
+    friend class ChangeEvaluator<Real>;
 };
 
 }  // namespace espalier::osd

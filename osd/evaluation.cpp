@@ -7,20 +7,23 @@
 namespace espalier::osd {
 namespace {
 
+// Nothing is put into words but where it is thrown: no evaluation allocates for its checks.
 void checkLayout(const BufferDescriptor& layout, std::size_t size, Offset entries,
                  const char* name) {
-    const std::string buffer = std::string("the ") + name + " buffer";
+    const auto refuse = [&](const std::string& what) {
+        throw Error(std::string("the ") + name + " buffer " + what);
+    };
     if (layout.offset < 0 || layout.length < 1 || layout.stride < layout.length)
-        throw Error(buffer + " has offset " + std::to_string(layout.offset) + ", length " +
-                    std::to_string(layout.length) + " and stride " + std::to_string(layout.stride) +
-                    "; expected offset ≥ 0 and stride ≥ length ≥ 1");
+        refuse("has offset " + std::to_string(layout.offset) + ", length " +
+               std::to_string(layout.length) + " and stride " + std::to_string(layout.stride) +
+               "; expected offset ≥ 0 and stride ≥ length ≥ 1");
     if (entries == 0) return;
     // Divided, not multiplied: the product might overflow.
     const Offset room = static_cast<Offset>(size) - layout.offset - layout.length;
     if (room < 0 || room / layout.stride < entries - 1)
-        throw Error(buffer + " holds " + std::to_string(size) + " numbers: too few for " +
-                    std::to_string(entries) + " entries at offset " +
-                    std::to_string(layout.offset) + " and stride " + std::to_string(layout.stride));
+        refuse("holds " + std::to_string(size) + " numbers: too few for " +
+               std::to_string(entries) + " entries at offset " + std::to_string(layout.offset) +
+               " and stride " + std::to_string(layout.stride));
 }
 
 }  // namespace

@@ -14,9 +14,9 @@ namespace {
 
 using kernels::kLanes;
 
-/// Rows of a group, since a lattice of few cells has few sets, of very many rows; and about those
-/// of a task, which one thread evaluates.
-constexpr std::size_t kMostRowsOfGroup = 1024;
+constexpr std::size_t kMostRows = kMostRowsOfGroup;
+
+/// About so many rows are a task, which one thread evaluates.
 constexpr Index kRowsOfTask = 4096;
 
 std::size_t at(Offset index) {
@@ -126,8 +126,8 @@ private:
     }
 
     void addPanels(std::span<const Index> rows, std::span<const Index> columns) {
-        for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMostRowsOfGroup))) {
-            const auto part = rows.first(std::min(rows.size(), kMostRowsOfGroup));
+        for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMostRows))) {
+            const auto part = rows.first(std::min(rows.size(), kMostRows));
             std::vector<Real> numbers;
             numbers.reserve(part.size() * columns.size());
             for (const Index row : part) {
@@ -143,8 +143,8 @@ private:
         const std::size_t length = at(product.size[0] + product.size[1] + product.size[2]);
         std::vector<Index> columns;
         for (const Index position : product.order) columns.push_back(shared_[at(position)]);
-        for (std::size_t first = 0; first < rows.size(); first += kMostRowsOfGroup) {
-            const auto part = rows.subspan(first, std::min(rows.size() - first, kMostRowsOfGroup));
+        for (std::size_t first = 0; first < rows.size(); first += kMostRows) {
+            const auto part = rows.subspan(first, std::min(rows.size() - first, kMostRows));
             const auto numbers = factors.subspan(first * length, part.size() * length);
             groups_.add(part, columns, product.size, {numbers.begin(), numbers.end()});
         }

@@ -14,6 +14,10 @@ namespace espalier::osd {
 using far::Index;
 using far::Offset;
 
+/// Rows of a group, at most, since a lattice of few cells has few sets of columns, of very many
+/// rows.
+inline constexpr Index kMostRowsOfGroup = 1024;
+
 /// A table in three forms, each row in one of them.
 template <class Real>
 struct CompiledRows {

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/parallel.h>
+#include <espalier/osd/change_evaluator.h>
+#include <espalier/osd/compiled_table_data.h>
+#include <espalier/osd/room.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <numeric>
+#include <string>
+#include <utility>
+
+namespace espalier::osd {
+namespace {
+
+using kernels::kLanes;
+
+std::size_t at(Offset index) {
+    return static_cast<std::size_t>(index);
+}
+
+/// Of each column of a table the places, ascending, in which it was found.
+struct PlacesOfColumns {
+    std::vector<Offset> offsets;
+    std::vector<Index> places;
+
+    /// \param forEach calls what it is given with each column and place, places ascending
+    template <class ForEach>
+    PlacesOfColumns(Index columnCount, ForEach forEach) : offsets(at(columnCount) + 1, 0) {
+        forEach([&](Index column, Index) { ++offsets[at(column) + 1]; });
+        std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+        places.resize(at(offsets.back()));
+        std::vector<Offset> next(offsets.begin(), offsets.end() - 1);
+        forEach([&](Index column, Index place) { places[at(next[at(column)]++)] = place; });
+    }
+
+    std::span<const Index> of(Index column) const {
+        return std::span(places).subspan(at(offsets[at(column)]),
+                                         at(offsets[at(column) + 1] - offsets[at(column)]));
+    }
+};
+
+/// A set of numbers below a bound, in memory of somebody else's.
+class Marks {
+public:
+    static constexpr Index kOfWord = 64;
+    static Offset wordCount(Index bound) { return (Offset{bound} + kOfWord - 1) / kOfWord; }
+
+    explicit Marks(std::span<std::uint64_t> words) : words_(words) {
+        std::fill(words.begin(), words.end(), 0);
+    }
+
+    void add(Index number) { words_[at(number / kOfWord)] |= bit(number); }
+    bool contains(Index number) const { return (words_[at(number / kOfWord)] & bit(number)) != 0; }
+
+    /// Calls step(number) for each of some words, ascending.
+    template <class Step>
+    void forEach(Offset firstWord, Offset lastWord, Step step) const {
+        for (Offset w = firstWord; w < lastWord; ++w)
+            for (std::uint64_t word = words_[at(w)]; word != 0; word &= word - 1)
+                step(static_cast<Index>(w * kOfWord + std::countr_zero(word)));
+    }
+
+private:
+    static std::uint64_t bit(Index number) { return std::uint64_t{1} << (number % kOfWord); }
+
+    std::span<std::uint64_t> words_;
+};
+
+constexpr Offset kGroupsOfTask = 16;
+constexpr Offset kWordsOfTask = 512;
+
+}  // namespace
+
+template <class Real>
+struct ChangeEvaluator<Real>::Data {
+    using Table = typename CompiledTable<Real>::Data;
+    using Group = typename CompiledRows<Real>::Group;
+    using Run = typename CompiledRows<Real>::Run;
+
+    std::shared_ptr<const Table> table;
+    PlacesOfColumns groups;        ///< column → groups
+    PlacesOfColumns alone;         ///< column → rows in no group, by their place in rows.rows
+    std::vector<char> isMixed;     ///< group → whether some of its weights are 0
+    std::vector<Index> ascending;  ///< 0 to the length of the longest run
+    Index mostColumns;             ///< of a group or a run
+
+    explicit Data(std::shared_ptr<const Table> shared)
+        : table(std::move(shared)),
+          groups(table->columnCount,
+                 [&](auto found) {
+                     for (Index g = 0; g < groupCount(); ++g)
+                         for (const Index column : table->columnsOf(groupAt(g))) found(column, g);
+                 }),
+          alone(table->columnCount,
+                [&](auto found) {
+                    for (const Run& run : table->rows.runs)
+                        for (Index i = 0; i < run.rowCount; ++i) addRow(run, i, found);
+                }),
+          isMixed(table->rows.groups.size()),
+          mostColumns(table->mostColumns) {
+        for (Index g = 0; g < groupCount(); ++g) {
+            const Group& group = groupAt(g);
+            for (Index row = 0; row < group.rowCount; ++row)
+                for (Index k = 0; k < group.columnCount; ++k)
+                    if (!dependsOn(group, row, k)) isMixed[at(g)] = 1;
+        }
+        Index longest = 0;
+        for (const Run& run : table->rows.runs) longest = std::max(longest, run.length);
+        ascending.resize(at(longest));
+        std::iota(ascending.begin(), ascending.end(), Index{0});
+        mostColumns = std::max(mostColumns, longest);
+    }
+
+    Index groupCount() const { return static_cast<Index>(table->rows.groups.size()); }
+    Index aloneCount() const { return static_cast<Index>(table->rows.rows.size()); }
+    const Group& groupAt(Index g) const { return table->rows.groups[at(g)]; }
+
+    template <class Found>
+    void addRow(const Run& run, Index i, Found found) const {
+        const Real* weights = table->rows.weights.data() + run.firstWeight +
+                              (run.isShared ? 0 : Offset{i} * run.length);
+        const Index* columns =
+            table->rows.columns.data() + run.firstColumn + Offset{i} * run.length;
+        for (Index k = 0; k < run.length; ++k)
+            if (weights[k] != 0) found(columns[k], static_cast<Index>(run.firstRow + i));
+    }
+
+    /// Whether a row of a group has a weight for column k of the group.
+    bool dependsOn(const Group& group, Index row, Index k) const {
+        constexpr Index lanes = kLanes<Real>;
+        const auto& size = group.size;
+        const Index length = size[0] == 0 ? group.columnCount : size[0] + size[1] + size[2];
+        const Real* own = table->rows.groupNumbers.data() + group.firstNumber +
+                          Offset{row / lanes} * length * lanes + row % lanes;
+        if (size[0] == 0) return own[Offset{k} * lanes] != 0;
+        return own[k % size[0] * lanes] != 0 &&
+               own[(size[0] + k / size[0] % size[1]) * lanes] != 0 &&
+               own[(size[0] + size[1] + k / (size[0] * size[1])) * lanes] != 0;
+    }
+
+    void checkColumns(std::span<const Index> changed) const {
+        for (const Index column : changed)
+            if (column < 0 || column >= table->columnCount)
+                throw Error("column " + std::to_string(column) + " is not in a table of " +
+                            std::to_string(table->columnCount) + " columns");
+    }
+
+    /// What some columns change.
+    struct Changes {
+        Marks columns;
+        Marks alone;
+        std::span<const Index> groups;  ///< ascending
+    };
+
+    std::size_t roomForChanges() const {
+        return roomOf<std::uint64_t>(Marks::wordCount(table->columnCount)) +
+               roomOf<std::uint64_t>(Marks::wordCount(aloneCount())) +
+               roomOf<std::uint64_t>(Marks::wordCount(groupCount())) + roomOf<Index>(groupCount());
+    }
+
+    Changes changesBy(std::span<const Index> changed, Room& room) const {
+        const auto marks = [&](Index bound) {
+            return Marks(room.take<std::uint64_t>(Marks::wordCount(bound)));
+        };
+        Marks columns = marks(table->columnCount), rows = marks(aloneCount()),
+              isChanged = marks(groupCount());
+        for (const Index column : changed) {
+            if (columns.contains(column)) continue;
+            columns.add(column);
+            for (const Index place : alone.of(column)) rows.add(place);
+            for (const Index g : groups.of(column)) isChanged.add(g);
+        }
+        const std::span<Index> list = room.take<Index>(groupCount());
+        std::size_t count = 0;
+        isChanged.forEach(0, Marks::wordCount(groupCount()), [&](Index g) { list[count++] = g; });
+        return {columns, rows, list.first(count)};
+    }
+
+    /// The rows of a group, with −1 for those that do not depend on what has changed: the kernels
+    /// leave out what is not in their range.
+    using RowsOfGroup = std::array<Index, kMostRowsOfGroup>;
+    const Index* changedRows(Index g, const Marks& columns, RowsOfGroup& rows) const {
+        const Group& group = groupAt(g);
+        const auto all = table->rowsOf(group), own = table->columnsOf(group);
+        if (isMixed[at(g)] == 0) return all.data();
+        std::fill_n(rows.begin(), group.rowCount, Index{-1});
+        for (Index k = 0; k < group.columnCount; ++k)
+            if (columns.contains(own[at(k)]))
+                for (Index row = 0; row < group.rowCount; ++row)
+                    if (dependsOn(group, row, k)) rows[at(row)] = all[at(row)];
+        return rows.data();
+    }
+
+    /// The numbers of a task: the entries of one group, or of one row.
+    TaskNumbers<Real> taskNumbers(Offset length) const {
+        const Offset tasks =
+            std::max((groupCount() + kGroupsOfTask - 1) / kGroupsOfTask,
+                     (Marks::wordCount(aloneCount()) + kWordsOfTask - 1) / kWordsOfTask);
+        return {tasks, mostColumns * paddedLength(length)};
+    }
+
+    std::size_t roomFor(Offset length) const {
+        return roomForChanges() + taskNumbers(length).bytes();
+    }
+};
+
+template <class Real>
+ChangeEvaluator<Real>::ChangeEvaluator(const CompiledTable<Real>& table)
+    : data_(std::make_unique<const Data>(table.data_)) {}
+
+template <class Real>
+ChangeEvaluator<Real>::~ChangeEvaluator() = default;
+template <class Real>
+ChangeEvaluator<Real>::ChangeEvaluator(ChangeEvaluator&&) noexcept = default;
+template <class Real>
+ChangeEvaluator<Real>& ChangeEvaluator<Real>::operator=(ChangeEvaluator&&) noexcept = default;
+
+template <class Real>
+Index ChangeEvaluator<Real>::rowCount() const {
+    return data_->table->rowCount;
+}
+
+template <class Real>
+Index ChangeEvaluator<Real>::columnCount() const {
+    return data_->table->columnCount;
+}
+
+template <class Real>
+std::size_t ChangeEvaluator<Real>::byteCount() const {
+    const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
+    return bytes(data_->groups.offsets) + bytes(data_->groups.places) +
+           bytes(data_->alone.offsets) + bytes(data_->alone.places) + bytes(data_->isMixed) +
+           bytes(data_->ascending);
+}
+
+template <class Real>
+Workspace ChangeEvaluator<Real>::workspace(Offset length) const {
+    return Workspace(data_->roomFor(length));
+}
+
+template <class Real>
+void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
+                                            const BufferDescriptor& sourceLayout,
+                                            MutableValues<Real> destination,
+                                            const BufferDescriptor& destinationLayout,
+                                            std::span<const Index> changed) const {
+    Workspace workspace;
+    evaluateChanged(source, sourceLayout, destination, destinationLayout, changed, workspace);
+}
+
+template <class Real>
+void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
+                                            const BufferDescriptor& sourceLayout,
+                                            MutableValues<Real> destination,
+                                            const BufferDescriptor& destinationLayout,
+                                            std::span<const Index> changed,
+                                            Workspace& workspace) const {
+    checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
+                    destinationLayout, {0, rowCount()});
+    data_->checkColumns(changed);
+    const Offset length = sourceLayout.length, stride = paddedLength(length);
+    Room room(workspace.reserve(data_->roomFor(length)));
+    const auto changes = data_->changesBy(changed, room);
+    TaskNumbers<Real> numbers = data_->taskNumbers(length);
+    numbers.takeFrom(room);
+
+    const auto& table = *data_->table;
+    const auto gather = [&](std::span<const Index> columns, Real* to) {
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            copyPadded(source.data() + sourceLayout.offset + columns[k] * sourceLayout.stride,
+                       length, stride, to + static_cast<Offset>(k) * stride);
+    };
+    const kernels::Destination<Real> all = {destination.data() + destinationLayout.offset,
+                                            destinationLayout.stride,
+                                            length,
+                                            0,
+                                            rowCount(),
+                                            true};
+    auto some = all;
+    some.isWhole = false;  // Rows are looked at, whether they are in the range.
+    far::parallelFor(std::ssize(changes.groups), kGroupsOfTask, [&](Offset first, Offset last) {
+        typename TaskNumbers<Real>::Local entries(numbers, first / kGroupsOfTask);
+        typename Data::RowsOfGroup rows;
+        for (Offset i = first; i < last; ++i) {
+            const Index g = changes.groups[at(i)];
+            const auto& group = data_->groupAt(g);
+            gather(table.columnsOf(group), entries.data());
+            const Index* changedRows = data_->changedRows(g, changes.columns, rows);
+            table.evaluateGroup(group, entries.data(), stride, changedRows,
+                                data_->isMixed[at(g)] != 0 ? some : all);
+        }
+    });
+    const auto& runs = table.rows.runs;
+    far::parallelFor(
+        Marks::wordCount(data_->aloneCount()), kWordsOfTask, [&](Offset first, Offset last) {
+            typename TaskNumbers<Real>::Local entries(numbers, first / kWordsOfTask);
+            auto run = runs.begin();
+            changes.alone.forEach(first, last, [&](Index place) {
+                while (place >= run->firstRow + run->rowCount) ++run;
+                const auto i = static_cast<Index>(place - run->firstRow);
+                gather(
+                    std::span(table.rows.columns)
+                        .subspan(at(run->firstColumn + Offset{i} * run->length), at(run->length)),
+                    entries.data());
+                table.evaluateRow(*run, i, entries.data(), stride, data_->ascending.data(), all);
+            });
+        });
+}
+
+template <class Real>
+std::vector<Index> ChangeEvaluator<Real>::rowsOf(std::span<const Index> changed) const {
+    data_->checkColumns(changed);
+    Workspace workspace(data_->roomForChanges());
+    Room room(workspace.reserve(0));
+    const auto changes = data_->changesBy(changed, room);
+    std::vector<Index> result;
+    typename Data::RowsOfGroup own;
+    for (const Index g : changes.groups) {
+        const Index* rows = data_->changedRows(g, changes.columns, own);
+        std::copy_if(rows, rows + data_->groupAt(g).rowCount, std::back_inserter(result),
+                     [](Index row) { return row >= 0; });
+    }
+    changes.alone.forEach(0, Marks::wordCount(data_->aloneCount()), [&](Index place) {
+        result.push_back(data_->table->rows.rows[at(place)]);
+    });
+    std::sort(result.begin(), result.end());
+    return result;
+}
+
+template class ChangeEvaluator<float>;
+template class ChangeEvaluator<double>;
+
+}  // namespace espalier::osd

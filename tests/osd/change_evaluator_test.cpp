@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/osd/change_evaluator.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "support/mesh_shapes.h"
+#include "support/refined_lattice.h"
+#include "support/threads.h"
+#include "support/zoo.h"
+
+namespace espalier::osd {
+namespace {
+
+using stencils::Rules;
+using stencils::StencilTable;
+using ::testing::HasSubstr;
+
+template <class Real>
+StencilTable<Real> boundTable(const Lattice& lattice, int level, std::size_t count) {
+    const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
+    return stencils::bindPoints<Real>(base, lattice.positions, level, Rules::Siggraph96,
+                                      test::pointsIn(test::Refined(lattice, 1), count, 5))
+        .binding.table;
+}
+
+template <class Real>
+std::vector<Real> randomReals(Offset count, unsigned seed) {
+    const auto values = test::randomValues(static_cast<std::size_t>(count), seed);
+    return {values.begin(), values.end()};
+}
+
+/// The rows with a weight for one of some columns, row by row.
+template <class Real>
+std::vector<Index> rowsWith(const StencilTable<Real>& table, const std::vector<Index>& changed) {
+    std::vector<Index> rows;
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        const auto columns = table.columns(row);
+        const auto weights = table.weights(row);
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            if (weights[k] != 0 &&
+                std::find(changed.begin(), changed.end(), columns[k]) != changed.end()) {
+                rows.push_back(row);
+                break;
+            }
+    }
+    return rows;
+}
+
+/// Some columns of a table, some of them twice, in no order.
+std::vector<Index> randomColumns(Index columnCount, std::size_t count, unsigned seed) {
+    std::mt19937 random(seed);
+    std::vector<Index> columns;
+    for (std::size_t i = 0; i < count; ++i)
+        columns.push_back(static_cast<Index>(random() % static_cast<unsigned>(columnCount)));
+    if (!columns.empty()) columns.push_back(columns.front());
+    return columns;
+}
+
+/// After a change the destination is that of a whole evaluation, bit for bit, and nothing is
+/// written but rows that depend on it.
+template <class Real>
+void expectSame(const StencilTable<Real>& table, const CompiledTable<Real>& compiled,
+                Offset length) {
+    const ChangeEvaluator<Real> changes(compiled);
+    EXPECT_EQ(changes.rowCount(), table.rowCount());
+    EXPECT_EQ(changes.columnCount(), table.columnCount());
+    const BufferDescriptor from{1, length, length + 2}, to{2, length, length + 1};
+    auto source = randomReals<Real>(1 + table.columnCount() * from.stride, 6);
+    std::vector<Real> result(static_cast<std::size_t>(2 + table.rowCount() * to.stride), 99);
+    const RowRange all{0, table.rowCount()};
+    compiled.evaluate(source, from, result, to, all);
+    Workspace workspace = changes.workspace(length);
+    unsigned seed = 0;
+    for (const std::size_t count : {0U, 1U, 3U, 20U, 1000U}) {
+        const auto changed = randomColumns(table.columnCount(), count, ++seed);
+        const auto values = randomReals<Real>(std::ssize(changed) * length, ++seed);
+        for (std::size_t i = 0; i < changed.size(); ++i)
+            std::copy_n(values.begin() + static_cast<Offset>(i) * length, length,
+                        source.begin() + from.offset + changed[i] * from.stride);
+        auto expected = result;
+        compiled.evaluate(source, from, expected, to, all);
+        changes.evaluateChanged(source, from, result, to, changed, workspace);
+        ASSERT_EQ(result, expected);
+
+        const auto rows = rowsWith(table, changed);
+        ASSERT_EQ(changes.rowsOf(changed), rows);
+        std::vector<Real> written(result.size(), 99);
+        changes.evaluateChanged(source, from, written, to, changed);
+        std::vector<Real> few(result.size(), 99);
+        for (const Index row : rows)
+            std::copy_n(expected.begin() + to.offset + row * to.stride, length,
+                        few.begin() + to.offset + row * to.stride);
+        ASSERT_EQ(written, few);
+    }
+}
+
+template <class Real>
+class ChangeEvaluatorTest : public ::testing::Test {};
+using Reals = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(ChangeEvaluatorTest, Reals);
+
+TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOnTheZoo) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        SCOPED_TRACE(name);
+        far::TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
+        refiner.refineUniform(2);
+        const auto vertices = stencils::buildStencils<TypeParam>(refiner, 2);
+        expectSame(vertices, CompiledTable<TypeParam>(vertices), 3);
+        if (lattice.complex.dimension() < 3) continue;
+        const auto points = boundTable<TypeParam>(lattice, 2, 300);
+        expectSame(points, CompiledTable<TypeParam>(points), 3);
+    }
+}
+
+// Outer products; panels, of several sets of columns with zeros for those that a row lacks; rows
+// with columns of their own; all the kernels.
+TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOfEachForm) {
+    const auto box = boundTable<TypeParam>(shapes::box({.cells = {5, 4, 4}}), 3, 20'000);
+    const auto cylinder = boundTable<TypeParam>(shapes::cylinder({.sectors = 5}), 3, 3000);
+    const Lattice torus = test::surfaceOf(shapes::torus());
+    far::TopologyRefiner refiner(torus.complex);
+    refiner.refineUniform(4);
+    const auto surface = stencils::buildStencils<TypeParam>(refiner, 4);
+    EXPECT_GT(CompiledTable<TypeParam>(box).productRowCount(), 100);
+    for (const Simd simd : {Simd::Baseline, Simd::Avx2, Simd::Avx512}) {
+        if (!hasSimd(simd)) continue;
+        for (const auto* table : {&box, &cylinder, &surface})
+            for (const Offset length : {1, 3, 5, 12})
+                expectSame(*table, CompiledTable<TypeParam>(*table, simd), length);
+    }
+}
+
+// So many that the numbers of a task do not lie on the stack.
+TYPED_TEST(ChangeEvaluatorTest, LongRows) {
+    constexpr Index kLength = 2500;
+    far::Array<Offset> offsets = {0};
+    far::Array<Index> columns;
+    for (Index row = 0; row < 60; ++row) {
+        for (Index k = 0; k < kLength; ++k) columns.push_back(k + (row < 40 ? 0 : row));
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    auto weights = randomReals<TypeParam>(std::ssize(columns), 9);
+    for (std::size_t i = 0; i < weights.size(); i += 3) weights[i] = 0;  // entries that are 0
+    const StencilTable<TypeParam> table(kLength + 60, offsets, columns,
+                                        {weights.begin(), weights.end()});
+    expectSame(table, CompiledTable<TypeParam>(table), 3);
+}
+
+TYPED_TEST(ChangeEvaluatorTest, DoesNotDependOnThreads) {
+    const auto table = boundTable<TypeParam>(shapes::box({.cells = {4, 4, 4}}), 3, 8000);
+    for (const int threads : {1, 2, 8})
+        test::withThreads(threads, [&] { expectSame(table, CompiledTable<TypeParam>(table), 3); });
+}
+
+TYPED_TEST(ChangeEvaluatorTest, LivesLongerThanTheTable) {
+    const StencilTable<TypeParam> table(2, {0, 1, 2}, {1, 0}, {2, 3});
+    const auto changes = [&] {
+        const CompiledTable<TypeParam> compiled(table);
+        return ChangeEvaluator<TypeParam>(compiled);
+    }();
+    std::vector<TypeParam> result(2, 99);
+    changes.evaluateChanged(std::vector<TypeParam>{5, 7}, {0, 1, 1}, result, {0, 1, 1},
+                            std::vector<Index>{0});
+    EXPECT_EQ(result, (std::vector<TypeParam>{99, 15}));
+    const ChangeEvaluator<TypeParam> none{CompiledTable<TypeParam>(StencilTable<TypeParam>())};
+    none.evaluateChanged({}, {0, 1, 1}, {}, {0, 1, 1}, {});
+    EXPECT_TRUE(none.rowsOf({}).empty());
+}
+
+TYPED_TEST(ChangeEvaluatorTest, RefusesBeforeItWrites) {
+    const StencilTable<TypeParam> table(2, {0, 1, 2}, {1, 0}, {2, 3});
+    const ChangeEvaluator<TypeParam> changes{CompiledTable<TypeParam>(table)};
+    const std::vector<TypeParam> source = {5, 7};
+    std::vector<TypeParam> result(2, 99);
+    const auto expectRefused = [&](const char* why, std::size_t size,
+                                   const std::vector<Index>& changed) {
+        try {
+            changes.evaluateChanged(source, {0, 1, 1}, std::span(result).first(size), {0, 1, 1},
+                                    changed);
+            FAIL() << "accepted; expected: " << why;
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), HasSubstr(why));
+        }
+        EXPECT_THAT(result, ::testing::Each(99));
+    };
+    expectRefused("column 2 is not in a table of 2 columns", 2, {0, 2});
+    expectRefused("column -1 is not", 2, {-1, 0});
+    expectRefused("destination buffer holds 1", 1, {0});
+    EXPECT_THROW(changes.rowsOf(std::vector<Index>{2}), Error);
+}
+
+}  // namespace
+}  // namespace espalier::osd

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/executor.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/change_evaluator.h>
+#include <espalier/osd/compiled_adjoint.h>
+#include <espalier/osd/compiled_chain.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/osd/cpu_evaluator.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <vector>
+
+#include "call_counts.h"
+#include "support/mesh_shapes.h"
+#include "support/refined_lattice.h"
+#include "support/thread_pool.h"
+#include "support/zoo.h"
+
+// What hosts of real time ask: after binding, nothing is allocated and nothing locked.
+namespace espalier::osd {
+namespace {
+
+using stencils::FactoredTable;
+using stencils::Rules;
+using stencils::StencilTable;
+using test::CallCounts;
+using test::callsOf;
+using ::testing::ElementsAre;
+
+constexpr CallCounts kNone = {};
+
+TEST(RealTime, CallsAreCounted) {
+    EXPECT_EQ(callsOf([] { ::operator delete(::operator new(8)); }).allocations, 1);
+    EXPECT_EQ(callsOf([] { std::vector<double>(1000).clear(); }).allocations, 1);
+    EXPECT_EQ(callsOf([] { Workspace(100).reserve(50); }).allocations, 1);
+    std::mutex mutex;
+    EXPECT_EQ(callsOf([&] { const std::lock_guard lock(mutex); }), (CallCounts{0, 1}));
+}
+
+/// Tables of all forms: outer products, panels, rows alone, and rows too long for the stack.
+template <class Real>
+struct Tables {
+    std::vector<StencilTable<Real>> tables;
+    FactoredTable<Real> factored;
+
+    Tables() {
+        for (const Lattice& lattice :
+             {shapes::box({.cells = {5, 4, 4}}), shapes::cylinder({.sectors = 5})}) {
+            const far::TopologyRefiner base(lattice.complex);
+            const auto points = test::pointsIn(test::Refined(lattice, 1), 12'000, 5);
+            tables.push_back(
+                stencils::bindPoints<Real>(base, lattice.positions, 3, Rules::Siggraph96, points)
+                    .binding.table);
+            factored =
+                stencils::bindFactored<Real>(base, lattice.positions, 3, Rules::Siggraph96, points)
+                    .binding.table;
+        }
+        const Lattice torus = test::surfaceOf(shapes::torus());
+        far::TopologyRefiner refiner(torus.complex);
+        refiner.refineUniform(4);
+        tables.push_back(stencils::buildStencils<Real>(refiner, 4));
+        constexpr Index kLength = 2500;
+        far::Array<Offset> offsets = {0};
+        far::Array<Index> columns;
+        for (Index row = 0; row < 60; ++row) {
+            for (Index k = 0; k < kLength; ++k) columns.push_back(k + (row < 40 ? 0 : row));
+            offsets.push_back(static_cast<Offset>(columns.size()));
+        }
+        const far::Array<Real> weights(columns.size(), Real(0.001));
+        tables.emplace_back(kLength + 60, offsets, columns, weights);
+    }
+};
+
+/// Calls evaluate(source, destination, layout) for packed xyz, for padded, and for twelve poses.
+template <class Real, class Evaluate>
+void forEachLayout(Index rowCount, Index columnCount, Evaluate evaluate) {
+    for (const BufferDescriptor layout :
+         {BufferDescriptor{0, 3, 3}, BufferDescriptor{0, 3, 4}, BufferDescriptor{0, 36, 36}}) {
+        const std::vector<Real> source(static_cast<std::size_t>(columnCount * layout.stride), 1);
+        std::vector<Real> destination(static_cast<std::size_t>(rowCount * layout.stride));
+        evaluate(std::span<const Real>(source), std::span<Real>(destination), layout);
+    }
+}
+
+/// With a workspace of the evaluator's, from the first evaluation on; with an empty one, from the
+/// second on.
+template <class Real, class Evaluator>
+void expectNoCalls(const Evaluator& evaluator) {
+    const RowRange rows{0, evaluator.rowCount()};
+    forEachLayout<Real>(evaluator.rowCount(), evaluator.columnCount(),
+                        [&](auto source, auto destination, const BufferDescriptor& layout) {
+                            const auto evaluate = [&](Workspace& workspace) {
+                                return callsOf([&] {
+                                    evaluator.evaluate(source, layout, destination, layout, rows,
+                                                       workspace);
+                                });
+                            };
+                            Workspace own = evaluator.workspace(layout.length), empty;
+                            EXPECT_EQ(evaluate(own), kNone);
+                            evaluate(empty);
+                            EXPECT_EQ(evaluate(empty), kNone);
+                        });
+}
+
+template <class Real>
+class RealTimeTest : public ::testing::Test {
+protected:
+    static const Tables<Real>& tables() {
+        static const Tables<Real> tables;
+        return tables;
+    }
+    far::SerialExecutor serial;
+};
+using Reals = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(RealTimeTest, Reals);
+
+TYPED_TEST(RealTimeTest, CompiledEvaluators) {
+    using Real = TypeParam;
+    const auto& factored = this->tables().factored;
+    const far::ExecutorScope scope(this->serial);
+    for (const auto& table : this->tables().tables) {
+        expectNoCalls<Real>(CompiledTable<Real>(table));
+        expectNoCalls<Real>(CompiledAdjoint<Real>(table));
+    }
+    expectNoCalls<Real>(CompiledChain<Real>(factored));
+    expectNoCalls<Real>(CompiledAdjointChain<Real>(factored));
+}
+
+TYPED_TEST(RealTimeTest, PlainEvaluators) {
+    using Real = TypeParam;
+    const far::ExecutorScope scope(this->serial);
+    for (const auto& table : this->tables().tables) {
+        const RowRange rows{0, table.rowCount()};
+        forEachLayout<Real>(table.rowCount(), table.columnCount(),
+                            [&](auto source, auto destination, const BufferDescriptor& layout) {
+                                EXPECT_EQ(callsOf([&] {
+                                              CpuEvaluator::evaluate(table, source, layout,
+                                                                     destination, layout, rows);
+                                          }),
+                                          kNone);
+                            });
+    }
+}
+
+TYPED_TEST(RealTimeTest, Changes) {
+    using Real = TypeParam;
+    const far::ExecutorScope scope(this->serial);
+    for (const auto& table : this->tables().tables) {
+        const CompiledTable<Real> compiled(table);
+        const ChangeEvaluator<Real> changes(compiled);
+        std::vector<Index> all(static_cast<std::size_t>(table.columnCount()));
+        std::iota(all.begin(), all.end(), Index{0});
+        forEachLayout<Real>(
+            table.rowCount(), table.columnCount(),
+            [&](auto source, auto destination, const BufferDescriptor& layout) {
+                Workspace workspace = changes.workspace(layout.length);
+                for (const std::size_t count : {std::size_t{1}, std::size_t{10}, all.size()})
+                    EXPECT_EQ(callsOf([&] {
+                                  changes.evaluateChanged(source, layout, destination, layout,
+                                                          std::span(all).first(count), workspace);
+                              }),
+                              kNone);
+            });
+    }
+}
+
+// Where the source lies as the kernels want it, there is nothing to hold.
+TYPED_TEST(RealTimeTest, PaddedSourcesNeedNoWorkspace) {
+    using Real = TypeParam;
+    const far::ExecutorScope scope(this->serial);
+    const auto& table = this->tables().tables.front();
+    const CompiledTable<Real> compiled(table);
+    const BufferDescriptor padded{0, 3, 4}, packed{0, 3, 3};
+    const auto count = static_cast<std::size_t>(table.columnCount()) * 4 * sizeof(Real);
+    Workspace memory(count);
+    auto* const values = reinterpret_cast<Real*>(memory.reserve(count));
+    std::uninitialized_fill_n(values, count / sizeof(Real), Real{1});
+    std::vector<Real> destination(3 * static_cast<std::size_t>(table.rowCount()));
+    const auto evaluate = [&](const BufferDescriptor& layout) {
+        return callsOf([&] {
+            compiled.evaluate(std::span<const Real>(values, count / sizeof(Real)), layout,
+                              destination, packed, {0, table.rowCount()});
+        });
+    };
+    EXPECT_EQ(evaluate(padded), kNone);
+    EXPECT_EQ(evaluate(packed), (CallCounts{1, 0}));
+}
+
+// On threads of the host's: they have locks of their own.
+TYPED_TEST(RealTimeTest, AHostsExecutorAllocatesNothingEither) {
+    using Real = TypeParam;
+    test::ThreadPool pool(2);
+    const far::ExecutorScope scope(pool);
+    const auto& table = this->tables().tables.front();
+    const CompiledTable<Real> compiled(table);
+    Workspace workspace = compiled.workspace(3);
+    const std::vector<Real> source(3 * static_cast<std::size_t>(table.columnCount()), 1);
+    std::vector<Real> destination(3 * static_cast<std::size_t>(table.rowCount()));
+    const auto xyz = BufferDescriptor::packed(3);
+    EXPECT_EQ(
+        callsOf([&] {
+            compiled.evaluate(source, xyz, destination, xyz, {0, table.rowCount()}, workspace);
+        }).allocations,
+        0);
+}
+
+// A model's pose by way of real time is that of evaluateBinding().
+TYPED_TEST(RealTimeTest, KeptPoints) {
+    using Real = TypeParam;
+    const Lattice cube = shapes::box();
+    const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3.25, 3}, {1, 1, 1}};
+    const auto binding = stencils::bindPoints<Real>(far::TopologyRefiner(cube.complex),
+                                                    cube.positions, 2, Rules::Siggraph96, points)
+                             .binding;
+    const CompiledTable<Real> compiled(binding.table);
+    Workspace workspace = compiled.workspace(3);
+    std::vector<Real> pose, result(1 + 3 * 4, 99);
+    for (const Point3& p : cube.positions) pose.insert(pose.end(), p.begin(), p.end());
+    const auto xyz = BufferDescriptor::packed(3);
+    const BufferDescriptor to{1, 3, 4};
+    const far::ExecutorScope scope(this->serial);
+    EXPECT_EQ(callsOf([&] {
+                  compiled.evaluate(pose, xyz, result, to, {0, 3}, workspace);
+                  writeKept<Real>(binding, result, to);
+              }),
+              kNone);
+    const auto expected = evaluateBinding(binding, cube.positions);
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(result[1 + 4 * i + c], expected[i][c],
+                        4 * std::numeric_limits<Real>::epsilon());
+    EXPECT_EQ(result[5], Real(3));
+    EXPECT_EQ(result[6], Real(3.25));
+    EXPECT_EQ(result[4], 99);
+    std::vector<float> single(result.size(), 99);
+    writeKept<float>(binding, single, to);  // whatever the binding is in
+    EXPECT_THAT(single, ElementsAre(99, 99, 99, 99, 99, 3, 3.25F, 3, 99, 99, 99, 99, 99));
+    EXPECT_THROW(writeKept<Real>(binding, std::span(result).first(11), to), Error);
+    EXPECT_THROW(writeKept<Real>(binding, result, {0, 2, 4}), Error);
+}
+
+}  // namespace
+}  // namespace espalier::osd
