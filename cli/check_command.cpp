@@ -3,6 +3,7 @@
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/shapes/level_lattice.h>
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
@@ -142,7 +143,7 @@ void printText(const Checked& checked) {
 /// The pose refined, and at each vertex what is known of the cells around it: the smallest volume
 /// ratio, 0 if there is none, and how many are bad at rest.
 Lattice withRatios(const Checked& checked) {
-    Lattice refined = levelAsLattice(checked.refiner, checked.level, checked.pose);
+    Lattice refined = levelLattice(checked.refiner, checked.level, checked.pose);
     VertexAttribute ratios{"volume_ratio", 1, {}}, bad{"bad_at_rest", 1, {}};
     for (Index vertex = 0; vertex < refined.complex.count(0); ++vertex) {
         std::optional<double> smallest;

@@ -5,6 +5,7 @@
 #include <espalier/far/topology_match.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
@@ -74,44 +75,9 @@ RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& 
     return {std::move(lattice), std::move(refiner)};
 }
 
-namespace {
-
-/// Adds the vertices that are marked by hand and as sharp as their mark says, though without it
-/// they would be too: under another boundary mode they might not.
-void keepCorners(const far::TopologyRefiner& refiner, int level, far::Marks& marks) {
-    if (refiner.boundary() == far::Boundary::Open) return;
-    for (const far::Marks::Vertex& mark : refiner.options().marks.vertices) {
-        // The vertex points of a level keep the numbers of their vertices.
-        const float sharpness = refiner.level(level).strata.sharpness({0, mark.vertex});
-        const bool isThere =
-            std::any_of(marks.vertices.begin(), marks.vertices.end(),
-                        [&](const auto& other) { return other.vertex == mark.vertex; });
-        if (sharpness > far::kSmooth && !isThere)
-            marks.vertices.push_back({mark.vertex, sharpness});
-    }
-}
-
-}  // namespace
-
-Lattice levelAsLattice(const far::TopologyRefiner& refiner, int level,
-                       std::vector<Point3> positions) {
-    const auto& [complex, strata, holes] = refiner.level(level);
-    Lattice refined{complex, std::move(positions), {}, {}};
-    // A file of a mesh or a curve keeps the boundary mode; a lattice file has marks alone.
-    const bool hasTags = complex.dimension() < 3;
-    const far::RefinerOptions& used = refiner.options();
-    refined.marks = far::marksFor(
-        complex, strata,
-        hasTags || used.boundary == far::Boundary::Open ? used.boundary : far::Boundary::Sharp);
-    keepCorners(refiner, level, refined.marks);
-    refined.marks.holes = holes;
-    if (hasTags) refined.tags = {used.boundary, used.creasing, used.triangles};
-    return refined;
-}
-
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base) {
-    Lattice refined = levelAsLattice(
+    Lattice refined = levelLattice(
         refiner, level, stencils::refinePositions(refiner, level, options.rules, base.positions));
     for (const VertexAttribute& attribute : base.attributes)
         refined.attributes.push_back(

@@ -56,12 +56,8 @@ auto ofFile(const std::filesystem::path& path, const Work& work) {
     }
 }
 
-/// A level as a lattice of its own: with positions, and marks that keep its strata. A mesh or a
-/// curve has tags that keep how it is refined.
-Lattice levelAsLattice(const far::TopologyRefiner& refiner, int level,
-                       std::vector<Point3> positions);
-
-/// The same with the positions and the attributes of a base lattice, refined.
+/// A level as a lattice of its own, with the positions and the attributes of a base lattice,
+/// refined.
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base);
 

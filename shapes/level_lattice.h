@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/api.h>
+#include <espalier/shapes/lattice.h>
+
+#include <vector>
+
+namespace espalier {
+
+/// A level as a lattice of its own, to write to a file, or to refine further.
+///
+/// It has the marks that keep its strata: refined by refinerOptions(), its level k has the strata
+/// of level `level` + k of the refiner. A mesh or a curve has tags as well, which keep how it is
+/// refined; a lattice of three dimensions is to be refined under the same boundary mode where that
+/// is far::Boundary::Open, and under any other else. Attributes are not carried over:
+/// stencils::refineValues() refines them.
+///
+/// \param level one that the refiner has
+/// \param positions one a vertex of the level
+/// \throws Error if the refiner does not have the level
+/// \cost O(entities of the level)
+ESPALIER_API Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
+                                  std::vector<Point3> positions);
+
+}  // namespace espalier

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/level_lattice.h>
+#include <espalier/shapes/refiner_options.h>
+#include <gtest/gtest.h>
+
+#include "support/mesh_shapes.h"
+#include "support/zoo.h"
+
+namespace espalier {
+namespace {
+
+using far::Boundary;
+using far::Index;
+using far::TopologyRefiner;
+
+std::vector<Point3> anyPositions(const TopologyRefiner& refiner, int level) {
+    return std::vector<Point3>(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
+}
+
+/// Refined by what it says itself, level 1 as a lattice has the levels that come after level 1.
+void expectToGoOn(const Lattice& base, far::RefinerOptions options) {
+    options.marks = base.marks;
+    TopologyRefiner whole(base.complex, options);
+    whole.refineUniform(3);
+    const Lattice level = levelLattice(whole, 1, anyPositions(whole, 1));
+    RefinementTags chosen;
+    if (base.complex.dimension() == 3 && options.boundary == Boundary::Open)
+        chosen.boundary = Boundary::Open;
+    TopologyRefiner rest(level.complex, refinerOptions(level, chosen));
+    rest.refineUniform(2);
+    for (int k = 0; k <= 2; ++k) {
+        const auto& expected = whole.level(1 + k);
+        const auto& actual = rest.level(k);
+        EXPECT_EQ(actual.holes, expected.holes);
+        for (int d = 0; d <= base.complex.dimension(); ++d) {
+            ASSERT_EQ(actual.complex.count(d), expected.complex.count(d));
+            for (Index i = 0; i < actual.complex.count(d); ++i) {
+                if (expected.strata.isOpen({d, i})) continue;  // has none
+                ASSERT_EQ(actual.strata.of({d, i}), expected.strata.of({d, i}))
+                    << "level " << k << ", entity " << i << " of dimension " << d;
+            }
+        }
+    }
+}
+
+TEST(LevelLattice, GoesOnAsTheRefinerDoes) {
+    for (const auto& [name, lattice] : test::zoo())
+        for (const Boundary boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
+            SCOPED_TRACE(name);
+            expectToGoOn(lattice, {.boundary = boundary});
+        }
+    expectToGoOn(shapes::box({.cells = {4, 4, 4}}), {.boundary = Boundary::Open});
+    expectToGoOn(shapes::cylinder(), {.sharpEdges = far::SharpEdges::Literal});
+}
+
+TEST(LevelLattice, KeepsMarksAndTags) {
+    Lattice cube = shapes::box({.cells = {2, 2, 2}});
+    cube.marks.vertices = {{0, far::kSmooth}, {13, far::kInfinitelySharp}, {4, 2.5F}};
+    cube.marks.edges = {{{13, 14}, far::kInfinitelySharp}, {{1, 4}, 1.5F}};
+    expectToGoOn(cube, {});
+    expectToGoOn(cube, {.boundary = Boundary::EdgeOnly});
+
+    Lattice mesh = test::surfaceOf(shapes::box({.cells = {2, 2, 2}}));
+    mesh.marks.vertices = {{3, 2.5F}};
+    mesh.marks.holes = {1, 5};
+    for (const Boundary boundary : {Boundary::Sharp, Boundary::EdgeOnly, Boundary::Open}) {
+        const far::RefinerOptions options{.boundary = boundary,
+                                          .creasing = far::Creasing::Chaikin,
+                                          .triangles = far::TriangleSubdivision::Smooth};
+        expectToGoOn(mesh, options);
+        TopologyRefiner refiner(mesh.complex, options);
+        refiner.refineUniform(1);
+        EXPECT_EQ(levelLattice(refiner, 1, anyPositions(refiner, 1)).tags,
+                  (RefinementTags{boundary, options.creasing, options.triangles}));
+    }
+}
+
+// A corner that is one by rule under this mode, and was marked, stays one under another.
+TEST(LevelLattice, CornersThatAreMarkedStayMarked) {
+    Lattice cube = shapes::box();
+    cube.marks.vertices = {{0, far::kInfinitelySharp}};
+    for (Index edge = 0; edge < cube.complex.count(1); ++edge) {
+        const auto ends = cube.complex.relation(1, 0)[edge];
+        cube.marks.edges.push_back({{ends[0], ends[1]}, far::kSmooth});
+    }
+    TopologyRefiner refiner(cube.complex, refinerOptions(cube));
+    refiner.refineUniform(1);
+    const Lattice level = levelLattice(refiner, 1, anyPositions(refiner, 1));
+    const TopologyRefiner again(level.complex,
+                                refinerOptions(level, {.boundary = Boundary::EdgeOnly}));
+    EXPECT_EQ(again.level(0).strata.of({0, 0}), 0);
+    EXPECT_EQ(again.level(0).strata.of({0, 1}), 2);  // another corner of the cube
+}
+
+TEST(LevelLattice, PositionsAreThoseGiven) {
+    const Lattice cube = shapes::box();
+    const TopologyRefiner refiner(cube.complex);
+    EXPECT_EQ(levelLattice(refiner, 0, cube.positions).positions, cube.positions);
+    EXPECT_THROW(levelLattice(refiner, 1, {}), Error);
+}
+
+}  // namespace
+}  // namespace espalier
