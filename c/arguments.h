@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/error.h>
+#include <espalier/far/point.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "espalier.h"
+
+// What comes from C, checked.
+namespace espalier::c {
+
+/// \throws Error if it is null, calling it `name`
+template <class T>
+T& deref(T* pointer, const char* name) {
+    if (pointer == nullptr) throw Error(std::string(name) + " is null");
+    return *pointer;
+}
+
+/// An array and its length.
+/// \throws Error if `count` is negative, or the array is null and should not be
+template <class T>
+std::span<T> array(T* values, std::int64_t count, const char* name) {
+    if (count < 0)
+        throw Error(std::string(name) + ": the count is " + std::to_string(count) +
+                    "; expected 0 or more");
+    if (count > 0) deref(values, name);
+    return {values, static_cast<std::size_t>(count)};
+}
+
+/// \param count of positions; there are three times as many numbers
+inline std::vector<Point3> positions(const double* values, std::int64_t count, const char* name) {
+    array(values, count, name);
+    std::vector<Point3> result(static_cast<std::size_t>(count));
+    if (count > 0) std::memcpy(result.data(), values, result.size() * sizeof(Point3));
+    return result;
+}
+
+/// The numbers of positions, as they come out.
+inline const double* numbers(const std::vector<Point3>& positions) {
+    return positions.empty() ? nullptr : positions.front().data();
+}
+
+/// \throws Error if they are not the same
+inline void checkCount(std::int64_t got, std::int64_t expected, const char* what) {
+    if (got != expected)
+        throw Error("got " + std::to_string(got) + " " + what + "; expected " +
+                    std::to_string(expected));
+}
+
+/// A constant of an enumeration whose C++ values are those of C.
+/// \param last the last one
+/// \throws Error if it is not from 0 to `last`, calling it `name`
+template <class Enum>
+Enum choice(std::int32_t value, Enum last, const char* name) {
+    if (value < 0 || value > static_cast<std::int32_t>(last))
+        throw Error(std::string(name) + " is " + std::to_string(value) + "; expected 0 to " +
+                    std::to_string(static_cast<std::int32_t>(last)));
+    return static_cast<Enum>(value);
+}
+
+/// Options as they were given, or else the defaults. When a struct grows, the fields that a smaller
+/// one lacks are to have their defaults here.
+/// \throws Error if they are of another size
+template <class Options>
+Options optionsOr(const Options* given, const Options& defaults, const char* maker) {
+    if (given == nullptr) return defaults;
+    if (given->size != sizeof(Options))
+        throw Error("options of size " + std::to_string(given->size) + "; expected " +
+                    std::to_string(sizeof(Options)) + ", as " + maker + "() makes them");
+    return *given;
+}
+
+}  // namespace espalier::c

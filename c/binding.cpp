@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/stencils/local_binding.h>
+
+#include <string>
+#include <utility>
+
+#include "arguments.h"
+#include "guard.h"
+#include "handles.h"
+
+using namespace espalier;
+
+static_assert(static_cast<int>(stencils::OutsidePolicy::Nearest) == ESPALIER_OUTSIDE_NEAREST);
+static_assert(static_cast<int>(stencils::OutsidePolicy::Error) == ESPALIER_OUTSIDE_REFUSE);
+static_assert(static_cast<int>(stencils::PointStatus::Inside) == ESPALIER_POINT_INSIDE);
+static_assert(static_cast<int>(stencils::PointStatus::Outside) == ESPALIER_POINT_OUTSIDE);
+static_assert(static_cast<int>(stencils::PointStatus::NotConverged) ==
+              ESPALIER_POINT_NOT_CONVERGED);
+static_assert(sizeof(stencils::PointStatus) == sizeof(std::uint8_t));
+
+namespace espalier::c {
+namespace {
+
+/// A refiner of the same base, which points can be bound to.
+far::TopologyRefiner baseOf(const far::TopologyRefiner& refiner) {
+    return far::TopologyRefiner(refiner.level(0).complex, refiner.options());
+}
+
+espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Point3> positions,
+                            std::span<const Point3> points, const espalier_bind_options& chosen) {
+    stencils::EmbeddingOptions options;
+    options.outside = choice(chosen.outside, stencils::OutsidePolicy::Error, "outside");
+    options.tolerance = chosen.tolerance;
+    auto bound = stencils::bindPoints<double>(baseOf(refiner.refiner), positions, chosen.level,
+                                              refiner.rules, points, options);
+    return {{std::move(bound.binding), {}, {}},
+            espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
+}
+
+espalier_binding* newBinding(espalier_binding::Data data) {
+    return new espalier_binding{std::make_shared<const espalier_binding::Data>(std::move(data))};
+}
+
+const espalier_binding::Data& dataOf(const espalier_binding* binding) {
+    return *deref(binding, "binding").data;
+}
+
+const espalier_binding::Placement& placementOf(const espalier_binding* binding) {
+    const auto& placement = dataOf(binding).placement;
+    if (!placement)
+        throw Error("the binding was loaded from a file, which does not say how points were found");
+    return *placement;
+}
+
+template <class Real>
+espalier_status putKept(const espalier_binding* binding, Real* destination, int64_t size,
+                        const espalier_buffer_layout& layout) {
+    return guarded([&] {
+        const auto& own = dataOf(binding).model.binding;
+        const auto to = array(destination, size, "destination");
+        osd::writeKept<Real>(own, to, {layout.offset, layout.length, layout.stride});
+    });
+}
+
+}  // namespace
+}  // namespace espalier::c
+
+espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t vertex_count,
+                                        const double* positions, int32_t point_count,
+                                        const double* points, const espalier_bind_options* options,
+                                        espalier_binding** binding) {
+    return c::guarded([&] {
+        auto& out = c::deref(binding, "binding");
+        const auto& own = c::deref(refiner, "refiner");
+        const auto rest = c::positions(positions, vertex_count, "positions");
+        const auto model = c::positions(points, point_count, "points");
+        const auto chosen =
+            c::optionsOr(options, espalier_default_bind_options(), "espalier_default_bind_options");
+        out = c::newBinding(c::bind(own, rest, model, chosen));
+    });
+}
+
+void espalier_binding_destroy(espalier_binding* binding) {
+    delete binding;
+}
+
+espalier_status espalier_binding_save(const espalier_binding* binding, const char* path) {
+    return c::guarded(
+        [&] { io::writeBoundModel(&c::deref(path, "path"), c::dataOf(binding).model); });
+}
+
+espalier_status espalier_binding_load(const char* path, espalier_binding** binding) {
+    return c::guarded([&] {
+        auto& out = c::deref(binding, "binding");
+        out = c::newBinding({io::readBoundModel(&c::deref(path, "path"))});
+    });
+}
+
+espalier_status espalier_binding_table(const espalier_binding* binding, espalier_table** table) {
+    return c::guarded([&] {
+        auto& out = c::deref(table, "table");
+        const auto& own = c::deref(binding, "binding").data;
+        out = new espalier_table{{own, &own->model.binding.table}};
+    });
+}
+
+espalier_status espalier_binding_topology_hash(const espalier_binding* binding, uint64_t* hash) {
+    return c::guarded([&] {
+        auto& out = c::deref(hash, "hash");
+        out = c::dataOf(binding).model.binding.topologyHash;
+    });
+}
+
+espalier_status espalier_binding_statuses(const espalier_binding* binding, int32_t* point_count,
+                                          const uint8_t** statuses) {
+    return c::guarded([&] {
+        const auto& own = c::placementOf(binding).statuses;
+        auto& count = c::deref(point_count, "point_count");
+        // An enumeration over that very type.
+        c::deref(statuses, "statuses") = reinterpret_cast<const std::uint8_t*>(own.data());
+        count = static_cast<std::int32_t>(own.size());
+    });
+}
+
+espalier_status espalier_binding_largest_residual(const espalier_binding* binding,
+                                                  double* residual) {
+    return c::guarded([&] {
+        auto& out = c::deref(residual, "residual");
+        out = c::placementOf(binding).largestResidual;
+    });
+}
+
+espalier_status espalier_binding_kept(const espalier_binding* binding, int32_t* count,
+                                      const int32_t** points, const double** positions) {
+    return c::guarded([&] {
+        const auto& own = c::dataOf(binding).model.binding;
+        auto& outCount = c::deref(count, "count");
+        auto& outPoints = c::deref(points, "points");
+        auto& outPositions = c::deref(positions, "positions");
+        outCount = static_cast<std::int32_t>(own.kept.size());
+        outPoints = own.kept.data();
+        outPositions = c::numbers(own.keptAt);
+    });
+}
+
+espalier_status espalier_binding_apply(const espalier_binding* binding, int32_t vertex_count,
+                                       const double* pose, int32_t point_count, double* points) {
+    return c::guarded([&] {
+        const auto& own = c::dataOf(binding).model.binding;
+        const auto from = c::positions(pose, vertex_count, "pose");
+        c::array(points, point_count, "points");
+        c::checkCount(point_count, own.table.rowCount(), "points of room for the result");
+        const auto moved = osd::evaluateBinding(own, std::span<const Point3>(from));
+        if (!moved.empty()) std::memcpy(points, moved.data(), moved.size() * sizeof(Point3));
+    });
+}
+
+espalier_status espalier_binding_put_kept_f64(const espalier_binding* binding, double* destination,
+                                              int64_t destination_size,
+                                              espalier_buffer_layout layout) {
+    return c::putKept(binding, destination, destination_size, layout);
+}
+
+espalier_status espalier_binding_put_kept_f32(const espalier_binding* binding, float* destination,
+                                              int64_t destination_size,
+                                              espalier_buffer_layout layout) {
+    return c::putKept(binding, destination, destination_size, layout);
+}

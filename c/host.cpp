@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/executor.h>
+#include <espalier/far/parallel.h>
+#include <espalier/far/progress.h>
+
+#include <chrono>
+#include <string>
+
+#include "arguments.h"
+#include "guard.h"
+
+using namespace espalier;
+
+struct espalier_progress_scope {
+    far::ProgressScope scope;
+};
+
+namespace espalier::c {
+namespace {
+
+using Task = far::FunctionRef<void(far::Offset)>;
+
+void runTask(void* task, int64_t index) {
+    (*static_cast<const Task*>(task))(index);
+}
+
+/// The threads of a host, or none.
+class HostExecutor final : public far::Executor {
+public:
+    HostExecutor(espalier_run loop, void* user) : loop_(loop), user_(user) {}
+
+    void run(far::Offset count, Task task) override {
+        if (loop_ != nullptr)
+            loop_(user_, count, runTask, &task);
+        else
+            far::SerialExecutor().run(count, task);
+    }
+
+private:
+    espalier_run loop_;
+    void* user_;
+};
+
+}  // namespace
+}  // namespace espalier::c
+
+struct espalier_executor_scope {
+    espalier_executor_scope(espalier_run run, void* user) : executor(run, user), scope(executor) {}
+
+    c::HostExecutor executor;
+    far::ExecutorScope scope;
+};
+
+struct espalier_thread_limit {
+    far::ThreadLimit limit;
+};
+
+espalier_status espalier_progress_scope_create(espalier_progress_callback callback, void* user,
+                                               int32_t milliseconds,
+                                               espalier_progress_scope** scope) {
+    return c::guarded([&] {
+        auto& out = c::deref(scope, "scope");
+        if (callback == nullptr) throw Error("callback is null");
+        if (milliseconds < 0)
+            throw Error("milliseconds is " + std::to_string(milliseconds) + "; expected 0 or more");
+        const auto report = [callback, user](const far::Progress& progress) {
+            const espalier_progress given = {progress.stage, progress.done, progress.count};
+            return callback(user, &given) != 0;
+        };
+        out = new espalier_progress_scope{
+            far::ProgressScope(report, std::chrono::milliseconds(milliseconds))};
+    });
+}
+
+void espalier_progress_scope_destroy(espalier_progress_scope* scope) {
+    delete scope;
+}
+
+espalier_status espalier_executor_scope_create(espalier_run run, void* user,
+                                               espalier_executor_scope** scope) {
+    return c::guarded([&] {
+        auto& out = c::deref(scope, "scope");
+        out = new espalier_executor_scope(run, user);
+    });
+}
+
+void espalier_executor_scope_destroy(espalier_executor_scope* scope) {
+    delete scope;
+}
+
+espalier_status espalier_thread_limit_create(int32_t threads, espalier_thread_limit** limit) {
+    return c::guarded([&] {
+        auto& out = c::deref(limit, "limit");
+        if (threads < 1)
+            throw Error("threads is " + std::to_string(threads) + "; expected 1 or more");
+        out = new espalier_thread_limit{far::ThreadLimit(threads)};
+    });
+}
+
+void espalier_thread_limit_destroy(espalier_thread_limit* limit) {
+    delete limit;
+}

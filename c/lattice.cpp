@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/complex_builder.h>
+#include <espalier/far/topology_match.h>
+#include <espalier/io/lattice_file.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "arguments.h"
+#include "guard.h"
+#include "handles.h"
+
+namespace espalier::c {
+namespace {
+
+using far::Index;
+
+/// One row of a relation that came as offsets and values.
+std::span<const Index> row(std::span<const std::int64_t> offsets, const Index* values,
+                           std::size_t index) {
+    return {values + offsets[index], static_cast<std::size_t>(offsets[index + 1] - offsets[index])};
+}
+
+/// \throws Error if they do not begin with 0, or do not ascend
+std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, Index count,
+                                             const char* name) {
+    array(offsets, count, name);
+    const std::span checked(&deref(offsets, name), static_cast<std::size_t>(count) + 1);
+    if (checked[0] != 0)
+        throw Error(std::string(name) + "[0] is " + std::to_string(checked[0]) + "; expected 0");
+    for (std::size_t i = 1; i < checked.size(); ++i)
+        if (checked[i] < checked[i - 1])
+            throw Error(std::string(name) + "[" + std::to_string(i) + "] is " +
+                        std::to_string(checked[i]) + ", below the " +
+                        std::to_string(checked[i - 1]) + " before it");
+    return checked;
+}
+
+far::CellComplex buildCells(const espalier_cells& cells) {
+    const auto cellOffsets = checkedOffsets(cells.cell_offsets, cells.cell_count, "cell_offsets");
+    const auto faceOffsets = checkedOffsets(cells.face_offsets, cells.face_count, "face_offsets");
+    array(cells.face_vertices, faceOffsets.back(), "face_vertices");
+
+    far::ComplexBuilder builder(3, cells.vertex_count);
+    std::vector<std::vector<Index>> loops;
+    for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
+        loops.clear();
+        for (std::int64_t i = cellOffsets[cell]; i < cellOffsets[cell + 1]; ++i) {
+            const std::int64_t face = cells.cell_faces != nullptr ? cells.cell_faces[i] : i;
+            if (face < 0 || face >= cells.face_count)
+                throw Error("cell " + std::to_string(cell) + " names face " + std::to_string(face) +
+                            "; there are " + std::to_string(cells.face_count));
+            const auto loop = row(faceOffsets, cells.face_vertices, static_cast<std::size_t>(face));
+            loops.emplace_back(loop.begin(), loop.end());
+        }
+        builder.addCell(loops);
+    }
+    return builder.build();
+}
+
+far::CellComplex buildHexahedra(Index vertexCount, std::span<const Index> vertices) {
+    far::ComplexBuilder builder(3, vertexCount);
+    for (std::size_t i = 0; i < vertices.size(); i += 8)
+        builder.addCell(far::StandardCell::Hexahedron, vertices.subspan(i, 8));
+    return builder.build();
+}
+
+/// Adds marks if all are good.
+template <class AddTo>
+void addMarks(Lattice& lattice, const AddTo& addTo) {
+    far::Marks marks = lattice.marks;
+    addTo(marks);
+    far::readMarks(lattice.complex, marks);
+    lattice.marks = std::move(marks);
+}
+
+}  // namespace
+}  // namespace espalier::c
+
+using namespace espalier;
+
+espalier_status espalier_lattice_create(const espalier_cells* cells, const double* positions,
+                                        espalier_lattice** lattice) {
+    return c::guarded([&] {
+        auto& out = c::deref(lattice, "lattice");
+        const auto& given = c::deref(cells, "cells");
+        auto points = c::positions(positions, given.vertex_count, "positions");
+        out = new espalier_lattice{{c::buildCells(given), std::move(points), {}, {}}};
+    });
+}
+
+espalier_status espalier_lattice_create_hexahedra(int32_t vertex_count, const double* positions,
+                                                  int32_t cell_count, const int32_t* vertices,
+                                                  espalier_lattice** lattice) {
+    return c::guarded([&] {
+        auto& out = c::deref(lattice, "lattice");
+        auto points = c::positions(positions, vertex_count, "positions");
+        c::array(vertices, cell_count, "vertices");
+        const std::span corners(vertices, 8 * static_cast<std::size_t>(cell_count));
+        out = new espalier_lattice{
+            {c::buildHexahedra(vertex_count, corners), std::move(points), {}, {}}};
+    });
+}
+
+espalier_status espalier_lattice_read(const char* path, espalier_lattice** lattice) {
+    return c::guarded([&] {
+        auto& out = c::deref(lattice, "lattice");
+        out = new espalier_lattice{io::readLattice(&c::deref(path, "path"))};
+    });
+}
+
+espalier_status espalier_lattice_write(const espalier_lattice* lattice, const char* path) {
+    return c::guarded(
+        [&] { io::writeLattice(&c::deref(path, "path"), c::deref(lattice, "lattice").lattice); });
+}
+
+void espalier_lattice_destroy(espalier_lattice* lattice) {
+    delete lattice;
+}
+
+espalier_status espalier_lattice_counts(const espalier_lattice* lattice, int32_t counts[4]) {
+    return c::guarded([&] {
+        const auto& complex = c::deref(lattice, "lattice").lattice.complex;
+        c::deref(counts, "counts");
+        for (int d = 0; d <= far::kMaxDimension; ++d) counts[d] = complex.count(d);
+    });
+}
+
+espalier_status espalier_lattice_positions(const espalier_lattice* lattice, int32_t* vertex_count,
+                                           const double** positions) {
+    return c::guarded([&] {
+        const auto& own = c::deref(lattice, "lattice").lattice.positions;
+        auto& count = c::deref(vertex_count, "vertex_count");
+        c::deref(positions, "positions") = c::numbers(own);
+        count = static_cast<int32_t>(own.size());
+    });
+}
+
+espalier_status espalier_lattice_set_positions(espalier_lattice* lattice, int32_t vertex_count,
+                                               const double* positions) {
+    return c::guarded([&] {
+        auto& own = c::deref(lattice, "lattice").lattice.positions;
+        c::checkCount(vertex_count, std::ssize(own), "positions of vertices");
+        // In place: pointers that were asked for stay valid.
+        const auto given = c::positions(positions, vertex_count, "positions");
+        std::copy(given.begin(), given.end(), own.begin());
+    });
+}
+
+espalier_status espalier_lattice_mark_edges(espalier_lattice* lattice, int64_t count,
+                                            const int32_t* vertices, const double* sharpness) {
+    return c::guarded([&] {
+        auto& own = c::deref(lattice, "lattice").lattice;
+        const auto values = c::array(sharpness, count, "sharpness");
+        c::array(vertices, count, "vertices");
+        c::addMarks(own, [&](far::Marks& marks) {
+            for (std::size_t i = 0; i < values.size(); ++i)
+                marks.edges.push_back({{vertices[2 * i], vertices[2 * i + 1]}, values[i]});
+        });
+    });
+}
+
+espalier_status espalier_lattice_mark_vertices(espalier_lattice* lattice, int64_t count,
+                                               const int32_t* vertices, const double* sharpness) {
+    return c::guarded([&] {
+        auto& own = c::deref(lattice, "lattice").lattice;
+        const auto values = c::array(sharpness, count, "sharpness");
+        c::array(vertices, count, "vertices");
+        c::addMarks(own, [&](far::Marks& marks) {
+            for (std::size_t i = 0; i < values.size(); ++i)
+                marks.vertices.push_back({vertices[i], values[i]});
+        });
+    });
+}
+
+espalier_status espalier_lattice_clear_marks(espalier_lattice* lattice) {
+    return c::guarded([&] { c::deref(lattice, "lattice").lattice.marks = {}; });
+}
+
+espalier_status espalier_lattice_topology_hash(const espalier_lattice* lattice, uint64_t* hash) {
+    return c::guarded([&] {
+        auto& out = c::deref(hash, "hash");
+        out = far::topologyHash(c::deref(lattice, "lattice").lattice.complex);
+    });
+}

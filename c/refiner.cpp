@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/stencils/composition.h>
+
+#include <algorithm>
+#include <string>
+
+#include "arguments.h"
+#include "guard.h"
+#include "handles.h"
+
+using namespace espalier;
+
+// What arguments.h makes of numbers from C is what they mean.
+static_assert(static_cast<int>(stencils::Rules::Cse96) == ESPALIER_RULES_CSE96);
+static_assert(static_cast<int>(far::Boundary::EdgeOnly) == ESPALIER_BOUNDARY_EDGE_ONLY);
+static_assert(static_cast<int>(far::Boundary::Open) == ESPALIER_BOUNDARY_OPEN);
+static_assert(static_cast<int>(far::SharpEdges::Literal) == ESPALIER_SHARP_EDGES_LITERAL);
+static_assert(static_cast<int>(far::Creasing::Chaikin) == ESPALIER_CREASING_CHAIKIN);
+static_assert(static_cast<int>(far::TriangleSubdivision::Smooth) == ESPALIER_TRIANGLES_SMOOTH);
+static_assert(far::kLeastInfinite == ESPALIER_SHARP);
+
+namespace espalier::c {
+namespace {
+
+std::vector<std::int64_t> offsetsOf(const far::Incidence& relation) {
+    std::vector<std::int64_t> offsets;
+    offsets.reserve(static_cast<std::size_t>(relation.rowCount()) + 1);
+    for (far::Index row = 0; row <= relation.rowCount(); ++row)
+        offsets.push_back(relation.offset(row));
+    return offsets;
+}
+
+const espalier_refiner::LevelOffsets& offsetsOf(const espalier_refiner& refiner, int32_t level) {
+    const far::CellComplex& complex = refiner.refiner.level(level).complex;
+    const std::lock_guard lock(refiner.offsetsMutex);
+    const auto known = refiner.offsets.find(level);
+    if (known != refiner.offsets.end()) return known->second;
+    return refiner.offsets
+        .emplace(level, espalier_refiner::LevelOffsets{offsetsOf(complex.relation(3, 2)),
+                                                       offsetsOf(complex.relation(2, 0))})
+        .first->second;
+}
+
+far::RefinerOptions refinerOptions(const espalier_refine_options& chosen, const Lattice& lattice) {
+    far::RefinerOptions options;
+    options.boundary = choice(chosen.boundary, far::Boundary::Open, "boundary");
+    options.sharpEdges = choice(chosen.sharp_edges, far::SharpEdges::Literal, "sharp_edges");
+    options.creasing = choice(chosen.creasing, far::Creasing::Chaikin, "creasing");
+    options.triangles = choice(chosen.triangles, far::TriangleSubdivision::Smooth, "triangles");
+    options.marks = lattice.marks;
+    return options;
+}
+
+}  // namespace
+}  // namespace espalier::c
+
+espalier_status espalier_refiner_create(const espalier_lattice* lattice,
+                                        const espalier_refine_options* options,
+                                        espalier_refiner** refiner) {
+    return c::guarded([&] {
+        auto& out = c::deref(refiner, "refiner");
+        const Lattice& base = c::deref(lattice, "lattice").lattice;
+        const auto chosen = c::optionsOr(options, espalier_default_refine_options(),
+                                         "espalier_default_refine_options");
+        const auto rules = c::choice(chosen.rules, stencils::Rules::Cse96, "rules");
+        out = new espalier_refiner(
+            far::TopologyRefiner(base.complex, c::refinerOptions(chosen, base)), rules);
+    });
+}
+
+void espalier_refiner_destroy(espalier_refiner* refiner) {
+    delete refiner;
+}
+
+espalier_status espalier_refiner_refine(espalier_refiner* refiner, int32_t level) {
+    return c::guarded([&] {
+        auto& own = c::deref(refiner, "refiner").refiner;
+        if (level < 0) throw Error("level is " + std::to_string(level) + "; expected 0 or more");
+        own.refineUniform(level);
+    });
+}
+
+espalier_status espalier_refiner_max_level(const espalier_refiner* refiner, int32_t* level) {
+    return c::guarded([&] {
+        auto& out = c::deref(level, "level");
+        out = c::deref(refiner, "refiner").refiner.maxLevel();
+    });
+}
+
+espalier_status espalier_refiner_counts(const espalier_refiner* refiner, int32_t level,
+                                        int32_t counts[4]) {
+    return c::guarded([&] {
+        const auto& complex = c::deref(refiner, "refiner").refiner.level(level).complex;
+        c::deref(counts, "counts");
+        for (int d = 0; d <= far::kMaxDimension; ++d) counts[d] = complex.count(d);
+    });
+}
+
+espalier_status espalier_refiner_cells(const espalier_refiner* refiner, int32_t level,
+                                       espalier_cells* cells) {
+    return c::guarded([&] {
+        const auto& own = c::deref(refiner, "refiner");
+        auto& out = c::deref(cells, "cells");
+        const auto& offsets = c::offsetsOf(own, level);
+        const auto& complex = own.refiner.level(level).complex;
+        out = {complex.count(0),
+               complex.count(2),
+               complex.count(3),
+               offsets.cells.data(),
+               complex.relation(3, 2).values().data(),
+               offsets.faces.data(),
+               complex.relation(2, 0).values().data()};
+    });
+}
+
+espalier_status espalier_refiner_face_signs(const espalier_refiner* refiner, int32_t level,
+                                            const int8_t** signs) {
+    return c::guarded([&] {
+        auto& out = c::deref(signs, "signs");
+        const auto& complex = c::deref(refiner, "refiner").refiner.level(level).complex;
+        out = complex.boundary(3).signs().data();
+    });
+}
+
+espalier_status espalier_refiner_carry_values(const espalier_refiner* refiner, int32_t level,
+                                              int32_t components, const double* values,
+                                              int64_t size, double* result, int64_t result_size) {
+    return c::guarded([&] {
+        const auto& own = c::deref(refiner, "refiner");
+        const auto from = c::array(values, size, "values");
+        const auto to = c::array(result, result_size, "result");
+        const std::int64_t count = own.refiner.level(level).complex.count(0);
+        c::checkCount(result_size, count * components, "numbers of room for the result");
+        const auto carried =
+            stencils::refineValues(own.refiner, level, own.rules, from, components);
+        std::copy(carried.begin(), carried.end(), to.begin());
+    });
+}

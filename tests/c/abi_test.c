@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What programs have in them that were compiled with an earlier header: the numbers of constants,
+ * and where the fields of structs are. None of it may change while the SOVERSION stays. Constants,
+ * and fields of the options, may be added at the end. (symbols.txt has the functions.) */
+
+#include <assert.h>
+
+#include "check.h"
+
+static_assert(ESPALIER_OK == 0 && ESPALIER_ERROR_INPUT == 1 && ESPALIER_ERROR_FILE == 2 &&
+                  ESPALIER_ERROR_MEMORY == 3 && ESPALIER_CANCELLED == 4 &&
+                  ESPALIER_ERROR_INTERNAL == 5 && sizeof(espalier_status) == 4,
+              "status");
+static_assert(ESPALIER_RULES_SIGGRAPH96 == 0 && ESPALIER_RULES_CSE96 == 1, "rules");
+static_assert(ESPALIER_BOUNDARY_SHARP == 0 && ESPALIER_BOUNDARY_EDGE_ONLY == 1 &&
+                  ESPALIER_BOUNDARY_OPEN == 2,
+              "boundary");
+static_assert(ESPALIER_SHARP_EDGES_SINGLE_CELL == 0 && ESPALIER_SHARP_EDGES_LITERAL == 1,
+              "sharp edges");
+static_assert(ESPALIER_CREASING_UNIFORM == 0 && ESPALIER_CREASING_CHAIKIN == 1, "creasing");
+static_assert(ESPALIER_TRIANGLES_CATMARK == 0 && ESPALIER_TRIANGLES_SMOOTH == 1, "triangles");
+static_assert(ESPALIER_OUTSIDE_KEEP == 0 && ESPALIER_OUTSIDE_NEAREST == 1 &&
+                  ESPALIER_OUTSIDE_REFUSE == 2,
+              "outside");
+static_assert(ESPALIER_POINT_INSIDE == 0 && ESPALIER_POINT_OUTSIDE == 1 &&
+                  ESPALIER_POINT_NOT_CONVERGED == 2,
+              "points");
+
+/* Fields lie one behind the other, with no more room than their alignment asks for. */
+#define IS_AT(type, field, place) static_assert(offsetof(type, field) == (place), #type "." #field)
+
+IS_AT(espalier_refine_options, size, 0);
+IS_AT(espalier_refine_options, rules, sizeof(size_t));
+IS_AT(espalier_refine_options, boundary, sizeof(size_t) + 4);
+IS_AT(espalier_refine_options, sharp_edges, sizeof(size_t) + 8);
+IS_AT(espalier_refine_options, creasing, sizeof(size_t) + 12);
+IS_AT(espalier_refine_options, triangles, sizeof(size_t) + 16);
+
+IS_AT(espalier_bind_options, size, 0);
+IS_AT(espalier_bind_options, level, sizeof(size_t));
+IS_AT(espalier_bind_options, outside, sizeof(size_t) + 4);
+IS_AT(espalier_bind_options, tolerance, sizeof(size_t) + 8);
+
+IS_AT(espalier_cells, vertex_count, 0);
+IS_AT(espalier_cells, face_count, 4);
+IS_AT(espalier_cells, cell_count, 8);
+IS_AT(espalier_cells, cell_offsets, 16); /* of 12 bytes and, with pointers of 8, 4 of padding */
+IS_AT(espalier_cells, cell_faces, 16 + sizeof(void*));
+IS_AT(espalier_cells, face_offsets, 16 + 2 * sizeof(void*));
+IS_AT(espalier_cells, face_vertices, 16 + 3 * sizeof(void*));
+static_assert(sizeof(espalier_cells) == 16 + 4 * sizeof(void*), "espalier_cells cannot grow");
+
+IS_AT(espalier_csr, row_count, 0);
+IS_AT(espalier_csr, column_count, 4);
+IS_AT(espalier_csr, offsets, 8);
+IS_AT(espalier_csr, columns, 8 + sizeof(void*));
+IS_AT(espalier_csr, weights, 8 + 2 * sizeof(void*));
+static_assert(sizeof(espalier_csr) == 8 + 3 * sizeof(void*), "espalier_csr cannot grow");
+
+IS_AT(espalier_buffer_layout, offset, 0);
+IS_AT(espalier_buffer_layout, length, 8);
+IS_AT(espalier_buffer_layout, stride, 16);
+static_assert(sizeof(espalier_buffer_layout) == 24, "espalier_buffer_layout cannot grow");
+
+int main(void) {
+    char version[32];
+    snprintf(version, sizeof version, "%d.%d.%d", ESPALIER_VERSION_MAJOR, ESPALIER_VERSION_MINOR,
+             ESPALIER_VERSION_PATCH);
+    CHECK(strcmp(espalier_version(), version) == 0);
+    return 0;
+}

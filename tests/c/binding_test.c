@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Points bound to a lattice: applied, carried back, saved and loaded. */
+
+#include <math.h>
+
+#include "box.h"
+#include "check.h"
+
+/* Sums of up to 27 products of numbers up to 4: some units of 1e-16 each. */
+static const double tolerance = 1e-13;
+
+enum { POINTS = 6, OUTSIDE = 4 };
+static const double points[3 * POINTS] = {0.1, 0.2, 0.3, 0.5, 0.5, 0.5, 0.9, 0.1, 0.7,
+                                          0,   1,   0.5, 2,   2,   2,   0.3, 0.8, 0.05};
+
+/* What every test begins with. */
+typedef struct fixture {
+    double rest[3 * BOX_VERTICES];
+    double pose[3 * BOX_VERTICES];
+    espalier_lattice* lattice;
+    espalier_refiner* refiner;
+    espalier_binding* binding;
+    espalier_table* table;
+} fixture;
+
+static fixture set_up(void) {
+    fixture f;
+    int32_t cells[8 * BOX_CELLS];
+    make_box(f.rest, cells);
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) f.pose[i] = f.rest[i] + 0.2 * sin(i);
+    OK(espalier_lattice_create_hexahedra(BOX_VERTICES, f.rest, BOX_CELLS, cells, &f.lattice));
+    OK(espalier_refiner_create(f.lattice, NULL, &f.refiner));
+    espalier_bind_options options = espalier_default_bind_options();
+    options.level = 1;
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
+                               &f.binding));
+    OK(espalier_binding_table(f.binding, &f.table));
+    return f;
+}
+
+static void tear_down(fixture* f) {
+    /* Lattice first: nothing depends on the order. */
+    espalier_lattice_destroy(f->lattice);
+    espalier_refiner_destroy(f->refiner);
+    espalier_binding_destroy(f->binding);
+    espalier_table_destroy(f->table);
+}
+
+static void apply(const espalier_binding* binding, const double* pose, double* moved) {
+    OK(espalier_binding_apply(binding, BOX_VERTICES, pose, POINTS, moved));
+}
+
+static void test_where_points_are(void) {
+    fixture f = set_up();
+    int32_t count = 0;
+    const uint8_t* statuses = NULL;
+    OK(espalier_binding_statuses(f.binding, &count, &statuses));
+    CHECK(count == POINTS);
+    for (int i = 0; i < POINTS; ++i)
+        CHECK(statuses[i] == (i == OUTSIDE ? ESPALIER_POINT_OUTSIDE : ESPALIER_POINT_INSIDE));
+    const int32_t* kept = NULL;
+    const double* positions = NULL;
+    OK(espalier_binding_kept(f.binding, &count, &kept, &positions));
+    CHECK(count == 1 && kept[0] == OUTSIDE);
+    CHECK(memcmp(positions, points + 3 * OUTSIDE, 3 * sizeof(double)) == 0);
+    double residual = -1;
+    OK(espalier_binding_largest_residual(f.binding, &residual));
+    CHECK(residual >= 0 && residual < tolerance);
+    uint64_t hash = 0, bound_hash = 1;
+    OK(espalier_lattice_topology_hash(f.lattice, &hash));
+    OK(espalier_binding_topology_hash(f.binding, &bound_hash));
+    CHECK(hash == bound_hash);
+    tear_down(&f);
+}
+
+/* A lattice that moves takes its points along; at rest they stay. */
+static void test_apply(void) {
+    fixture f = set_up();
+    double moved[3 * POINTS];
+    apply(f.binding, f.rest, moved);
+    for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs(moved[i] - points[i]) < tolerance);
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) f.pose[i] = f.rest[i] + 1 + i % 3;
+    apply(f.binding, f.pose, moved);
+    for (int i = 0; i < 3 * POINTS; ++i)
+        CHECK(fabs(moved[i] - points[i] - (i / 3 == OUTSIDE ? 0 : 1 + i % 3)) < tolerance);
+    tear_down(&f);
+}
+
+/* An evaluator gives what apply gives; in single precision as far as that goes; the kept point is
+ * put back; and what lies between the entries stays. */
+static void test_evaluators(void) {
+    fixture f = set_up();
+    double moved[3 * POINTS];
+    apply(f.binding, f.pose, moved);
+    /* The evaluators outlive the table, and the table the binding. */
+    espalier_evaluator_f64* f64 = NULL;
+    espalier_evaluator_f32* f32 = NULL;
+    OK(espalier_evaluator_f64_create(f.table, &f64));
+    OK(espalier_evaluator_f32_create(f.table, &f32));
+
+    const espalier_buffer_layout xyz = espalier_packed_layout(3);
+    const espalier_buffer_layout apart = {1, 3, 5};
+    double wide[5 * POINTS];
+    for (int i = 0; i < 5 * POINTS; ++i) wide[i] = -7;
+    OK(espalier_evaluator_f64_evaluate(f64, f.pose, 3 * BOX_VERTICES, xyz, wide, 5 * POINTS, apart,
+                                       0, POINTS, NULL));
+    for (int k = 0; k < 3; ++k) CHECK(wide[5 * OUTSIDE + 1 + k] == 0);
+    OK(espalier_binding_put_kept_f64(f.binding, wide, 5 * POINTS, apart));
+    for (int i = 0; i < POINTS; ++i) {
+        for (int k = 0; k < 3; ++k) CHECK(fabs(wide[5 * i + 1 + k] - moved[3 * i + k]) < tolerance);
+        CHECK(wide[5 * i] == -7 && wide[5 * i + 4] == -7);
+    }
+
+    float source[3 * BOX_VERTICES], result[3 * POINTS];
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) source[i] = (float)f.pose[i];
+    OK(espalier_evaluator_f32_evaluate(f32, source, 3 * BOX_VERTICES, xyz, result, 3 * POINTS, xyz,
+                                       0, POINTS, NULL));
+    OK(espalier_binding_put_kept_f32(f.binding, result, 3 * POINTS, xyz));
+    /* Some units of 6e-8 in each of 27 products. */
+    for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs((double)result[i] - moved[i]) < 1e-5);
+
+    /* One row alone. */
+    double row[3 * POINTS] = {0};
+    OK(espalier_evaluator_f64_evaluate(f64, f.pose, 3 * BOX_VERTICES, xyz, row, 3 * POINTS, xyz, 1,
+                                       2, NULL));
+    CHECK(row[0] == 0 && row[6] == 0 && fabs(row[3] - moved[3]) < tolerance);
+    tear_down(&f);
+    OK(espalier_evaluator_f64_evaluate(f64, f.pose, 3 * BOX_VERTICES, xyz, row, 3 * POINTS, xyz, 0,
+                                       POINTS, NULL));
+    CHECK(fabs(row[0] - moved[0]) < tolerance);
+    espalier_evaluator_f64_destroy(f64);
+    espalier_evaluator_f32_destroy(f32);
+}
+
+/* <D p, g> = <p, Dᵀ g> */
+static void test_adjoint(void) {
+    fixture f = set_up();
+    espalier_evaluator_f64 *forward = NULL, *backward = NULL;
+    espalier_evaluator_f32* single = NULL;
+    OK(espalier_evaluator_f64_create(f.table, &forward));
+    OK(espalier_evaluator_f64_create_adjoint(f.table, &backward));
+    OK(espalier_evaluator_f32_create_adjoint(f.table, &single));
+    double gradient[3 * POINTS], moved[3 * POINTS], carried[3 * BOX_VERTICES];
+    float gradient_f32[3 * POINTS], carried_f32[3 * BOX_VERTICES];
+    for (int i = 0; i < 3 * POINTS; ++i) {
+        gradient[i] = cos(i);
+        gradient_f32[i] = (float)gradient[i];
+    }
+    const espalier_buffer_layout xyz = espalier_packed_layout(3);
+    OK(espalier_evaluator_f64_evaluate(forward, f.pose, 3 * BOX_VERTICES, xyz, moved, 3 * POINTS,
+                                       xyz, 0, POINTS, NULL));
+    OK(espalier_evaluator_f64_evaluate(backward, gradient, 3 * POINTS, xyz, carried,
+                                       3 * BOX_VERTICES, xyz, 0, BOX_VERTICES, NULL));
+    OK(espalier_evaluator_f32_evaluate(single, gradient_f32, 3 * POINTS, xyz, carried_f32,
+                                       3 * BOX_VERTICES, xyz, 0, BOX_VERTICES, NULL));
+    double left = 0, right = 0;
+    for (int i = 0; i < 3 * POINTS; ++i) left += moved[i] * gradient[i];
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) {
+        right += f.pose[i] * carried[i];
+        /* Some units of 6e-8 in each of 6 products. */
+        CHECK(fabs((double)carried_f32[i] - carried[i]) < 1e-5);
+    }
+    CHECK(fabs(left) > 0.1);
+    CHECK(fabs(left - right) < tolerance);
+    espalier_evaluator_f64_destroy(forward);
+    espalier_evaluator_f64_destroy(backward);
+    espalier_evaluator_f32_destroy(single);
+    tear_down(&f);
+}
+
+/* What is loaded is what was saved, bit for bit. */
+static void test_save_and_load(const char* path) {
+    fixture f = set_up();
+    double before[3 * POINTS], after[3 * POINTS];
+    apply(f.binding, f.pose, before);
+    OK(espalier_binding_save(f.binding, path));
+    espalier_binding* loaded = NULL;
+    OK(espalier_binding_load(path, &loaded));
+    apply(loaded, f.pose, after);
+    CHECK(memcmp(before, after, sizeof before) == 0);
+
+    espalier_table* loaded_table = NULL;
+    OK(espalier_binding_table(loaded, &loaded_table));
+    espalier_csr a, b;
+    OK(espalier_table_csr(f.table, &a));
+    OK(espalier_table_csr(loaded_table, &b));
+    CHECK(a.row_count == POINTS && a.column_count == BOX_VERTICES);
+    CHECK(a.row_count == b.row_count && a.column_count == b.column_count);
+    const size_t rows = POINTS, entries = (size_t)a.offsets[POINTS];
+    CHECK(memcmp(a.offsets, b.offsets, (rows + 1) * sizeof *a.offsets) == 0);
+    CHECK(memcmp(a.columns, b.columns, entries * sizeof *a.columns) == 0);
+    CHECK(memcmp(a.weights, b.weights, entries * sizeof *a.weights) == 0);
+    uint64_t hash = 0, loaded_hash = 1;
+    OK(espalier_binding_topology_hash(f.binding, &hash));
+    OK(espalier_binding_topology_hash(loaded, &loaded_hash));
+    CHECK(hash == loaded_hash);
+
+    int32_t count = 0;
+    const uint8_t* statuses = NULL;
+    double residual = 0;
+    REFUSED(espalier_binding_statuses(loaded, &count, &statuses), ESPALIER_ERROR_INPUT, "loaded");
+    REFUSED(espalier_binding_largest_residual(loaded, &residual), ESPALIER_ERROR_INPUT, "loaded");
+    espalier_table_destroy(loaded_table);
+    espalier_binding_destroy(loaded);
+    tear_down(&f);
+}
+
+static void test_points_outside(void) {
+    fixture f = set_up();
+    espalier_bind_options options = espalier_default_bind_options();
+    options.level = 1;
+    options.outside = ESPALIER_OUTSIDE_NEAREST;
+    espalier_binding* nearest = NULL;
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
+                               &nearest));
+    int32_t count = -1;
+    const int32_t* kept = NULL;
+    const double* positions = NULL;
+    OK(espalier_binding_kept(nearest, &count, &kept, &positions));
+    CHECK(count == 0);
+    espalier_binding_destroy(nearest);
+
+    espalier_binding* none = NULL;
+    options.outside = ESPALIER_OUTSIDE_REFUSE;
+    REFUSED(
+        espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options, &none),
+        ESPALIER_ERROR_INPUT, "point 4");
+    CHECK(none == NULL);
+    /* So large a tolerance that it counts as inside. */
+    options.tolerance = 2;
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options, &none));
+    espalier_binding_destroy(none);
+    tear_down(&f);
+}
+
+/* A refiner with levels binds as one without. */
+static void test_levels_of_the_refiner_do_not_matter(void) {
+    fixture f = set_up();
+    double before[3 * POINTS], after[3 * POINTS];
+    apply(f.binding, f.pose, before);
+    OK(espalier_refiner_refine(f.refiner, 2));
+    espalier_bind_options options = espalier_default_bind_options();
+    options.level = 1;
+    espalier_binding* other = NULL;
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options, &other));
+    apply(other, f.pose, after);
+    CHECK(memcmp(before, after, sizeof before) == 0);
+    espalier_binding_destroy(other);
+    tear_down(&f);
+}
+
+int main(int count, char** arguments) {
+    CHECK(count == 2);
+    test_where_points_are();
+    test_apply();
+    test_evaluators();
+    test_adjoint();
+    test_save_and_load(arguments[1]);
+    test_points_outside();
+    test_levels_of_the_refiner_do_not_matter();
+    return 0;
+}

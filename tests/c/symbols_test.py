@@ -1,0 +1,43 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""That libespalier.so has the functions of symbols.txt, of espalier.h, and no other."""
+
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+NM = LIBRARY = HEADER = None  # set by main
+
+HOW_TO_CHANGE = """
+A function that is gone, or takes other arguments, breaks the programs that are linked to it: the
+SOVERSION must change, and so in CMakeLists.txt the minor version below 1.0, and the major one from
+there on. A function that is new takes a new minor version. When that is done, change
+tests/c/symbols.txt, too."""
+
+
+def names(path):
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+class Symbols(unittest.TestCase):
+    def test_library(self):
+        out = subprocess.run([NM, "-D", "--defined-only", LIBRARY], text=True, check=True,
+                             stdout=subprocess.PIPE).stdout
+        exported = [line.split()[-1] for line in out.splitlines()]
+        self.assertEqual(sorted(exported), names(HERE / "symbols.txt"), HOW_TO_CHANGE)
+
+    def test_header(self):
+        text = re.sub(r"//.*", "", HEADER.read_text(encoding="utf-8"))
+        declared = re.findall(r"ESPALIER_C_API [^(;]*?\b(espalier_\w+)\(", text)
+        self.assertEqual(sorted(declared), names(HERE / "symbols.txt"), HOW_TO_CHANGE)
+
+
+if __name__ == "__main__":
+    HEADER = pathlib.Path(sys.argv.pop())
+    LIBRARY = sys.argv.pop()
+    NM = sys.argv.pop()
+    unittest.main()
