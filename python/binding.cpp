@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "binding.h"
+
+#include <espalier/far/error.h>
+#include <espalier/far/topology_match.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/stencils/local_binding.h>
+#include <espalier/stencils/tensor_product.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "embedding_options.h"
+#include "evaluation.h"
+#include "model.h"
+#include "module.h"
+#include "refiner.h"
+
+namespace espalier::python {
+
+using namespace py::literals;
+
+namespace {
+
+using Bound = std::shared_ptr<BoundPoints>;
+
+/// What a lattice weighs points by; the words of `espalier deform --basis`.
+enum class Weights { Subdivision, Bezier, BSpline };
+const Words<Weights> kBases = {{"subdivision", Weights::Subdivision},
+                               {"bezier", Weights::Bezier},
+                               {"bspline", Weights::BSpline}};
+
+void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
+                       const stencils::EmbeddingOptions& options) {
+    auto found = stencils::bindPoints<double>(refiner.base(), refiner.lattice()->positions, level,
+                                              refiner.rules(), result.points, options);
+    result.bound.binding = std::move(found.binding);
+    result.placement = {std::move(found.statuses), found.largestResidual};
+}
+
+void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights basis,
+                         const stencils::EmbeddingOptions& options) {
+    const Lattice& lattice = *refiner.lattice();
+    // To go on without them would be another deformation than the lattice asks for.
+    if (!lattice.marks.empty())
+        throw Error("basis: the lattice has marks, which only subdivision heeds");
+    const stencils::TensorLattice tensor(
+        lattice.complex, lattice.positions,
+        basis == Weights::Bezier ? stencils::Basis::Bezier : stencils::Basis::BSpline);
+    const auto embedding = stencils::embedPoints(tensor, result.points, options);
+    result.bound.binding = stencils::makeBinding<double>(tensor, embedding, result.points);
+    Placement placement{{}, embedding.largestResidual()};
+    for (const auto& point : embedding.points) placement.statuses.push_back(point.status);
+    result.placement = std::move(placement);
+}
+
+Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
+           const std::string& outside, double tolerance, const std::string& basis) {
+    const auto refiner = refinerOf(lattice);
+    const auto options = embeddingOptions(outside, tolerance);
+    const auto weights = chosen(kBases, "basis", basis);
+    auto result = std::make_shared<BoundPoints>();
+    if (py::isinstance<ModelFile>(points)) {
+        const auto& file = points.cast<const ModelFile&>();
+        const auto positions = file.model->positions();
+        result->points.assign(positions.begin(), positions.end());
+        result->bound.modelName = file.name;
+        result->bound.modelBytes = file.bytes;
+    } else {
+        result->points = toPoints(points, "points");
+    }
+    withoutGil([&] {
+        if (weights == Weights::Subdivision)
+            bindToSubdivision(*result, *refiner, level, options);
+        else
+            bindToTensorProduct(*result, *refiner, weights, options);
+    });
+    return result;
+}
+
+Bound load(const std::filesystem::path& path) {
+    auto result = std::make_shared<BoundPoints>();
+    result->bound = io::readBoundModel(path);
+    const auto file = modelOfBytes(result->bound.modelName, result->bound.modelBytes);
+    const auto positions = file.model->positions();
+    if (positions.size() != static_cast<std::size_t>(result->bound.binding.table.rowCount()))
+        throw Error(path.string() + ": binds " +
+                    std::to_string(result->bound.binding.table.rowCount()) + " points; its model " +
+                    "has " + std::to_string(positions.size()));
+    result->points.assign(positions.begin(), positions.end());
+    return result;
+}
+
+void save(const BoundPoints& self, const std::filesystem::path& path) {
+    if (!self.bound.modelName.empty()) {
+        io::writeBoundModel(path, self.bound);
+        return;
+    }
+    // A file of the points stands in for that of a model, so that `espalier apply` has one.
+    auto file = modelOfPoints(self.points);
+    io::writeBoundModel(path, {self.bound.binding, std::move(file.name), std::move(file.bytes)});
+}
+
+template <class Real>
+BoundPoints::Compiled<Real>& compiledOf(BoundPoints& self) {
+    if constexpr (std::is_same_v<Real, float>)
+        return self.single;
+    else
+        return self.twofold;
+}
+
+/// Calls function(Real) with float for an array of float32, with double for all else.
+template <class Function>
+py::array inPrecisionOf(const py::object& values, Function function) {
+    const bool isSingle =
+        py::isinstance<py::array>(values) &&
+        py::reinterpret_borrow<py::array>(values).dtype().equal(py::dtype::of<float>());
+    return isSingle ? function(float{}) : function(double{});
+}
+
+template <class Real>
+py::array deformIn(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
+    const auto& binding = self.bound.binding;
+    const far::Index rows = binding.table.rowCount();
+    return evaluate<Real>({"pose", binding.table.columnCount(), rows, 3,
+                           [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
+                               std::span<Real> result) {
+                               const auto& compiled = compiledOf<Real>(self).table.get([&] {
+                                   return compile<osd::CompiledTable, Real>(binding.table);
+                               });
+                               compiled.evaluate(source, layout, result, layout, {0, rows});
+                               osd::writeKept<Real>(binding, result, layout);
+                           }},
+                          pose, out);
+}
+
+/// The positions of a pose that is a lattice, which has to be one of this lattice.
+ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
+    if (!py::isinstance<Lattice>(pose)) return pose;
+    const auto& lattice = pose.cast<const Lattice&>();
+    const auto hash = withoutGil([&] { return far::topologyHash(lattice.complex); });
+    if (hash != self.bound.binding.topologyHash)
+        throw Error(
+            "pose: the lattice has another topology than that which the points are "
+            "bound to");
+    return viewOf(lattice.positions, pose);
+}
+
+py::array deform(BoundPoints& self, const ArrayLike& like, const std::optional<ArrayLike>& out) {
+    const ArrayLike pose = positionsOf(self, like);
+    return inPrecisionOf(pose,
+                         [&](auto zero) { return deformIn<decltype(zero)>(self, pose, out); });
+}
+
+template <class Real>
+py::array adjointIn(BoundPoints& self, const ArrayLike& gradients,
+                    const std::optional<ArrayLike>& out) {
+    const auto& table = self.bound.binding.table;
+    return evaluate<Real>(
+        {"gradients", table.rowCount(), table.columnCount(), 3,
+         [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
+             std::span<Real> result) {
+             const auto& compiled = compiledOf<Real>(self).adjoint.get(
+                 [&] { return compile<osd::CompiledAdjoint, Real>(table); });
+             compiled.evaluate(source, layout, result, layout, {0, table.columnCount()});
+         }},
+        gradients, out);
+}
+
+py::array adjoint(BoundPoints& self, const ArrayLike& gradients,
+                  const std::optional<ArrayLike>& out) {
+    return inPrecisionOf(
+        gradients, [&](auto zero) { return adjointIn<decltype(zero)>(self, gradients, out); });
+}
+
+py::object statusesOf(const py::object& self) {
+    const auto& placement = self.cast<const BoundPoints&>().placement;
+    if (!placement) return py::none();
+    using stencils::PointStatus;
+    // As PointStatus in espalier/__init__.py has them.
+    static_assert(sizeof(PointStatus) == sizeof(std::uint8_t) &&
+                  static_cast<int>(PointStatus::Inside) == 0 &&
+                  static_cast<int>(PointStatus::Outside) == 1 &&
+                  static_cast<int>(PointStatus::NotConverged) == 2);
+    const auto& statuses = placement->statuses;
+    return viewOf(
+        std::span(reinterpret_cast<const std::uint8_t*>(statuses.data()), statuses.size()),
+        {static_cast<py::ssize_t>(statuses.size())}, self);
+}
+
+void addPoints(py::class_<BoundPoints, Bound>& type) {
+    type.def_property_readonly(
+            "points",
+            [](const py::object& self) {
+                return viewOf(self.cast<const BoundPoints&>().points, self);
+            },
+            "Where the points were bound: array (N, 3) of float64, read-only, not a copy.")
+        .def_property_readonly(
+            "kept",
+            [](const py::object& self) {
+                const auto& kept = self.cast<const BoundPoints&>().bound.binding.kept;
+                return viewOf(std::span(kept), {static_cast<py::ssize_t>(kept.size())}, self);
+            },
+            "The points that stay where they are, since nothing carries them; their rows of D are "
+            "empty. Array (K,) of int32, ascending, read-only.")
+        .def_property_readonly("statuses", &statusesOf,
+                               "How binding went for each point: array (N,) of uint8, of the "
+                               "values of PointStatus; None of a binding that was loaded.")
+        .def_property_readonly(
+            "largest_residual",
+            [](const BoundPoints& self) {
+                return self.placement ? std::optional(self.placement->largestResidual)
+                                      : std::nullopt;
+            },
+            "The largest distance of a point from the position of its place, in the units of the "
+            "lattice: float; None of a binding that was loaded.");
+}
+
+}  // namespace
+
+void addBinding(py::module_& module) {
+    py::class_<BoundPoints, Bound> type(module, "Binding", R"(
+Points that are bound to a lattice: the matrix D, with x' = D @ p' for a pose p' of the lattice.
+bind() and load_binding() make it. Any number of threads may use it.
+)");
+    type.def_property_readonly(
+            "shape",
+            [](const BoundPoints& self) {
+                const auto& table = self.bound.binding.table;
+                return std::pair(table.rowCount(), table.columnCount());
+            },
+            "Points and vertices of the lattice: tuple of 2 int.")
+        .def_property_readonly("table", &tableIn,
+                               "D as a StencilTable: rows sum to 1, or are empty.")
+        .def_property_readonly(
+            "matrix", [](const Bound& self) { return csrOf(tableIn(self)); },
+            "D as a scipy.sparse.csr_matrix (N, V) over the same memory: see StencilTable.csr(). "
+            "It is made anew each time.")
+        .def("deform", &deform, "pose"_a, "out"_a = py::none(), R"(
+The points for a pose of the lattice.
+
+pose : array (V, 3), or (P, V, 3) for P poses at once, or a Lattice; in the units of the points
+out  : array (N, 3), or (P, N, 3), in C order, for the result; a new one without
+Returns the array. Of an array of float32 all is done in float32, of any other in float64.
+
+D is compiled at the first call (see CompiledTable), and kept in that form as well.
+)")
+        .def("adjoint", &adjoint, "gradients"_a, "out"_a = py::none(), R"(
+Gradients by the points carried to the vertices of the lattice: D.T @ gradients.
+
+gradients : array (N, 3), or (P, N, 3) for P of them at once
+out       : array (V, 3), or (P, V, 3), in C order, for the result; a new one without
+Returns the array; float32 and compiling as in deform().
+)")
+        .def(
+            "save",
+            [](const BoundPoints& self, const std::filesystem::path& path) {
+                withoutGil([&] { save(self, path); });
+            },
+            "path"_a,
+            "Writes the binding (.espb), for load_binding() and `espalier apply`. Without the file "
+            "of a model, one of the points alone, points.obj, goes with it.")
+        .def("__repr__", [](const BoundPoints& self) {
+            const auto& table = self.bound.binding.table;
+            return "<espalier.Binding: " + std::to_string(table.rowCount()) + " points x " +
+                   std::to_string(table.columnCount()) + " vertices, " +
+                   std::to_string(self.bound.binding.kept.size()) + " kept in place>";
+        });
+    addPoints(type);
+    module.def("bind", &bind, "lattice"_a, "points"_a, "level"_a = 3, py::kw_only(),
+               "outside"_a = "keep", "tolerance"_a = 1e-6, "basis"_a = "subdivision", R"(
+Binds points to a level of a lattice at rest. Returns a Binding.
+
+lattice   : Lattice, or Refiner where the rules are not the usual ones
+points    : array (N, 3), in the units of the lattice; or a Model
+level     : of the lattice, 1 or more
+outside   : what becomes of a point outside: "keep" leaves it where it is, "nearest" carries it with
+            the nearest cell, "error" refuses it
+tolerance : how far outside still counts as inside, in diagonals of the box round the lattice
+basis     : "subdivision"; or of a box on a parallelepiped "bezier" or "bspline", without levels
+)");
+    module.def(
+        "load_binding",
+        [](const std::filesystem::path& path) { return withoutGil([&] { return load(path); }); },
+        "path"_a, "Reads a Binding from .espb.");
+}
+
+}  // namespace espalier::python

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Deforms models by lattices of any polyhedral topology.
+
+A control lattice is refined by Catmull-Clark rules for volumes, and points are bound to a level of
+it. That makes one sparse matrix D: for a pose p' of the lattice the points are D @ p'.
+
+    import espalier
+
+    rest = espalier.shapes.box(cells=(2, 2, 4), min=(-1, -1, 0), max=(1, 1, 4))
+    binding = espalier.bind(rest, points, level=3)   # points: array (N, 3)
+    pose = rest.positions.copy()
+    pose[-9:, 0] += 0.5                              # array (V, 3)
+    moved = binding.deform(pose)                     # array (N, 3)
+    gradient = binding.adjoint(by_points)            # array (V, 3): D.T @ by_points
+    D = binding.matrix                               # scipy.sparse.csr_matrix (N, V)
+
+Arrays of positions have shape (count, 3) and any unit of length; angles are in radians. What is
+wrong with an argument is said by a ValueError that names it. Long calls let other threads of Python
+run, and end at Ctrl-C. Everything but DesignVariables may be used from many threads at once.
+"""
+
+import enum
+
+from . import shapes
+from ._core import (
+    Binding,
+    CompiledAdjoint,
+    CompiledTable,
+    DesignVariables,
+    LargestStep,
+    Lattice,
+    LatticeFit,
+    Model,
+    PoseValidity,
+    Refiner,
+    StencilTable,
+    ThreadLimit,
+    ValidityCheck,
+    __version__,
+    bind,
+    check,
+    fit,
+    hold,
+    jacobian,
+    load_binding,
+    nest,
+    read,
+    read_model,
+    refine,
+)
+
+__all__ = [
+    "Binding",
+    "CompiledAdjoint",
+    "CompiledTable",
+    "DesignVariables",
+    "LargestStep",
+    "Lattice",
+    "LatticeFit",
+    "Model",
+    "PointStatus",
+    "PoseValidity",
+    "Refiner",
+    "StencilTable",
+    "ThreadLimit",
+    "ValidityCheck",
+    "__version__",
+    "bind",
+    "check",
+    "compare",
+    "fit",
+    "hold",
+    "jacobian",
+    "load_binding",
+    "nest",
+    "read",
+    "read_model",
+    "refine",
+    "shapes",
+]
+
+
+class PointStatus(enum.IntEnum):
+    """How binding went for a point: the values of Binding.statuses."""
+
+    INSIDE = 0  # in a cell, in the gap between two, or within the tolerance
+    OUTSIDE = 1  # of what the cells fill
+    NOT_CONVERGED = 2  # no place gives it back: a degenerate cell
+
+
+def compare(lattice, level=3):
+    """Compares the surface of a lattice, or a mesh, with OpenSubdiv's, level by level.
+
+    lattice : Lattice, or Refiner where the rules are not the usual ones
+    level   : the last one to compare, 1 or more
+
+    Returns an Agreement: agrees, levels (each with counts, topology_difference, and the largest
+    differences of positions and weights) and a note. ImportError where Espalier was built without
+    OpenSubdiv, or that is not installed.
+    """
+    try:
+        from . import _compare
+    except ImportError as error:
+        raise ImportError("espalier.compare() needs OpenSubdiv, and a build with it: "
+                          f"{error}") from error
+    refiner = lattice if isinstance(lattice, Refiner) else Refiner(lattice)
+    return _compare.compare(refiner, level)

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The inventory of lattices (MacCracken & Joy 1996, section 5), and merging them."""
+
+from ._core.shapes import (
+    arm,
+    barbell,
+    bipyramid,
+    box,
+    cube,
+    cylinder,
+    dodecahedron,
+    icosahedron,
+    merge,
+    octahedron,
+    prism,
+    pyramid,
+    star,
+    tetrahedron,
+    torus,
+)
+
+__all__ = [
+    "arm",
+    "barbell",
+    "bipyramid",
+    "box",
+    "cube",
+    "cylinder",
+    "dodecahedron",
+    "icosahedron",
+    "merge",
+    "octahedron",
+    "prism",
+    "pyramid",
+    "star",
+    "tetrahedron",
+    "torus",
+]

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/complex_builder.h>
+#include <espalier/far/error.h>
+#include <espalier/far/topology_match.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/shapes/lattice.h>
+#include <espalier/shapes/transform.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "arrays.h"
+#include "choices.h"
+#include "lattice_arrays.h"
+#include "module.h"
+
+namespace espalier::python {
+
+using namespace py::literals;
+
+namespace {
+
+using far::Index;
+
+/// A lattice is never changed once it is made, so that any number of threads may read it.
+using LatticePointer = std::shared_ptr<Lattice>;
+
+struct Extras {
+    EdgeSharpness edges;
+    VertexSharpness vertices;
+    std::vector<Index> holes;
+    py::dict attributes;
+};
+
+Index vertexCountOf(const std::vector<Point3>& positions) {
+    if (!std::in_range<Index>(positions.size()))
+        throw Error("positions: there are more than an index of 32 bits counts");
+    return static_cast<Index>(positions.size());
+}
+
+LatticePointer makeLattice(far::CellComplex complex, std::vector<Point3> positions,
+                           const Extras& extras) {
+    auto marks = marksOf(complex, extras.edges, extras.vertices, extras.holes);
+    auto attributes = attributesOf(extras.attributes, positions.size());
+    return std::make_shared<Lattice>(
+        Lattice{std::move(complex), std::move(positions), std::move(marks), std::move(attributes)});
+}
+
+LatticePointer ofCells(const ArrayLike& positions, const py::object& cells,
+                       const EdgeSharpness& edges, const VertexSharpness& vertices,
+                       const py::dict& attributes) {
+    auto points = toPoints(positions, "positions");
+    auto complex = complexOfCells(vertexCountOf(points), cells);
+    return makeLattice(std::move(complex), std::move(points), {edges, vertices, {}, attributes});
+}
+
+LatticePointer ofFaces(const ArrayLike& positions, const py::object& faces,
+                       const EdgeSharpness& edges, const VertexSharpness& vertices,
+                       const std::optional<ArrayLike>& holes, const py::dict& attributes) {
+    auto points = toPoints(positions, "positions");
+    auto complex = complexOfFaces(vertexCountOf(points), faces);
+    return makeLattice(
+        std::move(complex), std::move(points),
+        {edges, vertices, holes ? toIndices(*holes, "holes") : std::vector<Index>(), attributes});
+}
+
+LatticePointer curve(const ArrayLike& positions, bool closed, const VertexSharpness& vertices,
+                     const py::dict& attributes) {
+    auto points = toPoints(positions, "positions");
+    auto complex = far::buildCurve(vertexCountOf(points), closed);
+    return makeLattice(std::move(complex), std::move(points), {{}, vertices, {}, attributes});
+}
+
+LatticePointer withPositions(const Lattice& lattice, const ArrayLike& positions) {
+    Lattice posed = lattice;
+    posed.positions = toPoints(positions, "positions", lattice.positions.size());
+    return std::make_shared<Lattice>(std::move(posed));
+}
+
+/// Holes stay.
+LatticePointer withMarks(const Lattice& lattice, const EdgeSharpness& edges,
+                         const VertexSharpness& vertices) {
+    Lattice marked = lattice;
+    marked.marks = marksOf(lattice.complex, edges, vertices, lattice.marks.holes);
+    return std::make_shared<Lattice>(std::move(marked));
+}
+
+LatticePointer transformed(const Lattice& lattice, const ArrayLike& linear,
+                           const Point3& translation) {
+    const auto rows = toPoints(linear, "linear", 3);
+    shapes::Affine map{{rows[0], rows[1], rows[2]}, translation};
+    return withoutGil([&] { return std::make_shared<Lattice>(shapes::transformed(lattice, map)); });
+}
+
+std::vector<std::vector<Index>> loopsOf(const far::CellComplex& complex) {
+    std::vector<std::vector<Index>> loops;
+    if (complex.dimension() < 2) return loops;
+    for (Index face = 0; face < complex.count(2); ++face) {
+        const auto loop = complex.relation(2, 0)[face];
+        loops.emplace_back(loop.begin(), loop.end());
+    }
+    return loops;
+}
+
+std::vector<std::vector<std::vector<Index>>> cellsOf(const far::CellComplex& complex) {
+    std::vector<std::vector<std::vector<Index>>> cells;
+    for (Index cell = 0; cell < complex.count(3); ++cell)
+        cells.push_back(far::outwardLoops(complex, far::CellId(cell)));
+    return cells;
+}
+
+py::array_t<Index> hexahedra(const Lattice& lattice) {
+    const Index count = lattice.complex.count(3);
+    return toArray(withoutGil([&] {
+               std::vector<Index> vertices;
+               for (Index cell = 0; cell < count; ++cell) {
+                   const auto corners = far::hexahedronVertices(lattice.complex, far::CellId(cell));
+                   if (!corners)
+                       throw Error("cell " + std::to_string(cell) +
+                                   " is not a hexahedron; cells gives the faces of any");
+                   vertices.insert(vertices.end(), corners->begin(), corners->end());
+               }
+               return vertices;
+           }))
+        .reshape(std::vector<py::ssize_t>{count, 8});
+}
+
+py::array_t<Index> edgesOf(const Lattice& lattice) {
+    std::vector<Index> ends;
+    for (Index edge = 0; edge < lattice.complex.count(1); ++edge)
+        for (const Index vertex : lattice.complex.relation(1, 0)[edge]) ends.push_back(vertex);
+    return toArray(std::move(ends)).reshape(std::vector<py::ssize_t>{-1, 2});
+}
+
+py::array_t<Index> boundaryFaces(const Lattice& lattice) {
+    std::vector<Index> faces;
+    if (lattice.complex.dimension() == 3)
+        for (Index face = 0; face < lattice.complex.count(2); ++face)
+            if (lattice.complex.relation(2, 3)[face].size() == 1) faces.push_back(face);
+    return toArray(std::move(faces));
+}
+
+EdgeSharpness edgeSharpness(const Lattice& lattice) {
+    EdgeSharpness sharpness;
+    for (const auto& mark : lattice.marks.edges)
+        sharpness.insert_or_assign({mark.vertices[0], mark.vertices[1]}, mark.sharpness);
+    return sharpness;
+}
+
+VertexSharpness vertexSharpness(const Lattice& lattice) {
+    VertexSharpness sharpness;
+    for (const auto& mark : lattice.marks.vertices)
+        sharpness.insert_or_assign(mark.vertex, mark.sharpness);
+    return sharpness;
+}
+
+/// Owned by the lattice, which is `self`.
+py::dict attributesIn(const py::object& self) {
+    const auto& lattice = self.cast<const Lattice&>();
+    py::dict arrays;
+    for (const VertexAttribute& attribute : lattice.attributes)
+        arrays[attribute.name.c_str()] = viewOf(
+            std::span<const double>(attribute.values),
+            {static_cast<py::ssize_t>(lattice.positions.size()), attribute.components}, self);
+    return arrays;
+}
+
+py::dict tagsOf(const Lattice& lattice) {
+    py::dict tags;
+    const RefinementTags& set = lattice.tags;
+    if (set.boundary) tags["boundary"] = wordOf(kBoundaries, *set.boundary);
+    if (set.creasing) tags["creasing"] = wordOf(kCreasings, *set.creasing);
+    if (set.triangles) tags["triangles"] = wordOf(kTriangles, *set.triangles);
+    return tags;
+}
+
+std::string summaryOf(const Lattice& lattice) {
+    const auto& complex = lattice.complex;
+    std::string text = "<espalier.Lattice: " + std::to_string(complex.count(0)) + " vertices, " +
+                       std::to_string(complex.count(1)) + " edges";
+    if (complex.dimension() > 1) text += ", " + std::to_string(complex.count(2)) + " faces";
+    if (complex.dimension() > 2) text += ", " + std::to_string(complex.count(3)) + " cells";
+    return text + ">";
+}
+
+void addArrays(py::class_<Lattice, LatticePointer>& type) {
+    type.def_property_readonly(
+            "positions",
+            [](const py::object& self) {
+                return viewOf(self.cast<const Lattice&>().positions, self);
+            },
+            "Where the vertices are: array (V, 3) of float64, read-only, not a copy. The unit of "
+            "length is yours.")
+        .def_property_readonly(
+            "dimension", [](const Lattice& self) { return self.complex.dimension(); },
+            "3 for a lattice, 2 for a mesh, 1 for a curve.")
+        .def_property_readonly(
+            "counts",
+            [](const Lattice& self) {
+                const auto& complex = self.complex;
+                return std::tuple(complex.count(0), complex.count(1), complex.count(2),
+                                  complex.count(3));
+            },
+            "Vertices, edges, faces and cells: tuple of 4 int.")
+        .def_property_readonly("edges", &edgesOf, "The ends of each edge: array (E, 2) of int32.")
+        .def_property_readonly(
+            "faces", [](const Lattice& self) { return loopsOf(self.complex); },
+            "The vertices round each face: list of lists of int.")
+        .def_property_readonly(
+            "cells", [](const Lattice& self) { return cellsOf(self.complex); },
+            "The faces of each cell, loops of vertices anticlockwise from outside: list of lists "
+            "of lists of int.")
+        .def_property_readonly("hexahedra", &hexahedra,
+                               "The vertices of cells that are all hexahedra, in VTK's order: "
+                               "array (C, 8) of int32. ValueError names a cell that is none.")
+        .def_property_readonly("boundary_faces", &boundaryFaces,
+                               "The faces of a lattice that are in one cell only, ascending: array "
+                               "(B,) of int32.")
+        .def_property_readonly("edge_sharpness", &edgeSharpness,
+                               "Edges that are marked by hand: dict from pairs of vertices to "
+                               "float; inf is sharp, 0 smooth, semi-sharp between.")
+        .def_property_readonly("vertex_sharpness", &vertexSharpness,
+                               "Vertices that are marked by hand: dict from int to float.")
+        .def_property_readonly("attributes", &attributesIn,
+                               "What vertices carry besides: dict from names to arrays (V, k) of "
+                               "float64, read-only, not copies.")
+        .def_property_readonly("tags", &tagsOf,
+                               "How the file asks to be refined, where it does: dict with any of "
+                               "boundary, creasing and triangles.");
+}
+
+}  // namespace
+
+void addLattice(py::module_& module) {
+    py::class_<Lattice, LatticePointer> type(module, "Lattice", R"(
+A control lattice: vertices in space, and polyhedral cells of any shape on them. Immutable.
+
+positions : array (V, 3) of float64, in any unit of length
+cells     : array (C, 8) of int, hexahedra in VTK's order; (C, 4) tetrahedra, (C, 5) pyramids and
+            (C, 6) wedges likewise; or a list whose entries are 4, 5, 6 or 8 vertices, or the faces
+            of any polyhedron as loops of vertices
+edge_sharpness   : dict from pairs of vertices to a sharpness: inf (10 and more) is sharp, 0
+                   smooth, what lies between semi-sharp, as OpenSubdiv has them
+vertex_sharpness : dict from vertices to a sharpness
+attributes       : dict from names to arrays (V,) or (V, k) that are refined with the positions
+
+Meshes and curves are lattices of dimension 2 and 1: mesh() and curve() make them.
+)");
+    type.def(py::init(&ofCells), "positions"_a, "cells"_a, py::kw_only(),
+             "edge_sharpness"_a = EdgeSharpness(), "vertex_sharpness"_a = VertexSharpness(),
+             "attributes"_a = py::dict())
+        .def_static("mesh", &ofFaces, "positions"_a, "faces"_a, py::kw_only(),
+                    "edge_sharpness"_a = EdgeSharpness(), "vertex_sharpness"_a = VertexSharpness(),
+                    "holes"_a = py::none(), "attributes"_a = py::dict(), R"(
+A mesh: a lattice of dimension 2.
+
+positions : array (V, 3) of float64
+faces     : array (F, k) of int, or a list of loops of vertices
+holes     : array (H,) of int, faces that are not part of the surface
+)")
+        .def_static("curve", &curve, "positions"_a, py::kw_only(), "closed"_a = false,
+                    "vertex_sharpness"_a = VertexSharpness(), "attributes"_a = py::dict(), R"(
+A curve through its vertices in order: a lattice of dimension 1.
+
+positions : array (V, 3) of float64
+closed    : whether an edge joins the last vertex to the first
+)")
+        .def("with_positions", &withPositions, "positions"_a,
+             "The same lattice in another pose. positions : array (V, 3)")
+        .def("with_marks", &withMarks, py::kw_only(), "edge_sharpness"_a = EdgeSharpness(),
+             "vertex_sharpness"_a = VertexSharpness(),
+             "The same lattice with these marks in place of its own.")
+        .def("transformed", &transformed, "linear"_a, "translation"_a = Point3{},
+             R"(
+The lattice moved by an affine map, p -> linear @ p + translation. A map that mirrors turns the
+faces as well, so that volumes stay positive.
+
+linear : array (3, 3); translation : 3 float
+)")
+        .def(
+            "topology_difference",
+            [](const Lattice& self, const Lattice& other) {
+                return withoutGil(
+                    [&] { return far::topologyDifference(self.complex, other.complex); });
+            },
+            "other"_a,
+            "What differs between two lattices as cells on numbered vertices: str; None if one can "
+            "be a pose of the other.")
+        .def(
+            "write",
+            [](const Lattice& self, const std::filesystem::path& path) {
+                withoutGil([&] { io::writeRefinable(path, self); });
+            },
+            "path"_a,
+            "Writes a lattice (.ovm, .vtu, .vtk), or a mesh or a curve (.obj). The file is "
+            "replaced when all is written.")
+        .def("__repr__", &summaryOf);
+    addArrays(type);
+    module.def(
+        "read",
+        [](const std::filesystem::path& path) {
+            return withoutGil([&] { return std::make_shared<Lattice>(io::readRefinable(path)); });
+        },
+        "path"_a, "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj.");
+}
+
+}  // namespace espalier::python

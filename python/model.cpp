@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model.h"
+
+#include <espalier/io/file.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <array>
+#include <charconv>
+#include <filesystem>
+#include <utility>
+
+#include "arrays.h"
+#include "module.h"
+
+namespace espalier::python {
+
+using namespace py::literals;
+
+ModelFile modelOfBytes(std::string name, std::string bytes) {
+    auto model = io::readModel(name, bytes);
+    return {std::move(name), std::move(bytes), std::move(model)};
+}
+
+ModelFile modelOfPoints(std::span<const Point3> points) {
+    std::string bytes;
+    std::array<char, 32> digits{};  // more than the 24 that a double takes at most
+    for (const Point3& point : points) {
+        bytes += 'v';
+        for (const double coordinate : point) {
+            const auto end =
+                std::to_chars(digits.data(), digits.data() + digits.size(), coordinate);
+            bytes += ' ';
+            bytes.append(digits.data(), end.ptr);
+        }
+        bytes += '\n';
+    }
+    return modelOfBytes("points.obj", std::move(bytes));
+}
+
+void addModel(py::module_& module) {
+    py::class_<ModelFile, std::shared_ptr<ModelFile>>(module, "Model", R"(
+The thing that is deformed: a file with points in it. Written with other points it keeps all else as
+it was, byte for byte. read_model() makes it.
+)")
+        .def_property_readonly(
+            "positions",
+            [](const py::object& self) {
+                const auto points = self.cast<const ModelFile&>().model->positions();
+                return viewOf(std::span<const double>(points.data()->data(), 3 * points.size()),
+                              {static_cast<py::ssize_t>(points.size()), 3}, self);
+            },
+            "The points, in the order of the file: array (N, 3) of float64, read-only.")
+        .def_readonly("name", &ModelFile::name, "Name of the file, without folders: str.")
+        .def(
+            "write",
+            [](const ModelFile& self, const std::filesystem::path& path,
+               const ArrayLike& positions) {
+                const auto points =
+                    toPoints(positions, "positions", self.model->positions().size());
+                withoutGil([&] { self.model->write(path, points); });
+            },
+            "path"_a, "positions"_a,
+            "Writes the model with these points, array (N, 3), in the format that it was read in.")
+        .def("__repr__", [](const ModelFile& self) {
+            return "<espalier.Model: " + self.name + ", " +
+                   std::to_string(self.model->positions().size()) + " points>";
+        });
+    module.def(
+        "read_model",
+        [](const std::filesystem::path& path) {
+            return withoutGil([&] {
+                auto bytes = io::readFile(path);
+                auto model = io::readModel(path, bytes);
+                return std::make_shared<ModelFile>(
+                    ModelFile{path.filename().string(), std::move(bytes), std::move(model)});
+            });
+        },
+        "path"_a, "Reads a Model from .obj, .ply, .stl or .vtu.");
+}
+
+}  // namespace espalier::python

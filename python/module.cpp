@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "module.h"
+
+namespace py = pybind11;
+using namespace espalier::python;
+
+PYBIND11_MODULE(_core, module) {
+    module.doc() = "The compiled part of espalier; import that.";
+    module.attr("__version__") = ESPALIER_VERSION;
+    // Where types and functions say that they are from.
+    module.attr("__module__") = "espalier";
+    translateErrors();
+    addLattice(module);
+    addShapes(module);
+    addModel(module);
+    addRefiner(module);
+    addStencilTable(module);
+    addCompiledTables(module);
+    addBinding(module);
+    addFit(module);
+    addDesignVariables(module);
+    addValidity(module);
+    addHolding(module);
+    addThreads(module);
+    py::delattr(module, "__module__");
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+// What each source of the module adds to it; types before the functions that take them.
+namespace espalier::python {
+
+namespace py = pybind11;
+
+void addLattice(py::module_& module);
+void addShapes(py::module_& module);
+void addModel(py::module_& module);
+void addStencilTable(py::module_& module);
+void addRefiner(py::module_& module);
+void addCompiledTables(py::module_& module);
+void addBinding(py::module_& module);
+void addFit(py::module_& module);
+void addDesignVariables(py::module_& module);
+void addValidity(py::module_& module);
+void addHolding(py::module_& module);
+void addThreads(py::module_& module);
+
+/// Makes ValueError of Error, with the same text, in what this shared object throws.
+void translateErrors();
+
+}  // namespace espalier::python

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/shapes/level_lattice.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
+#include <pybind11/stl.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "arrays.h"
+#include "choices.h"
+#include "module.h"
+#include "refiner.h"
+#include "tables.h"
+
+namespace espalier::python {
+
+using namespace py::literals;
+
+namespace {
+
+using Word = std::optional<std::string>;
+
+template <class Choice>
+std::optional<Choice> chosenIfAny(const Words<Choice>& words, const char* argument,
+                                  const Word& word) {
+    if (!word) return std::nullopt;
+    return chosen(words, argument, *word);
+}
+
+std::shared_ptr<Refiner> makeRefiner(const std::shared_ptr<Lattice>& lattice,
+                                     const std::string& rules, const Word& boundary,
+                                     const std::string& sharpEdges, const Word& creasing,
+                                     const Word& triangles) {
+    auto options = refinerOptions(*lattice, {chosenIfAny(kBoundaries, "boundary", boundary),
+                                             chosenIfAny(kCreasings, "creasing", creasing),
+                                             chosenIfAny(kTriangles, "triangles", triangles)});
+    options.sharpEdges = chosen(kSharpEdges, "sharp_edges", sharpEdges);
+    const auto rule = chosen(kRules, "rules", rules);
+    return withoutGil([&] { return std::make_shared<Refiner>(lattice, options, rule); });
+}
+
+Lattice refinedLattice(const Refiner& refiner, int level) {
+    const auto levels = refiner.upTo(level);
+    const Lattice& base = *refiner.lattice();
+    const auto refined = [&](std::span<const double> values, int components) {
+        return stencils::refineValues(*levels, level, refiner.rules(), values, components);
+    };
+    Lattice lattice = levelLattice(
+        *levels, level, stencils::refinePositions(*levels, level, refiner.rules(), base.positions));
+    for (const VertexAttribute& attribute : base.attributes)
+        lattice.attributes.push_back({attribute.name, attribute.components,
+                                      refined(attribute.values, attribute.components)});
+    return lattice;
+}
+
+py::array_t<double> refinedPositions(const Refiner& refiner, int level,
+                                     const std::optional<ArrayLike>& pose) {
+    const auto& rest = refiner.lattice()->positions;
+    const auto base = pose ? toPoints(*pose, "pose", rest.size()) : rest;
+    return toArray(withoutGil([&] {
+        return stencils::refinePositions(*refiner.upTo(level), level, refiner.rules(), base);
+    }));
+}
+
+std::shared_ptr<Table> stencilsOf(const Refiner& refiner, int level,
+                                  const std::optional<ArrayLike>& vertices) {
+    if (!vertices)
+        return withoutGil([&] {
+            return std::make_shared<Table>(
+                stencils::buildStencils(*refiner.upTo(level), level, refiner.rules()));
+        });
+    const auto rows = toIndices(*vertices, "vertices");
+    return withoutGil([&] {
+        return std::make_shared<Table>(
+            stencils::buildStencils(*refiner.upTo(level), level, refiner.rules(), rows));
+    });
+}
+
+std::shared_ptr<Table> levelTable(const Refiner& refiner, int level) {
+    if (level < 1) throw Error("level: expected 1 or more, got " + std::to_string(level));
+    return withoutGil([&] {
+        return std::make_shared<Table>(
+            stencils::buildLevelTable(*refiner.upTo(level), level, refiner.rules()));
+    });
+}
+
+std::tuple<far::Index, far::Index, far::Index, far::Index> countsOf(const Refiner& refiner,
+                                                                    int level) {
+    return withoutGil([&] {
+        const auto levels = refiner.upTo(level);
+        const auto& complex = levels->level(level).complex;
+        return std::tuple(complex.count(0), complex.count(1), complex.count(2), complex.count(3));
+    });
+}
+
+py::array_t<std::uint8_t> strataOf(const Refiner& refiner, int level, int dimension) {
+    return toArray(withoutGil([&] {
+        const auto levels = refiner.upTo(level);
+        const auto& [complex, strata, holes] = levels->level(level);
+        if (dimension < 0 || dimension > complex.dimension())
+            throw Error("dimension: expected 0 to " + std::to_string(complex.dimension()) +
+                        ", got " + std::to_string(dimension));
+        std::vector<std::uint8_t> result;
+        for (far::Index i = 0; i < complex.count(dimension); ++i)
+            result.push_back(static_cast<std::uint8_t>(strata.of({dimension, i})));
+        return result;
+    }));
+}
+
+}  // namespace
+
+void addRefiner(py::module_& module) {
+    py::class_<Refiner, std::shared_ptr<Refiner>>(module, "Refiner", R"(
+A lattice, mesh or curve with the rules that it is refined by.
+
+What takes a lattice to refine takes a Refiner too: give one where the rules are not the usual ones.
+Levels are made when they are first asked for, and kept.
+
+lattice     : Lattice
+rules       : "siggraph96", "cse96"; "rats" for meshes and curves
+boundary    : "sharp", "edge-only" or "open"; as the lattice's tags say, or "sharp"
+sharp_edges : "single-cell" or "literal": which boundary edges of a lattice are sharp
+creasing    : "uniform" or "chaikin"; as the tags say, or "uniform"
+triangles   : "catmark" or "smooth"; as the tags say, or "catmark"
+)")
+        .def(py::init(&makeRefiner), "lattice"_a, py::kw_only(), "rules"_a = "siggraph96",
+             "boundary"_a = py::none(), "sharp_edges"_a = "single-cell", "creasing"_a = py::none(),
+             "triangles"_a = py::none())
+        .def_property_readonly("lattice", &Refiner::lattice, "The Lattice at level 0.")
+        .def_property_readonly(
+            "rules", [](const Refiner& self) { return wordOf(kRules, self.rules()); },
+            "The name of the rules: str.")
+        .def("counts", &countsOf, "level"_a,
+             "Vertices, edges, faces and cells of a level: tuple of 4 int.")
+        .def("strata", &strataOf, "level"_a, "dimension"_a = 0, R"(
+The stratum of each entity of a dimension: the dimension of the feature that it lies on.
+
+Returns an array (count,) of uint8: 0 corner, 1 sharp edge, 2 boundary surface, 3 interior.
+)")
+        .def("positions", &refinedPositions, "level"_a, "pose"_a = py::none(), R"(
+Positions of the vertices of a level, in the units of the lattice.
+
+pose : array (V, 3), where the V vertices of the base are; at rest without
+Returns an array (V_level, 3) of float64.
+)")
+        .def(
+            "refine",
+            [](const Refiner& self, int level) {
+                return withoutGil(
+                    [&] { return std::make_shared<Lattice>(refinedLattice(self, level)); });
+            },
+            "level"_a = 1,
+            "A level as a Lattice of its own, with its attributes, and marks that keep its "
+            "features.")
+        .def("stencils", &stencilsOf, "level"_a, "vertices"_a = py::none(), R"(
+S_level: a StencilTable of shape (V_level, V). Row i holds the weights of vertex i of the level over
+the base vertices; rows sum to 1.
+
+vertices : array (R,) of int, vertices of the level: just these rows, in this order
+)")
+        .def("level_table", &levelTable, "level"_a, R"(
+R_level: a StencilTable of shape (V_level, V_(level-1)), of a level over the one before.
+)");
+    module.def(
+        "refine",
+        [](const RefinerLike& lattice, int level) {
+            const auto refiner = refinerOf(lattice);
+            return withoutGil(
+                [&] { return std::make_shared<Lattice>(refinedLattice(*refiner, level)); });
+        },
+        "lattice"_a, "level"_a = 1, R"(
+Refines a Lattice, or what a Refiner holds, `level` times. Returns a Lattice.
+
+A level has about 8 times (lattice), 4 times (mesh) or twice (curve) the entities of that before.
+)");
+}
+
+}  // namespace espalier::python

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/topology_refiner.h>
+#include <espalier/shapes/lattice.h>
+#include <espalier/stencils/masks.h>
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <mutex>
+
+namespace espalier::python {
+
+namespace py = pybind11;
+
+/// A lattice, how it is refined, and the levels made so far. Calls are safe from any number of
+/// threads; make them without the GIL, since they wait for one another.
+class Refiner {
+public:
+    Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options,
+            stencils::Rules rules);
+
+    const std::shared_ptr<Lattice>& lattice() const { return lattice_; }
+    stencils::Rules rules() const { return rules_; }
+
+    /// Level 0 alone.
+    const far::TopologyRefiner& base() const { return base_; }
+
+    /// Levels 0 to `level` at least.
+    /// \throws Error for a level below 0; what far::TopologyRefiner::refineUniform() throws
+    std::shared_ptr<const far::TopologyRefiner> upTo(int level) const;
+
+private:
+    std::shared_ptr<Lattice> lattice_;
+    stencils::Rules rules_;
+    far::TopologyRefiner base_;
+    mutable std::mutex mutex_;
+    mutable std::shared_ptr<const far::TopologyRefiner> deepest_;
+};
+
+/// A Refiner, or a Lattice that is refined as is usual.
+class RefinerLike : public py::object {
+    PYBIND11_OBJECT_DEFAULT(RefinerLike, object, [](PyObject*) { return true; })
+};
+
+/// \throws py::type_error if it is neither
+std::shared_ptr<const Refiner> refinerOf(const RefinerLike& object);
+
+}  // namespace espalier::python
+
+namespace pybind11::detail {
+
+template <>
+struct handle_type_name<espalier::python::RefinerLike> {
+    static constexpr auto name = const_name("Refiner | Lattice");
+};
+
+}  // namespace pybind11::detail

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/merge.h>
+#include <espalier/shapes/solids.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arrays.h"
+#include "module.h"
+#include "words.h"
+
+namespace espalier::python {
+
+using namespace py::literals;
+
+namespace {
+
+const Words<shapes::Core> kCores = {{"wedges", shapes::Core::Wedges},
+                                    {"polygon", shapes::Core::Polygon}};
+const Words<shapes::TorusSection> kSections = {{"grid", shapes::TorusSection::Grid},
+                                               {"disk", shapes::TorusSection::Disk}};
+
+shapes::DiskPattern patternOf(int rings, const std::string& core) {
+    return {rings, chosen(kCores, "core", core)};
+}
+
+/// Makes a lattice of the inventory.
+template <class Options>
+std::shared_ptr<Lattice> make(Lattice (*shape)(const Options&), const Options& options) {
+    return withoutGil([&] { return std::make_shared<Lattice>(shape(options)); });
+}
+
+std::vector<shapes::ArmJoint> jointsOf(const ArrayLike& rows) {
+    const auto array = realArray<double>(rows, "joints");
+    if (array.ndim() != 2 || (array.shape(1) != 4 && array.shape(1) != 5))
+        throw Error("joints: expected an array of shape (J, 4) or (J, 5), got " + shapeText(array));
+    std::vector<shapes::ArmJoint> joints;
+    for (py::ssize_t i = 0; i < array.shape(0); ++i)
+        joints.push_back({{array.at(i, 0), array.at(i, 1), array.at(i, 2)},
+                          array.at(i, 3),
+                          array.shape(1) == 5 ? array.at(i, 4) : 0});
+    return joints;
+}
+
+void addRoundShapes(py::module_& module) {
+    module.def(
+        "cylinder",
+        [](int sectors, int rings, const std::string& core, int layers, double radius,
+           const Point3& from, const Point3& to) {
+            return make(shapes::cylinder,
+                        {sectors, patternOf(rings, core), layers, radius, from, to});
+        },
+        py::kw_only(), "sectors"_a = 8, "rings"_a = 1, "core"_a = "wedges", "layers"_a = 1,
+        "radius"_a = 1.0, "start"_a = Point3{0, 0, 0}, "end"_a = Point3{0, 0, 1}, R"(
+A disk swept along an axis (MacCracken & Joy 1996, figures 1 and 5).
+
+sectors : sides of the disk, 3 or more
+rings, core : rings of cells in the disk, and its middle: "wedges" round the axis or one "polygon"
+layers : of cells along the axis
+radius : of the outermost vertices; start, end : 3 float each, the centres of the ends
+)");
+    module.def(
+        "torus",
+        [](int segments, const std::string& section, int gridCells, int sides, int rings,
+           const std::string& core, double majorRadius, double minorRadius) {
+            return make(shapes::torus, {segments, chosen(kSections, "section", section), gridCells,
+                                        sides, patternOf(rings, core), majorRadius, minorRadius});
+        },
+        py::kw_only(), "segments"_a = 8, "section"_a = "grid", "grid_cells"_a = 1, "sides"_a = 6,
+        "rings"_a = 1, "core"_a = "wedges", "major_radius"_a = 1.0, "minor_radius"_a = 0.4, R"(
+A cross-section swept round the z axis, about the origin.
+
+segments : cells round the ring, 3 or more
+section : "grid", a square of grid_cells by grid_cells; or "disk" of `sides`, `rings` and `core`
+major_radius, minor_radius : of the ring, and of its section (half the side of the square)
+)");
+    module.def(
+        "star",
+        [](int points, int rings, const std::string& core, int layers, double innerRadius,
+           double outerRadius, double height) {
+            return make(shapes::star,
+                        {points, patternOf(rings, core), layers, innerRadius, outerRadius, height});
+        },
+        py::kw_only(), "points"_a = 5, "rings"_a = 1, "core"_a = "wedges", "layers"_a = 1,
+        "inner_radius"_a = 0.5, "outer_radius"_a = 1.0, "height"_a = 0.25, R"(
+A flat star about the origin (figure 7); with equal radii its round rest pose.
+
+points : 2 or more; rings, core, layers : as of cylinder()
+inner_radius, outer_radius, height : in your unit of length
+)");
+}
+
+void addJointedShapes(py::module_& module) {
+    module.def(
+        "barbell",
+        [](int endSegments, int barSegments, int barAcross, int rings, const std::string& core,
+           int layers, double endRadius, double barLength, double barHalfWidth, double roundness,
+           double height) {
+            return make(shapes::barbell,
+                        {endSegments, barSegments, barAcross, patternOf(rings, core), layers,
+                         endRadius, barLength, barHalfWidth, roundness, height});
+        },
+        py::kw_only(), "end_segments"_a = 6, "bar_segments"_a = 2, "bar_across"_a = 2,
+        "rings"_a = 1, "core"_a = "wedges", "layers"_a = 1, "end_radius"_a = 1.0,
+        "bar_length"_a = 2.0, "bar_half_width"_a = 0.4, "roundness"_a = 1.0, "height"_a = 0.5, R"(
+Two ends joined by a bar along x (figure 8).
+
+end_segments : edges round an end, 3 or more; bar_segments, bar_across : cells along the bar and
+across it; rings, core, layers : as of cylinder()
+end_radius, bar_length, bar_half_width, height : in your unit of length
+roundness : of the ends, from 0, square, to 1, round
+)");
+    const shapes::ArmOptions usual;
+    std::vector<std::array<double, 4>> usualJoints;
+    for (const auto& joint : usual.joints)
+        usualJoints.push_back(
+            {joint.position[0], joint.position[1], joint.position[2], joint.radius});
+    module.def(
+        "arm",
+        [](const ArrayLike& joints, int segments, int sides, int rings, const std::string& core,
+           const Point3& up) {
+            return make(shapes::arm,
+                        {jointsOf(joints), segments, sides, patternOf(rings, core), up});
+        },
+        py::kw_only(), "joints"_a = usualJoints, "segments"_a = 2, "sides"_a = 4, "rings"_a = 1,
+        "core"_a = "polygon", "up"_a = Point3{0, 0, 1}, R"(
+A tube round a limb (figure 9). Other positions and twists give a pose of the same lattice.
+
+joints : array (J, 4) or (J, 5): x, y, z and radius of each, and its twist in radians
+segments : cells from joint to joint; sides : of the cross-section, 3 or more
+rings, core : as of cylinder()
+up : 3 float, the side of the first bone where the cross-section begins
+)");
+}
+
+void addSolids(py::module_& module) {
+    using Regular = shapes::RegularSolidOptions;
+    const auto addRegular = [&](const char* name, Lattice (*shape)(const Regular&),
+                                const char* text) {
+        module.def(
+            name, [shape](double radius) { return make(shape, Regular{radius}); }, py::kw_only(),
+            "radius"_a = 1.0, text);
+    };
+    addRegular("tetrahedron", shapes::tetrahedron,
+               "One cell with its vertices on a sphere of `radius` about the origin: 4, type-3.");
+    addRegular("cube", shapes::cube,
+               "One cell with its vertices on a sphere of `radius` about the origin: 8, type-3.");
+    addRegular("octahedron", shapes::octahedron,
+               "One cell with its vertices on a sphere of `radius` about the origin: 6, type-4.");
+    addRegular("dodecahedron", shapes::dodecahedron,
+               "One cell with its vertices on a sphere of `radius` about the origin: 20, type-3.");
+    addRegular("icosahedron", shapes::icosahedron,
+               "One cell with its vertices on a sphere of `radius` about the origin: 12, type-5.");
+    using Polygonal = shapes::PolygonalSolidOptions;
+    const auto addPolygonal = [&](const char* name, Lattice (*shape)(const Polygonal&),
+                                  const char* text) {
+        module.def(
+            name,
+            [shape](int sides, double radius, double height) {
+                return make(shape, Polygonal{sides, radius, height});
+            },
+            py::kw_only(), "sides"_a = 4, "radius"_a = 1.0, "height"_a = 1.0, text);
+    };
+    addPolygonal("prism", shapes::prism,
+                 "One cell between two polygons of `sides` and `radius`, `height` apart.");
+    addPolygonal("pyramid", shapes::pyramid,
+                 "One cell over a polygon of `sides` and `radius`, with an apex of type `sides`.");
+    addPolygonal("bipyramid", shapes::bipyramid,
+                 "One cell on both sides of a polygon, with two apexes of type `sides`.");
+}
+
+}  // namespace
+
+void addShapes(py::module_& module) {
+    auto shapesModule = module.def_submodule(
+        "shapes", "The inventory of lattices (MacCracken & Joy 1996, section 5).");
+    shapesModule.attr("__module__") = "espalier.shapes";
+    shapesModule.def(
+        "box",
+        [](const std::array<int, 3>& cells, const Point3& min, const Point3& max) {
+            return make(shapes::box, {cells, min, max});
+        },
+        "cells"_a = std::array<int, 3>{1, 1, 1}, "min"_a = Point3{0, 0, 0},
+        "max"_a = Point3{1, 1, 1}, R"(
+A box of hexahedra (figure 1).
+
+cells : 3 int, how many along x, y and z; min, max : 3 float each, the corners
+Vertex (i, j, k) is i + (cells[0] + 1) * (j + (cells[1] + 1) * k): positions reshaped to (cells[2] +
+1, cells[1] + 1, cells[0] + 1, 3) are indexed by [k, j, i].
+)");
+    addRoundShapes(shapesModule);
+    addJointedShapes(shapesModule);
+    addSolids(shapesModule);
+    shapesModule.def(
+        "merge",
+        [](const std::vector<std::shared_ptr<Lattice>>& lattices, double tolerance) {
+            return withoutGil([&] {
+                std::vector<Lattice> copies;  // cheap: their complexes are shared
+                for (const auto& lattice : lattices) copies.push_back(*lattice);
+                return std::make_shared<Lattice>(shapes::merge(copies, {tolerance}));
+            });
+        },
+        "lattices"_a, py::kw_only(), "tolerance"_a = shapes::MergeOptions().tolerance, R"(
+Joins lattices by welding the vertices that coincide; faces whose vertices are all welded are shared.
+
+lattices : list of Lattice, all of one dimension and with the same attributes
+tolerance : how far apart vertices may be, as a fraction of the diagonal of the box round all
+)");
+    py::delattr(shapesModule, "__module__");
+}
+
+}  // namespace espalier::python

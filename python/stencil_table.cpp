@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/io/matrix_file.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "binding.h"
+#include "module.h"
+#include "tables.h"
+
+namespace espalier::python {
+
+using namespace py::literals;
+
+namespace {
+
+using far::Index;
+using far::Offset;
+
+/// An array of a table, which lives as long as the array.
+template <class T>
+py::array arrayOf(std::span<const T> values, const std::shared_ptr<Table>& table) {
+    return viewOf(values, {static_cast<py::ssize_t>(values.size())}, py::cast(table));
+}
+
+std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
+    // Ascending columns, each once, without a change to what the caller has.
+    const py::object rows = matrix.attr("tocsr")("copy"_a = true);
+    rows.attr("sum_duplicates")();
+    const auto shape = rows.attr("shape").cast<std::pair<Offset, Offset>>();
+    if (!std::in_range<Index>(shape.first) || !std::in_range<Index>(shape.second))
+        throw Error("a matrix of " + std::to_string(shape.first) + " x " +
+                    std::to_string(shape.second) + " is too large for a table");
+    const auto offsets =
+        py::array_t<Offset, py::array::c_style | py::array::forcecast>(rows.attr("indptr"));
+    const auto columns = indexArray(rows.attr("indices"), "indices");
+    const auto weights = realArray<double>(rows.attr("data"), "data");
+    const auto copyOf = [](const auto& array) {
+        return far::Array<std::remove_cvref_t<decltype(*array.data())>>(
+            array.data(), array.data() + array.size());
+    };
+    return withoutGil([&] {
+        return std::make_shared<Table>(static_cast<Index>(shape.second), copyOf(offsets),
+                                       copyOf(columns), copyOf(weights));
+    });
+}
+
+}  // namespace
+
+std::shared_ptr<Table> tableOf(const TableLike& object) {
+    if (py::isinstance<Table>(object)) return object.cast<std::shared_ptr<Table>>();
+    if (py::isinstance<BoundPoints>(object))
+        return tableIn(object.cast<std::shared_ptr<BoundPoints>>());
+    if (!py::hasattr(object, "tocsr"))
+        throw py::type_error(
+            "expected a StencilTable, a Binding or a sparse matrix of SciPy, got " +
+            typeName(object));
+    return tableOfMatrix(object);
+}
+
+py::object csrOf(const std::shared_ptr<Table>& table) {
+    py::object columns = arrayOf(table->columns(), table);
+    py::object offsets = arrayOf(table->offsets(), table);
+    // SciPy wants both in one width, and would make them so itself, by a copy.
+    if (table->entryCount() <= far::kMaxIndex)
+        offsets = offsets.attr("astype")("int32");
+    else
+        columns = columns.attr("astype")("int64");
+    const py::object type = py::module_::import("scipy.sparse").attr("csr_matrix");
+    py::object matrix =
+        type(py::make_tuple(arrayOf(table->weights(), table), columns, offsets),
+             "shape"_a = py::make_tuple(table->rowCount(), table->columnCount()), "copy"_a = false);
+    // It is so; and SciPy could not sort what it must not write to.
+    matrix.attr("has_canonical_format") = true;
+    return matrix;
+}
+
+void addStencilTable(py::module_& module) {
+    py::class_<Table, std::shared_ptr<Table>>(module, "StencilTable", R"(
+A sparse matrix of weights in compressed sparse rows, double precision, immutable: result i is the
+sum over k from offsets[i] to offsets[i + 1] of weights[k] * source[columns[k]].
+
+matrix : a sparse matrix of SciPy, or a Binding. Of a matrix it is a copy, with columns ascending
+)")
+        .def(py::init([](const TableLike& matrix) { return tableOf(matrix); }), "matrix"_a)
+        .def_property_readonly(
+            "shape",
+            [](const Table& self) { return std::pair(self.rowCount(), self.columnCount()); },
+            "Rows and columns: tuple of 2 int.")
+        .def_property_readonly("nnz", &Table::entryCount, "Number of entries: int.")
+        .def_property_readonly(
+            "offsets",
+            [](const std::shared_ptr<Table>& self) { return arrayOf(self->offsets(), self); },
+            "Where rows begin: array (rows + 1,) of int64, read-only, not a copy.")
+        .def_property_readonly(
+            "columns",
+            [](const std::shared_ptr<Table>& self) {
+                return arrayOf(std::as_const(*self).columns(), self);
+            },
+            "The column of each entry: array (nnz,) of int32, read-only, not a copy.")
+        .def_property_readonly(
+            "weights",
+            [](const std::shared_ptr<Table>& self) {
+                return arrayOf(std::as_const(*self).weights(), self);
+            },
+            "The weight of each entry: array (nnz,) of float64, read-only, not a copy.")
+        .def("csr", &csrOf, R"(
+The table as a scipy.sparse.csr_matrix over the same memory, which it keeps alive.
+
+Columns and weights are not copied, and are read-only; the offsets are, to 32 bits, since SciPy wants
+them in the width of the columns. (With 2^31 entries and more the columns are copied instead.)
+)")
+        .def(
+            "write",
+            [](const Table& self, const std::filesystem::path& path) {
+                withoutGil([&] { io::writeMatrix(path, self); });
+            },
+            "path"_a,
+            "Writes the table for Matrix Market (.mtx), scipy.sparse.load_npz (.npz), numpy.load "
+            "(.npy: three files) or PETSc (.petsc).")
+        .def(
+            "transpose",
+            [](const Table& self) {
+                return withoutGil(
+                    [&] { return std::make_shared<Table>(stencils::transposeTable(self)); });
+            },
+            "The transpose: a StencilTable of shape (columns, rows).")
+        .def("__repr__", [](const Table& self) {
+            return "<espalier.StencilTable: " + std::to_string(self.rowCount()) + " x " +
+                   std::to_string(self.columnCount()) + ", " + std::to_string(self.entryCount()) +
+                   " entries>";
+        });
+}
+
+}  // namespace espalier::python

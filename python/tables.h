@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/stencil_table.h>
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <type_traits>
+
+namespace espalier::python {
+
+namespace py = pybind11;
+
+using Table = stencils::StencilTable<double>;
+
+/// A StencilTable, a Binding or a sparse matrix of SciPy.
+class TableLike : public py::object {
+    PYBIND11_OBJECT_DEFAULT(TableLike, object, [](PyObject*) { return true; })
+};
+
+/// Its table; a copy of a matrix of SciPy's, no copy of what is ours.
+/// \throws py::type_error if it is none of these; Error for a matrix that is no table
+std::shared_ptr<Table> tableOf(const TableLike& object);
+
+/// A table compiled in a precision. Compiled is osd::CompiledTable or osd::CompiledAdjoint.
+template <template <class> class Compiled, class Real>
+Compiled<Real> compile(const Table& table) {
+    if constexpr (std::is_same_v<Real, double>)
+        return Compiled<Real>(table);
+    else
+        return Compiled<Real>(stencils::convertTable<Real>(table));
+}
+
+/// A table as a scipy.sparse.csr_matrix over the same memory.
+py::object csrOf(const std::shared_ptr<Table>& table);
+
+}  // namespace espalier::python
+
+namespace pybind11::detail {
+
+template <>
+struct handle_type_name<espalier::python::TableLike> {
+    static constexpr auto name = const_name("StencilTable | Binding | csr_matrix");
+};
+
+}  // namespace pybind11::detail

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+import threading
+
+import numpy as np
+import pytest
+
+import espalier
+
+# Sums of up to 64 products of size 1, in another order: some units in the last place.
+CLOSE = 1e-13
+
+
+def test_a_binding_is_its_matrix(rest, points, binding, pose):
+    matrix = binding.matrix
+    assert binding.shape == matrix.shape == (500, 36)
+    assert np.shares_memory(matrix.data, binding.table.weights)
+    np.testing.assert_allclose(matrix.sum(axis=1), 1, atol=CLOSE)
+    np.testing.assert_allclose(matrix @ rest.positions, points, atol=1e-12)  # Newton's residual
+    np.testing.assert_allclose(binding.deform(pose), matrix @ pose, atol=CLOSE)
+    gradients = np.random.default_rng(5).normal(size=points.shape)
+    np.testing.assert_allclose(binding.adjoint(gradients), matrix.T @ gradients, atol=1e-11)
+    assert not np.array_equal(binding.deform(pose), binding.deform(rest.positions))
+
+
+def test_affine_maps_of_the_lattice_are_maps_of_the_points(rest, points, binding):
+    linear, offset = np.random.default_rng(6).normal(size=(3, 3)), (1, 2, 3)
+    np.testing.assert_allclose(binding.deform(rest.positions @ linear.T + offset),
+                               points @ linear.T + offset, atol=1e-12)
+    posed = rest.transformed(linear, offset)
+    if np.linalg.det(linear) > 0:
+        np.testing.assert_allclose(binding.deform(posed), points @ linear.T + offset, atol=1e-12)
+
+
+def test_several_poses_at_once(binding, pose, rest):
+    poses = np.array([pose, rest.positions, 2 * pose])
+    result = binding.deform(poses)
+    assert result.shape == (3, 500, 3)
+    for one, each in zip(result, poses):
+        np.testing.assert_array_equal(one, binding.deform(each))
+    back = binding.adjoint(result)
+    assert back.shape == (3, 36, 3)
+    np.testing.assert_array_equal(back[2], binding.adjoint(result[2]))
+
+
+def test_float32_stays_float32(binding, pose):
+    single = binding.deform(pose.astype(np.float32))
+    assert single.dtype == np.float32 and binding.deform(pose).dtype == np.float64
+    # 64 products of size 3, each rounded to 6e-8 of it.
+    np.testing.assert_allclose(single, binding.deform(pose), atol=1e-5)
+    assert binding.adjoint(single).dtype == np.float32
+    out = np.empty((500, 3), np.float32)
+    assert binding.deform(pose.astype(np.float32), out=out) is out
+    np.testing.assert_array_equal(out, single)
+
+
+def test_points_outside(rest, points, pose):
+    points[3] = (0, 0, 10)
+    kept = espalier.bind(rest, points, level=2)
+    status = espalier.PointStatus
+    assert kept.kept.tolist() == [3] and kept.statuses[3] == status.OUTSIDE
+    assert (np.delete(kept.statuses, 3) == status.INSIDE).all()
+    assert kept.matrix[3].nnz == 0
+    np.testing.assert_array_equal(kept.deform(pose)[3], (0, 0, 10))
+    np.testing.assert_array_equal(kept.deform(np.stack([pose, pose]))[1, 3], (0, 0, 10))
+    np.testing.assert_array_equal(kept.deform(pose.astype(np.float32))[3], (0, 0, 10))
+    nearest = espalier.bind(rest, points, level=2, outside="nearest")
+    assert len(nearest.kept) == 0 and nearest.statuses[3] == status.OUTSIDE
+    np.testing.assert_allclose(nearest.deform(rest.positions + (1, 0, 0))[3], (1, 0, 10),
+                               atol=1e-12)
+    wide = espalier.bind(rest, points, level=2, tolerance=0.99)
+    assert nearest.largest_residual < 1e-9 <= wide.largest_residual or len(wide.kept) == 1
+
+
+def test_rules_come_with_a_refiner(points):
+    star = espalier.shapes.star(layers=2, core="wedges")
+    inside = points * 0.1
+    usual = espalier.bind(star, inside, level=2).matrix
+    other = espalier.bind(espalier.Refiner(star, rules="cse96"), inside, level=2).matrix
+    same = espalier.bind(espalier.Refiner(star), inside, level=2).matrix
+    assert (usual != same).nnz == 0
+    assert abs(usual - other).max() > 1e-4
+
+
+def test_the_lattices_that_came_before(points, rest, pose):
+    bezier = espalier.bind(rest, points, basis="bezier")
+    # Bernstein polynomials of degrees 2, 2 and 3: none is 0 inside.
+    assert bezier.matrix.nnz == 500 * 36
+    np.testing.assert_allclose(bezier.deform(rest.positions), points, atol=1e-12)
+    with pytest.raises(ValueError, match="^basis: the lattice has marks"):
+        espalier.bind(rest.with_marks(vertex_sharpness={0: 0}), points, basis="bezier")
+
+
+def test_saved_and_loaded(tmp_path, rest, points, pose):
+    points[3] = (0, 0, 10)
+    binding = espalier.bind(rest, points, level=2)
+    binding.save(tmp_path / "binding.espb")
+    loaded = espalier.load_binding(tmp_path / "binding.espb")
+    np.testing.assert_array_equal(loaded.deform(pose), binding.deform(pose))
+    np.testing.assert_array_equal(loaded.points, points)  # by text, to the last bit
+    assert loaded.kept.tolist() == [3] and loaded.statuses is None
+    with pytest.raises(ValueError, match="topology"):
+        loaded.deform(espalier.shapes.box())
+    (tmp_path / "binding.espb").write_bytes((tmp_path / "binding.espb").read_bytes()[:-1])
+    with pytest.raises(ValueError, match="binding.espb"):
+        espalier.load_binding(tmp_path / "binding.espb")
+
+
+def test_models(tmp_path, rest, points, pose):
+    lines = ["# kept", *("v {} {} {}".format(*p.tolist()) for p in points), "f 1 2 3", ""]
+    (tmp_path / "model.obj").write_text("\n".join(lines))
+    model = espalier.read_model(tmp_path / "model.obj")
+    assert model.name == "model.obj"
+    np.testing.assert_array_equal(model.positions, points)
+    binding = espalier.bind(rest, model, level=2)
+    model.write(tmp_path / "deformed.obj", binding.deform(pose))
+    written = (tmp_path / "deformed.obj").read_text().splitlines()
+    assert written[0] == "# kept" and written[-1] == "f 1 2 3"
+    np.testing.assert_array_equal(espalier.read_model(tmp_path / "deformed.obj").positions,
+                                  binding.deform(pose))
+    binding.save(tmp_path / "model.espb")
+    np.testing.assert_array_equal(espalier.load_binding(tmp_path / "model.espb").points, points)
+    with pytest.raises(ValueError, match="^positions: expected an array of shape \\(500, 3\\)"):
+        model.write(tmp_path / "deformed.obj", points[1:])
+
+
+def test_one_binding_for_many_threads(binding, pose, rest, points):
+    fresh = espalier.bind(rest, points, level=2)  # that nobody has compiled yet
+    wanted, failures = binding.deform(pose), []
+
+    def work():
+        for _ in range(50):
+            if not np.array_equal(fresh.deform(pose), wanted):
+                failures.append("differs")
+
+    threads = [threading.Thread(target=work) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not failures
+
+
+def test_results_do_not_depend_on_the_number_of_threads(rest, points, pose):
+    with espalier.ThreadLimit(1) as limit:
+        alone = espalier.bind(rest, points, level=3)
+        with pytest.raises(ValueError, match="in use"):
+            limit.__enter__()
+    together = espalier.bind(rest, points, level=3)
+    assert (alone.matrix != together.matrix).nnz == 0
+    np.testing.assert_array_equal(alone.deform(pose), together.deform(pose))
+    with pytest.raises(ValueError, match="^threads: expected 0 or more, got -1$"):
+        espalier.ThreadLimit(-1)

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+
+import espalier
+
+# A cube, as VTK numbers its vertices; the second one shares the face x = 1.
+CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
+                 [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+
+
+def test_hexahedra_from_arrays_are_what_the_inventory_makes():
+    box = espalier.shapes.box(cells=(2, 1, 1))
+    made = espalier.Lattice(box.positions, box.hexahedra)
+    assert box.counts == made.counts == (12, 20, 11, 2)
+    assert box.topology_difference(made) is None
+    assert made.dimension == 3
+    np.testing.assert_array_equal(made.positions, box.positions)
+
+
+def test_box_positions_are_indexed_as_the_docstring_says():
+    box = espalier.shapes.box(cells=(2, 3, 4), max=(2, 3, 4))
+    grid = box.positions.reshape(5, 4, 3, 3)
+    np.testing.assert_array_equal(grid[4, 2, 1], (1, 2, 4))
+
+
+@pytest.mark.parametrize("cells", [
+    [[0, 1, 2, 3, 4, 5, 6, 7]],
+    np.array([[0, 1, 2, 3, 4, 5, 6, 7]], np.uint8),
+    [[[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]],
+    [[np.array([0, 3, 2, 1]), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6),
+      (3, 0, 4, 7)]],
+], ids=["list", "array", "loops", "loops of several kinds"])
+def test_cells_are_given_in_any_of_the_ways(cells):
+    cube = espalier.Lattice(CUBE, cells)
+    assert cube.counts == (8, 12, 6, 1)
+    assert cube.topology_difference(espalier.Lattice(CUBE, [range(8)])) is None
+
+
+def test_cells_of_several_kinds():
+    apex = np.vstack([CUBE, [0.5, 0.5, 2]])
+    house = espalier.Lattice(apex, [[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8]])
+    assert house.counts == (9, 16, 10, 2)
+    with pytest.raises(ValueError, match="^cell 1 is not a hexahedron"):
+        house.hexahedra
+    again = espalier.Lattice(house.positions, house.cells)
+    assert house.topology_difference(again) is None
+
+
+def test_positions_are_a_view_that_keeps_its_lattice():
+    positions = espalier.shapes.box().positions
+    assert not positions.flags.writeable and not positions.flags.owndata
+    assert positions.sum() == 12  # each coordinate is 1 at four of eight vertices
+    with pytest.raises(ValueError, match="read-only"):
+        positions[0] = 1
+
+
+def test_boundary_faces_and_edges():
+    box = espalier.shapes.box(cells=(2, 1, 1))
+    faces = box.boundary_faces
+    assert len(faces) == 10 and faces.dtype == np.int32
+    inside = set(range(11)) - set(faces)
+    assert all(box.positions[box.faces[face]][:, 0].tolist() == [0.5] * 4 for face in inside)
+    lengths = np.linalg.norm(np.diff(box.positions[box.edges], axis=1), axis=2)
+    assert set(lengths.ravel()) == {0.5, 1.0}
+
+
+def test_marks_come_back_and_change_what_is_refined():
+    marked = espalier.Lattice(CUBE, [range(8)], edge_sharpness={(0, 1): 2.5},
+                              vertex_sharpness={3: 0})
+    assert marked.edge_sharpness == {(0, 1): 2.5} and marked.vertex_sharpness == {3: 0}
+    smooth = marked.with_marks(edge_sharpness={tuple(edge): 0 for edge in marked.edges},
+                               vertex_sharpness={v: 0 for v in range(8)})
+    assert len(smooth.edge_sharpness) == 12
+    assert not np.array_equal(espalier.refine(smooth).positions,
+                              espalier.refine(marked).positions)
+
+
+def test_attributes_are_refined_with_the_positions():
+    height = CUBE[:, 2] * 7
+    cube = espalier.Lattice(CUBE, [range(8)], attributes={"height": height, "uv": CUBE[:, :2]})
+    assert {name: array.shape for name, array in cube.attributes.items()} == {
+        "height": (8, 1), "uv": (8, 2)}
+    refined = espalier.refine(cube, 2)
+    # The same sums, 7 times as large.
+    np.testing.assert_allclose(refined.attributes["height"][:, 0], 7 * refined.positions[:, 2],
+                               rtol=1e-15, atol=1e-15)
+
+
+def test_a_pose_and_an_affine_image():
+    cube = espalier.Lattice(CUBE, [range(8)])
+    np.testing.assert_array_equal(cube.with_positions(CUBE + 1).positions, CUBE + 1)
+    turned = cube.transformed([[0, -1, 0], [1, 0, 0], [0, 0, 1]], translation=(1, 0, 0))
+    np.testing.assert_array_equal(turned.positions,
+                                  CUBE[:, [1, 0, 2]] * [-1, 1, 1] + [1, 0, 0])
+
+
+@pytest.mark.parametrize("extension", ["ovm", "vtu", "vtk"])
+def test_files_give_the_lattice_back(tmp_path, extension):
+    cube = espalier.Lattice(CUBE / 3, [range(8)], edge_sharpness={(0, 1): 2.5},
+                            attributes={"height": CUBE[:, 2]})
+    path = tmp_path / f"cube.{extension}"
+    cube.write(path)
+    again = espalier.read(str(path))
+    assert cube.topology_difference(again) is None
+    np.testing.assert_array_equal(again.positions, cube.positions)
+    np.testing.assert_array_equal(again.attributes["height"], cube.attributes["height"])
+    assert again.edge_sharpness == cube.edge_sharpness
+
+
+def test_meshes_and_curves(tmp_path):
+    mesh = espalier.Lattice.mesh(CUBE, [[0, 3, 2, 1], [0, 1, 5, 4]])
+    assert mesh.dimension == 2 and mesh.counts == (8, 7, 2, 0)
+    mesh.write(tmp_path / "mesh.obj")
+    assert espalier.read(tmp_path / "mesh.obj").faces == mesh.faces
+    curve = espalier.Lattice.curve(CUBE[:3], closed=True)
+    assert curve.counts == (3, 3, 0, 0)
+    # Midpoints, and (1/8, 3/4, 1/8) of three vertices in a row: of these Joy, on-line notes.
+    np.testing.assert_allclose(espalier.refine(curve).positions[1], (7 / 8, 1 / 8, 0))
+
+
+@pytest.mark.parametrize("name", espalier.shapes.__all__)
+def test_the_inventory_is_valid(name):
+    shape = getattr(espalier.shapes, name)
+    box = espalier.shapes.box()
+    lattice = shape([box, box.transformed(np.eye(3), (1, 0, 0))]) if name == "merge" else shape()
+    refined = espalier.refine(lattice)
+    assert refined.counts[3] >= 4
+    check = espalier.ValidityCheck(lattice, 1)
+    assert len(check.bad_at_rest) == 0
+
+
+def test_the_inventory_takes_options():
+    assert espalier.shapes.cylinder(sectors=5, core="polygon", layers=2).counts[3] == 2
+    joints = [[0, 0, 0, 0.3], [1, 0, 0, 0.3], [2, 0, 0, 0.2]]
+    arm = espalier.shapes.arm(joints=joints, segments=1)
+    twisted = espalier.shapes.arm(joints=np.c_[joints, [0, 0, np.pi / 2]], segments=1)
+    assert arm.topology_difference(twisted) is None
+    # A quarter of a turn takes the four vertices at the hand to one another.
+    hand = {tuple(p.round(12) + 0.0) for p in arm.positions[-4:]}
+    assert {tuple(p.round(12) + 0.0) for p in twisted.positions[-4:]} == hand
+    assert not np.allclose(arm.positions[-4:], twisted.positions[-4:])
+
+
+def test_what_a_lattice_looks_like():
+    assert repr(espalier.shapes.box()) == (
+        "<espalier.Lattice: 8 vertices, 12 edges, 6 faces, 1 cells>")

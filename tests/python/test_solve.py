@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+import numpy as np
+import pytest
+import scipy.sparse
+
+import espalier
+
+
+def test_fitting_finds_the_pose_back(rest, points, binding, pose):
+    fit = espalier.fit(rest, binding, binding.deform(pose) - points)
+    # The condition times the rounding of the sums.
+    assert 1 < fit.condition < 1e5
+    np.testing.assert_allclose(rest.positions + fit.displacements, pose,
+                               atol=fit.condition * 1e-13)
+    assert fit.largest_miss < 1e-11 and 0 < fit.rms_miss <= fit.largest_miss
+
+
+@pytest.mark.parametrize("form", [lambda b: b, lambda b: b.table, lambda b: b.matrix],
+                         ids=["binding", "table", "csr_matrix"])
+def test_fitting_some_rows_with_vertices_held(rest, binding, form):
+    frozen = np.flatnonzero(rest.positions[:, 2] == 0)
+    fit = espalier.fit(rest, form(binding), [[0.1, 0, 0], [0, 0, 0.1]], rows=[17, 4],
+                       frozen=frozen, smoothing="laplacian", strength=1e-2)
+    assert (fit.displacements[frozen] == 0).all()
+    moved = binding.matrix @ fit.displacements
+    np.testing.assert_allclose(moved[[17, 4]], [[0.1, 0, 0], [0, 0, 0.1]],
+                               atol=fit.largest_miss + 1e-13)
+    assert fit.largest_miss < 0.05
+    with pytest.raises(ValueError, match="^rows: there is no row 500 among 500$"):
+        espalier.fit(rest, form(binding), [[0, 0, 0]], rows=[500])
+
+
+def test_targets_that_leave_vertices_open(rest, binding):
+    assert espalier.fit(rest, binding, [[0.1, 0, 0]], rows=[0]).condition == np.inf
+    with pytest.raises(ValueError, match="leave vertex"):
+        espalier.fit(rest, binding, [[0.1, 0, 0]], rows=[0], undetermined="refuse")
+
+
+def test_design_variables(rest, points, binding):
+    design = espalier.DesignVariables(36)
+    design.freeze(np.flatnonzero(rest.positions[:, 2] == 0))
+    design.freeze(35, axis=1)
+    design.mirror(rest.positions, axis=0)
+    design.scale(34, 2.0, axis=2)
+    b = design.matrix().csr()
+    assert b.shape[0] == 108
+    displacements = (b @ np.ones(b.shape[1])).reshape(36, 3)
+    assert (displacements[:9] == 0).all()
+    mirror = rest.positions * (-1, 1, 1)
+    image = [int(np.flatnonzero((rest.positions == p).all(axis=1))[0]) for p in mirror]
+    np.testing.assert_array_equal(displacements[image], displacements * (-1, 1, 1))
+    assert displacements[35, 1] == 0 and displacements[34, 2] == 2
+    jacobian = espalier.jacobian(binding, design.matrix()).csr()
+    assert jacobian.shape == (1500, b.shape[1])
+    wanted = scipy.sparse.kron(binding.matrix, scipy.sparse.eye(3)) @ b
+    assert abs(jacobian - wanted).max() < 1e-14
+    with pytest.raises(ValueError, match="36"):
+        design.freeze([36])
+
+
+def test_poses_that_fold(rest):
+    check = espalier.ValidityCheck(rest, level=1)
+    valid = check.check(2 * rest.positions)
+    np.testing.assert_allclose(valid.ratios, 8, rtol=2e-3)  # lower bounds, by 0.1 % at most
+    assert len(valid.inverted) == 0 and valid.smallest[1] == valid.ratios.min()
+    # All is flat at half of the way to the mirror image.
+    mirrored = rest.positions * (-1, 1, 1)
+    assert len(check.check(mirrored).inverted) == 96
+    step = check.largest_step(mirrored)
+    assert step.length == pytest.approx(0.5, abs=1e-4) and step.is_tight
+    assert 0 <= check.base_cell(step.limiting_cell) < 12
+    assert check.largest_step(2 * rest.positions, most=3).limiting_cell is None
+    assert len(espalier.check(rest, mirrored, level=1).inverted) == 96
+    with pytest.raises(ValueError, match="^cell: expected 0 to 95, got 96$"):
+        check.base_cell(96)
+
+
+def test_cells_that_are_bad_at_rest_have_no_ratio():
+    box = espalier.shapes.box(cells=(2, 1, 1))
+    folded = box.positions.copy()
+    folded[box.positions[:, 0] == 1, 0] = 0.25  # of the two cells the second is inside out
+    check = espalier.ValidityCheck(box.with_positions(folded), level=1)
+    bad = check.bad_at_rest
+    assert 0 < len(bad) < 16
+    ratios = check.check(folded).ratios
+    assert np.flatnonzero(np.isnan(ratios)).tolist() == bad.tolist()
+
+
+def test_what_is_held_stays(rest, points, binding):
+    side = [face for face in rest.boundary_faces
+            if (rest.positions[rest.faces[face]][:, 2] == 0).all()]
+    assert len(side) == 4
+    np.testing.assert_array_equal(espalier.hold(rest, faces=side, continuity="c0"), range(9))
+    np.testing.assert_array_equal(espalier.hold(rest, faces=side), range(18))
+    low = points[points[:, 2] < 0.5]
+    held = espalier.hold(rest, points=low, level=2)
+    moved = rest.positions + 1.0
+    moved[held] = rest.positions[held]
+    still = espalier.bind(rest, low, level=2).deform(moved)
+    np.testing.assert_allclose(still, low, atol=1e-9)  # as continuity.h has it
+    with pytest.raises(ValueError, match="^hold: expected faces, points, or both$"):
+        espalier.hold(rest)
+
+
+def test_a_lattice_in_a_lattice(rest, points, binding, pose):
+    parent = espalier.shapes.box(min=(-2, -2, -1), max=(2, 2, 4))
+    nested = espalier.nest(binding, pose, parent, level=2)
+    assert nested.shape == (500, 8)
+    child = binding.deform(pose)
+    np.testing.assert_allclose(nested.csr() @ parent.positions, child, atol=1e-12)
+    turned = parent.positions[:, [1, 0, 2]] * (-1, 1, 1)
+    np.testing.assert_allclose(nested.csr() @ turned, child[:, [1, 0, 2]] * (-1, 1, 1),
+                               atol=1e-12)
+    with pytest.raises(ValueError, match="vertex"):
+        espalier.nest(binding, pose, parent.transformed(np.eye(3) / 9), level=2)

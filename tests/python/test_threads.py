@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Other threads of Python run while a long call is at work, and Ctrl-C ends it."""
+
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import espalier
+
+
+class Clock:
+    """A thread of Python that notes the time whenever it gets to run."""
+
+    def __enter__(self):
+        self.ticks, self.running = [], True
+        self.thread = threading.Thread(target=self.run)
+        self.thread.start()
+        return self
+
+    def run(self):
+        while self.running:
+            self.ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    def __exit__(self, *_):
+        self.running = False
+        self.thread.join()
+
+    def ran_during(self, call):
+        """Whether it ran in the middle of a call. As that begins and ends, it may run anyway."""
+        begin = time.perf_counter()
+        call()
+        end = time.perf_counter()
+        assert end - begin > 0.02, "too short to tell: make it longer"
+        quarter = (end - begin) / 4
+        return any(begin + quarter < tick < end - quarter for tick in list(self.ticks))
+
+
+def large():
+    rest = espalier.shapes.box(cells=(6, 6, 6))
+    points = np.random.default_rng(1).uniform(0.01, 0.99, (100_000, 3))
+    return rest, points
+
+
+@pytest.fixture(scope="module")
+def bound():
+    rest, points = large()
+    return rest, points, espalier.bind(rest, points)
+
+
+CALLS = {
+    "refine": lambda rest, points, binding: espalier.refine(rest, 3),
+    "stencils": lambda rest, points, binding: espalier.Refiner(rest).stencils(3),
+    "bind": lambda rest, points, binding: espalier.bind(rest, points),
+    "deform": lambda rest, points, binding: binding.deform(np.stack([rest.positions] * 30)),
+    "adjoint": lambda rest, points, binding: binding.adjoint(np.stack([points] * 30)),
+    "fit": lambda rest, points, binding: espalier.fit(rest, binding, points[:30_000],
+                                                   rows=np.arange(30_000)),
+    "check": lambda rest, points, binding: espalier.check(rest, rest.positions**2),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_other_threads_run_during_a_long_call(bound, name):
+    with Clock() as clock:
+        # On a busy machine it may have to wait for a core.
+        assert any(clock.ran_during(lambda: CALLS[name](*bound)) for _ in range(10))
+
+
+def test_a_call_that_holds_the_gil_would_be_noticed():
+    numbers = np.random.default_rng(1).random(1_000_000)
+    with Clock() as clock:
+        # Sorted in C, without a look at other threads.
+        assert not any(clock.ran_during(numbers.tolist().sort) for _ in range(3))
+
+
+def test_an_interrupt_ends_a_long_call():
+    code = """
+import signal, time, numpy as np, espalier
+rest = espalier.shapes.box(cells=(6, 6, 6))
+points = np.random.default_rng(1).uniform(0.01, 0.99, (3_000_000, 3))
+signal.signal(signal.SIGALRM, signal.default_int_handler)  # as Ctrl-C
+signal.setitimer(signal.ITIMER_REAL, 0.3)
+begin = time.perf_counter()
+try:
+    espalier.bind(rest, points)
+except KeyboardInterrupt:
+    print(time.perf_counter() - begin)
+espalier.bind(rest, points[:10])  # all is well
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
+                          timeout=120)
+    assert done.returncode == 0, done.stderr
+    # It would take some 10 seconds.
+    assert done.stdout and float(done.stdout) < 3
