@@ -18,8 +18,7 @@ namespace espalier::far {
 ///
 ///     boundary(1)   edge → its 2 vertices   tail (−1), then head (+1)
 ///     boundary(2)   face → its edges        in loop order; +1 where the loop runs tail to head
-///     boundary(3)   cell → its faces        +1 where the face's loop runs anticlockwise from
-///     outside
+///     boundary(3)   cell → its faces        +1 where the loop is anticlockwise from outside
 ///
 /// They satisfy ∂∂ = 0, and a face between two cells has opposite signs in them. Every other
 /// relation is derived on first use and kept.

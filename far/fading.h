@@ -8,7 +8,8 @@
 #include <array>
 #include <optional>
 
-// What becomes of semi-sharp features in the next split.
+/// \file
+/// What becomes of semi-sharp features in the next split.
 namespace espalier::far {
 
 /// The sharpness of the child edge [vertex, edge].

@@ -7,16 +7,17 @@
 
 namespace espalier::far {
 
-// Sharpness is a number, as in OpenSubdiv: 0 is smooth, 10 and more is infinite, and what lies
-// between is semi-sharp: it loses 1 a level. It is held in single precision, as there, so that
-// Chaikin's averages are rounded alike. These are the rules of numbers alone; strata.h applies them
-// to a complex.
-//
-// Where three or more semi-sharp values meet in a vertex, their sum is rounded, and OpenSubdiv may
-// add them in another order: weights may then differ by some units of single precision (1e-7),
-// unless the sums are exact, as those of multiples of 1/4 are.
-//
-// \cite DeRose, Kass, Truong 1998, as OpenSubdiv 3.5 computes it (Sdc::Crease)
+/// \file
+/// Sharpness is a number, as in OpenSubdiv: 0 is smooth, 10 and more is infinite, and what lies
+/// between is semi-sharp: it loses 1 a level. It is held in single precision, as there, so that
+/// Chaikin's averages are rounded alike. These are the rules of numbers alone; strata.h applies
+/// them to a complex.
+///
+/// Where three or more semi-sharp values meet in a vertex, their sum is rounded, and OpenSubdiv may
+/// add them in another order: weights may then differ by some units of single precision (1e-7),
+/// unless the sums are exact, as those of multiples of 1/4 are.
+///
+/// \cite DeRose, Kass, Truong 1998, as OpenSubdiv 3.5 computes it (Sdc::Crease)
 
 /// Sharpness that no refinement uses up.
 inline constexpr float kInfinitelySharp = std::numeric_limits<float>::infinity();

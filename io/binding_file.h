@@ -36,8 +36,8 @@ ESPALIER_API void writeBoundModel(const std::filesystem::path& path, const Bound
 
 /// Reads a bound model.
 /// \throws FileError if the file cannot be read, is of another kind or version, is truncated, or
-/// does
-///         not have the checksum that it should; nothing is allocated by what it claims before that
+///         does not have the checksum that it should; nothing is allocated by what it claims before
+///         that
 ESPALIER_API BoundModel readBoundModel(const std::filesystem::path& path);
 
 }  // namespace espalier::io

@@ -6,29 +6,30 @@
 
 #include <filesystem>
 
-// Control meshes and control polygons as Wavefront OBJ, with the tags of OpenSubdiv's regression
-// shapes.
-//
-//     v x y z                        a vertex; w or a colour after it is not kept
-//     f v v v ...                    a face: v, v/vt, v//vn or v/vt/vn, from 1; −1 is the last
-//                                    vertex so far. vt and vn are not kept
-//     l v v ...                      a line of a curve, vertices as in f; a closed one ends with
-//                                    its first. Passed over where there is a face
-//     t crease 2/1/0 a b s           edges (a, b) of sharpness s; also 2k/1/0 with one sharpness
-//                                    for k edges, and 2k/k/0 with one for each
-//     t corner 1/1/0 v s             vertices; also k/1/0 and k/k/0
-//     t hole 1/0/0 f                 faces that are holes; also k/0/0
-//     t interpolateboundary 1/0/0 m  0 Boundary::Open, 1 Sharp, 2 EdgeOnly
-//     t creasemethod 0/0/1 m         normal (Creasing::Uniform) or chaikin
-//     t smoothtriangles 0/0/1 m      catmark or smooth (TriangleSubdivision)
-//
-// The counts of a tag are those of its whole numbers, its numbers and its strings. Unlike f, tags
-// number vertices and faces from 0. They may come before what they name, and of two on the same
-// thing the later one counts. On a curve creases say nothing: all of its edges are.
-//
-// A sharpness is held in single precision, as by OpenSubdiv and by refinement (sharpness.h): 10 and
-// more is infinite, 0 and less is no mark. Tags of other names are passed over, face-varying data
-// among them, which has no effect on vertices; and so are all other statements.
+/// \file
+/// Control meshes and control polygons as Wavefront OBJ, with the tags of OpenSubdiv's regression
+/// shapes.
+///
+///     v x y z                        a vertex; w or a colour after it is not kept
+///     f v v v ...                    a face: v, v/vt, v//vn or v/vt/vn, from 1; −1 is the last
+///                                    vertex so far. vt and vn are not kept
+///     l v v ...                      a line of a curve, vertices as in f; a closed one ends with
+///                                    its first. Passed over where there is a face
+///     t crease 2/1/0 a b s           edges (a, b) of sharpness s; also 2k/1/0 with one sharpness
+///                                    for k edges, and 2k/k/0 with one for each
+///     t corner 1/1/0 v s             vertices; also k/1/0 and k/k/0
+///     t hole 1/0/0 f                 faces that are holes; also k/0/0
+///     t interpolateboundary 1/0/0 m  0 Boundary::Open, 1 Sharp, 2 EdgeOnly
+///     t creasemethod 0/0/1 m         normal (Creasing::Uniform) or chaikin
+///     t smoothtriangles 0/0/1 m      catmark or smooth (TriangleSubdivision)
+///
+/// The counts of a tag are those of its whole numbers, its numbers and its strings. Unlike f, tags
+/// number vertices and faces from 0. They may come before what they name, and of two on the same
+/// thing the later one counts. On a curve creases say nothing: all of its edges are.
+///
+/// A sharpness is held in single precision, as by OpenSubdiv and by refinement (sharpness.h): 10
+/// and more is infinite, 0 and less is no mark. Tags of other names are passed over, face-varying
+/// data among them, which has no effect on vertices; and so are all other statements.
 
 namespace espalier::io {
 

@@ -6,19 +6,20 @@
 
 #include <filesystem>
 
-// Lattices in OpenVolumeMesh's text files (.ovm).
-//
-//     OVM ASCII
-//     Vertices n     x y z
-//     Edges n        tail head
-//     Faces n        valence, half-edges: 2e runs along edge e, 2e + 1 against it
-//     Polyhedra n    valence, half-faces: 2f is face f, 2f + 1 the same the other way round; seen
-//                    from inside the polyhedron they run anticlockwise
-//     VProp double "name"                          one line a vertex: an attribute
-//     VProp double "espalier:vertex_sharpness"     marks: less than 0 for none
-//     EProp double "espalier:edge_sharpness"       marks, in the order of Edges
-//
-// A sharpness of 10 or more is infinite, and infinite ones are written as 10.
+/// \file
+/// Lattices in OpenVolumeMesh's text files (.ovm).
+///
+///     OVM ASCII
+///     Vertices n     x y z
+///     Edges n        tail head
+///     Faces n        valence, half-edges: 2e runs along edge e, 2e + 1 against it
+///     Polyhedra n    valence, half-faces: 2f is face f, 2f + 1 the same the other way round; seen
+///                    from inside the polyhedron they run anticlockwise
+///     VProp double "name"                          one line a vertex: an attribute
+///     VProp double "espalier:vertex_sharpness"     marks: less than 0 for none
+///     EProp double "espalier:edge_sharpness"       marks, in the order of Edges
+///
+/// A sharpness of 10 or more is infinite, and infinite ones are written as 10.
 
 namespace espalier::io {
 

@@ -6,8 +6,9 @@
 
 #include <filesystem>
 
-// Lattices in VTK's legacy files of unstructured grids (.vtk). Marks and attributes have the names
-// and conventions of .vtu files (vtu.h); those of edges are in the FIELD of the data set.
+/// \file
+/// Lattices in VTK's legacy files of unstructured grids (.vtk). Marks and attributes have the names
+/// and conventions of .vtu files (vtu.h); those of edges are in the FIELD of the data set.
 
 namespace espalier::io {
 

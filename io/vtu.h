@@ -6,17 +6,18 @@
 
 #include <filesystem>
 
-// Lattices in VTK's XML files of unstructured grids (.vtu).
-//
-//     Points                             positions
-//     Cells                              the types 10, 11, 12, 13, 14 and 42
-//     PointData                          attributes; arrays that are not of numbers are skipped
-//     PointData espalier:vertex_sharpness
-//                                        marks: a sharpness a vertex, less than 0 for no mark
-//     FieldData espalier:edge_vertices   marks: two vertices an edge
-//     FieldData espalier:edge_sharpness  marks: a sharpness an edge
-//
-// A sharpness of 10 or more is infinite, and infinite ones are written as 10.
+/// \file
+/// Lattices in VTK's XML files of unstructured grids (.vtu).
+///
+///     Points                             positions
+///     Cells                              the types 10, 11, 12, 13, 14 and 42
+///     PointData                          attributes; arrays that are not of numbers are skipped
+///     PointData espalier:vertex_sharpness
+///                                        marks: a sharpness a vertex, less than 0 for no mark
+///     FieldData espalier:edge_vertices   marks: two vertices an edge
+///     FieldData espalier:edge_sharpness  marks: a sharpness an edge
+///
+/// A sharpness of 10 or more is infinite, and infinite ones are written as 10.
 
 namespace espalier::io {
 

@@ -54,8 +54,7 @@ public:
     ///         the columns of each; for weights that are not finite, naming rank and row; if
     ///         PETSc's integers do not hold the entries of a rank or the rows of `blocked`
     /// \cost O(entries). Meanwhile ownRows is there too, and with PETSc's integers of 64 bits a
-    /// copy
-    ///       of its columns: 24 bytes an entry, or 36
+    ///       copy of its columns: 24 bytes an entry, or 36
     DistributedTable(MPI_Comm comm, const stencils::StencilTable<double>& ownRows,
                      Offset ownVertexCount, int components = 3);
 

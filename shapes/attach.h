@@ -10,15 +10,16 @@
 #include <span>
 #include <vector>
 
-// Building a lattice cell by cell, face to face (MacCracken & Joy 1996, section 5).
-//
-// Each function returns the lattice with one more cell, which is the last. Vertices and cells that
-// were there keep their numbers, positions, attributes and marks; new vertices follow them. Edges
-// and faces are numbered in the order of first appearance, as ComplexBuilder does: a lattice that
-// was built by it, outward loops first, keeps those numbers too.
-//
-// New vertices coincide with no old one, even in the same place; merge() of the one lattice welds
-// them. Each call costs O(n log n) in the size of the lattice.
+/// \file
+/// Building a lattice cell by cell, face to face (MacCracken & Joy 1996, section 5).
+///
+/// Each function returns the lattice with one more cell, which is the last. Vertices and cells that
+/// were there keep their numbers, positions, attributes and marks; new vertices follow them. Edges
+/// and faces are numbered in the order of first appearance, as ComplexBuilder does: a lattice that
+/// was built by it, outward loops first, keeps those numbers too.
+///
+/// New vertices coincide with no old one, even in the same place; merge() of the one lattice welds
+/// them. Each call costs O(n log n) in the size of the lattice.
 namespace espalier::shapes {
 
 /// Puts a prism on a face: its vertices, and as many new ones moved by an offset, in the order of

@@ -9,13 +9,14 @@
 #include <array>
 #include <vector>
 
-// The inventory of lattices (MacCracken & Joy 1996, section 5). Each is valid, has no vertex twice,
-// and cells of positive volume; vertex and cell numbers are those of sweep(), layer by layer. The
-// topology depends on the integer and enum fields alone: two sets of options that differ in lengths
-// and positions only give two poses of one lattice.
-//
-// Every function throws Error naming the first field out of range, its value and what is allowed,
-// and far::TopologyError if there would be more entities than an Index counts.
+/// \file
+/// The inventory of lattices (MacCracken & Joy 1996, section 5). Each is valid, has no vertex
+/// twice, and cells of positive volume; vertex and cell numbers are those of sweep(), layer by
+/// layer. The topology depends on the integer and enum fields alone: two sets of options that
+/// differ in lengths and positions only give two poses of one lattice.
+///
+/// Every function throws Error naming the first field out of range, its value and what is allowed,
+/// and far::TopologyError if there would be more entities than an Index counts.
 namespace espalier::shapes {
 
 /// A box of hexahedra (figure 1, left). Vertex (i, j, k) is i + (cells[0] + 1) (j + (cells[1] + 1)

@@ -30,8 +30,7 @@ struct MergeOptions {
 ///
 /// \param lattices at least one, all of one dimension and with the same attributes
 /// \throws Error for no lattice, a tolerance out of range, or an attribute that one lattice lacks
-/// or
-///         has with another number of components; far::TopologyError for a cell of which two
+///         or has with another number of components; far::TopologyError for a cell of which two
 ///         vertices would become one, a cell that is in two lattices, or a face of three cells
 /// \cost O(n log n) in the number of entries of the result; the search for coincident vertices is
 ///       linear while the vertices are spread out, as those of a lattice are

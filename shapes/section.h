@@ -9,8 +9,9 @@
 #include <span>
 #include <vector>
 
-// Flat meshes (lattices of dimension 2) in the plane z = 0, wound anticlockwise seen from +z: the
-// cross-sections that sweep() and extrude() make lattices of.
+/// \file
+/// Flat meshes (lattices of dimension 2) in the plane z = 0, wound anticlockwise seen from +z: the
+/// cross-sections that sweep() and extrude() make lattices of.
 namespace espalier::shapes {
 
 /// What is in the middle of a disk.

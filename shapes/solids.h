@@ -4,10 +4,11 @@
 #include <espalier/far/api.h>
 #include <espalier/shapes/lattice.h>
 
-// Lattices of a single cell about the origin. A vertex where n edges of its cell meet becomes a
-// type-n cell when it is refined (MacCracken & Joy 1996, section 2.2).
-//
-// Every function throws Error naming the first field out of range.
+/// \file
+/// Lattices of a single cell about the origin. A vertex where n edges of its cell meet becomes a
+/// type-n cell when it is refined (MacCracken & Joy 1996, section 2.2).
+///
+/// Every function throws Error naming the first field out of range.
 namespace espalier::shapes {
 
 struct RegularSolidOptions {

@@ -11,18 +11,19 @@
 #include <span>
 #include <vector>
 
-// Which vertices of a lattice to freeze, so that a part of what it deforms stays as it is, and
-// meets what moves without a gap, a crease, or a jump of its curvature. What is returned is what
-// DesignVariables::freeze() and solve::FitOptions::frozen take.
-//
-// Near a face, a vertex's weight grows with the distance h from the face as 1 (its displacement is
-// felt on the face), h (just beside it) or h³. It never grows as h²: level by level, the points of
-// the cells that touch the face depend on those of the level before alone, so that weights there
-// are made by the first layer, and what lies beyond comes in by eighths. So what keeps the first
-// derivatives keeps the second ones as well; on a boundary, where a layer 2P₀ − P₁ may be thought
-// outside (DESIGN, section 3), the second ones across are 0 anyway. It is so where the lattice is
-// regular, of which this is the cubic B-spline; where it is not, there may be no second derivatives
-// to speak of, but still no weight grows slower than h².
+/// \file
+/// Which vertices of a lattice to freeze, so that a part of what it deforms stays as it is, and
+/// meets what moves without a gap, a crease, or a jump of its curvature. What is returned is what
+/// DesignVariables::freeze() and solve::FitOptions::frozen take.
+///
+/// Near a face, a vertex's weight grows with the distance h from the face as 1 (its displacement is
+/// felt on the face), h (just beside it) or h³. It never grows as h²: level by level, the points of
+/// the cells that touch the face depend on those of the level before alone, so that weights there
+/// are made by the first layer, and what lies beyond comes in by eighths. So what keeps the first
+/// derivatives keeps the second ones as well; on a boundary, where a layer 2P₀ − P₁ may be thought
+/// outside (DESIGN, section 3), the second ones across are 0 anyway. It is so where the lattice is
+/// regular, of which this is the cubic B-spline; where it is not, there may be no second
+/// derivatives to speak of, but still no weight grows slower than h².
 namespace espalier::stencils {
 
 /// How what is held meets what moves.

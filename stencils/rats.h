@@ -6,20 +6,21 @@
 
 #include <vector>
 
-// RATS splines (Savva & Clapworthy): the children and strata of every refinement here, with other
-// rules. They come from splitting a Bézier spline in its middle: corners are interpolated, and the
-// surface reaches the border.
-//
-// Border is what has stratum 0 or 1: the boundary of a mesh, and its creases. The average of an
-// entity of stratum s is that of the s-dimensional centroids around it, within its stratum: P of a
-// corner, M̄ of a vertex on the border, F̄ of one inside. Each new point is such an average, or the
-// mean of several:
-//
-//     V   the average of the vertex
-//     E   inside: the mean of the averages of its two ends. With an end that is further out, a
-//         corner for a border edge or a border vertex for an inner one: its own average
-//     F   inside: the mean of the averages of its vertices. With a border edge: that of its inner
-//         edges that meet a border edge of it. With a corner: its own average
+/// \file
+/// RATS splines (Savva & Clapworthy): the children and strata of every refinement here, with other
+/// rules. They come from splitting a Bézier spline in its middle: corners are interpolated, and the
+/// surface reaches the border.
+///
+/// Border is what has stratum 0 or 1: the boundary of a mesh, and its creases. The average of an
+/// entity of stratum s is that of the s-dimensional centroids around it, within its stratum: P of a
+/// corner, M̄ of a vertex on the border, F̄ of one inside. Each new point is such an average, or the
+/// mean of several:
+///
+///     V   the average of the vertex
+///     E   inside: the mean of the averages of its two ends. With an end that is further out, a
+///         corner for a border edge or a border vertex for an inner one: its own average
+///     F   inside: the mean of the averages of its vertices. With a border edge: that of its inner
+///         edges that meet a border edge of it. With a corner: its own average
 
 namespace espalier::stencils {
 

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+# The target `docs`: HTML pages of the headers that are installed, in docs/html of the build. Any
+# warning of Doxygen is an error. To be included after the folders.
+include_guard(GLOBAL)
+find_package(Doxygen 1.9.4 REQUIRED)
+
+set(ESPALIER_DOCS_INPUT "\"${PROJECT_SOURCE_DIR}/docs/namespaces.dox\"")
+set(ESPALIER_DOCS_FOLDERS)
+get_property(components GLOBAL PROPERTY ESPALIER_COMPONENTS)
+foreach(component IN LISTS components)
+  get_target_property(headers espalier_${component} HEADER_SET)
+  get_target_property(source_dir espalier_${component} SOURCE_DIR)
+  list(SORT headers)
+  foreach(header IN LISTS headers)
+    cmake_path(ABSOLUTE_PATH header BASE_DIRECTORY ${source_dir})
+    string(APPEND ESPALIER_DOCS_INPUT " \\\n  \"${header}\"")
+  endforeach()
+  get_target_property(folders espalier_${component} HEADER_DIRS)
+  foreach(folder IN LISTS folders)
+    string(APPEND ESPALIER_DOCS_FOLDERS " \"${folder}\"")
+  endforeach()
+endforeach()
+set(ESPALIER_DOCS_OUTPUT ${PROJECT_BINARY_DIR}/docs)
+configure_file(${PROJECT_SOURCE_DIR}/docs/Doxyfile.in ${ESPALIER_DOCS_OUTPUT}/Doxyfile @ONLY)
+
+add_custom_target(docs COMMAND Doxygen::doxygen ${ESPALIER_DOCS_OUTPUT}/Doxyfile
+                  COMMENT "Pages of the public headers: docs/html" VERBATIM)

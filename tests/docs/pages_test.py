@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks the pages of docs/: their code is that of files which are built and run, and their links
+lead somewhere."""
+
+import pathlib
+import re
+import tempfile
+import textwrap
+import unittest
+
+DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs"
+
+# <!-- code: a.cpp b.py -->: whose code a page shows from here on, by extensions.
+SOURCES = re.compile(r"<!-- code: (.*?) -->")
+FENCE = re.compile(r"^```(\w*)\s*$")
+EXTENSIONS = {"cpp": ".cpp", "python": ".py"}
+LINK = re.compile(r"(?<!`)\]\(([^)\s]+)\)")
+DEFINITION = re.compile(r"^\[[^\]]+\]:\s+(\S+)")
+HEADING = re.compile(r"^#+ (.*)")
+
+
+def blocks_in(text):
+    """The fenced blocks, as (line number, language, code, sources so far)."""
+    sources, start, language, code = [], None, None, []
+    for number, line in enumerate(text.splitlines(), 1):
+        fence = FENCE.match(line)
+        if start is None:
+            if SOURCES.search(line):
+                sources = SOURCES.search(line).group(1).split()
+            if fence:
+                start, language, code = number, fence.group(1), []
+        elif fence:
+            yield start, language, "\n".join(code), sources
+            start = None
+        else:
+            code.append(line)
+
+
+def anchors_in(path):
+    """What links to the headings of a page end with, as GitHub makes it."""
+    text = path.read_text(encoding="utf-8")
+    for line in text.splitlines():
+        heading = HEADING.match(line)
+        if heading:
+            yield re.sub(r"[^\w\- ]", "", heading.group(1).lower()).replace(" ", "-")
+
+
+def is_part(code, source):
+    """Whether lines follow each other in a source, wherever they are indented to."""
+    def lines_of(text):
+        return [line.rstrip() for line in text.splitlines()]
+    code = lines_of(textwrap.dedent(code))
+    lines = lines_of(source)
+    for first in range(len(lines) - len(code) + 1):
+        part = "\n".join(lines[first:first + len(code)])
+        if lines_of(textwrap.dedent(part)) == code:
+            return True
+    return False
+
+
+def errors_in(page):
+    """What is wrong with a page, a line each."""
+    text = page.read_text(encoding="utf-8")
+    errors = []
+    for number, language, code, sources in blocks_in(text):
+        extension = EXTENSIONS.get(language)
+        if extension is None or not SOURCES.search(text):
+            continue
+        paths = [page.parent / name for name in sources if name.endswith(extension)]
+        if not paths:
+            errors.append(f"line {number}: code of no source")
+        for path in paths:
+            if not path.is_file():
+                errors.append(f"line {number}: there is no file {path.name}")
+            elif not is_part(code, path.read_text(encoding="utf-8")):
+                errors.append(f"line {number}: the code is not in {path.name}")
+    for number, line in enumerate(text.splitlines(), 1):
+        links = LINK.findall(line) + DEFINITION.findall(line)
+        for link in links:
+            if re.match(r"\w+:", link):
+                continue
+            file, _, anchor = link.partition("#")
+            target = page.parent / file if file else page
+            if not target.exists():
+                errors.append(f"line {number}: there is no {file}")
+            elif anchor and anchor not in anchors_in(target):
+                errors.append(f"line {number}: {target.name} has no heading for #{anchor}")
+    return errors
+
+
+class Pages(unittest.TestCase):
+    def test_code_and_links(self):
+        pages = sorted(DOCS.glob("*.md")) + [DOCS.parent / "README.md"]
+        self.assertGreater(len(pages), 5)
+        for page in pages:
+            with self.subTest(page=page.name):
+                self.assertEqual(errors_in(page), [])
+
+    def test_pages_of_code_say_whose_it_is(self):
+        for name in ("tutorial.md", "from-opensubdiv.md"):
+            blocks = list(blocks_in((DOCS / name).read_text(encoding="utf-8")))
+            self.assertGreater(sum(bool(block[3]) for block in blocks), 8, name)
+
+
+class Checker(unittest.TestCase):
+    """The check itself: each way for a page to be wrong is found."""
+
+    GOOD = ("# The page, in C++\n<!-- code: a.cpp b.py -->\n"
+            "```cpp\nif (x)\n    y();\n```\n```python\nprint(1)\n```\n```\nfree\n```\n"
+            "[there](a.cpp) [up](#the-page-in-c) [out](https://example.org/none) [by name][b]\n"
+            "\n[b]: b.py\n")
+
+    def check(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            (folder / "a.cpp").write_text("void f() {\n    if (x)\n        y();\n    z();\n}\n")
+            (folder / "b.py").write_text("print(1)\n")
+            (folder / "page.md").write_text(text)
+            return errors_in(folder / "page.md")
+
+    def test_a_good_page_passes(self):
+        self.assertEqual(self.check(self.GOOD), [])
+
+    def test_other_code_is_found(self):
+        for right, wrong, error in [
+                ("    y();", "    y(1);", "line 3: the code is not in a.cpp"),
+                ("if (x)\n    y();", "if (x)\ny();", "line 3: the code is not in a.cpp"),
+                ("if (x)\n    y();", "if (x)\n    z();", "line 3: the code is not in a.cpp"),
+                ("print(1)", "print(2)", "line 7: the code is not in b.py"),
+                ("a.cpp b.py", "a.cpp c.py", "line 7: there is no file c.py"),
+                ("a.cpp b.py", "a.cpp", "line 7: code of no source")]:
+            self.assertEqual(self.check(self.GOOD.replace(right, wrong, 1)), [error], wrong)
+
+    def test_dead_links_are_found(self):
+        for right, wrong, error in [
+                ("(a.cpp)", "(c.cpp)", "line 13: there is no c.cpp"),
+                ("(#the-page-in-c)", "(#page)", "line 13: page.md has no heading for #page"),
+                ("]: b.py", "]: c.py", "line 15: there is no c.py")]:
+            self.assertEqual(self.check(self.GOOD.replace(right, wrong, 1)), [error], wrong)
+
+
+if __name__ == "__main__":
+    unittest.main()
