@@ -1,25 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/cell_complex.h>
+#include <espalier/far/loop_context.h>
 
 #include <atomic>
 #include <cassert>
+#include <memory>
 #include <mutex>
 #include <numeric>
 
 namespace espalier::far {
+namespace {
+
+/// A relation that is derived on first use, by whichever thread comes first.
+///
+/// Others wait for that one, but not those whose work may be awaited in their turn: a thread that
+/// derives a relation may take up work of its host meanwhile, or call back, and then ask for the
+/// same again; or for one that another thread derives, which has come here as well. Such a thread
+/// derives it for itself, and who is ready first has derived it for all.
+class LazyRelation {
+public:
+    LazyRelation() = default;
+    ~LazyRelation() { delete known_.load(std::memory_order_relaxed); }
+    LazyRelation(const LazyRelation&) = delete;
+    LazyRelation& operator=(const LazyRelation&) = delete;
+
+    template <class Derive>
+    const Incidence& get(Derive derive) {
+        if (const Incidence* known = known_.load(std::memory_order_acquire)) return *known;
+        LoopContext context = loopContext();
+        std::unique_lock lock(mutex_, std::defer_lock);
+        if (!std::exchange(context.isAwaited, true)) lock.lock();
+        if (const Incidence* known = known_.load(std::memory_order_acquire)) return *known;
+        const LoopContextScope scope(context);
+        auto derived = std::make_unique<const Incidence>(derive());
+        const Incidence* first = nullptr;
+        if (!known_.compare_exchange_strong(first, derived.get(), std::memory_order_acq_rel))
+            return *first;
+        return *derived.release();
+    }
+
+private:
+    std::mutex mutex_;
+    std::atomic<const Incidence*> known_ = nullptr;
+};
+
+}  // namespace
 
 struct CellComplex::Data {
     int dimension = 0;
     Index vertexCount = 0;
     Boundaries boundaries;
 
-    /// Relations derived on first use, at [from][to].
-    struct Lazy {
-        std::mutex mutex;
-        std::atomic<bool> isThere = false;
-        Incidence incidence;
-    };
-    mutable std::array<std::array<Lazy, kMaxDimension + 1>, kMaxDimension + 1> derived;
+    /// At [from][to].
+    mutable std::array<std::array<LazyRelation, kMaxDimension + 1>, kMaxDimension + 1> derived;
 };
 
 CellComplex::CellComplex() : CellComplex(0, 0, {}) {}
@@ -94,16 +127,8 @@ Incidence deriveRelation(const CellComplex& complex, int from, int to) {
 const Incidence& CellComplex::relation(int from, int to) const {
     assert(0 <= from && from <= data_->dimension && 0 <= to && to <= data_->dimension);
     if (from == to + 1) return boundary(from).unsignedRows();
-    Data::Lazy& lazy = data_->derived[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
-    // Not std::call_once: work may be cancelled, and not every platform's lets exceptions out.
-    if (!lazy.isThere.load(std::memory_order_acquire)) {
-        const std::lock_guard lock(lazy.mutex);
-        if (!lazy.isThere.load(std::memory_order_relaxed)) {
-            lazy.incidence = deriveRelation(*this, from, to);
-            lazy.isThere.store(true, std::memory_order_release);
-        }
-    }
-    return lazy.incidence;
+    return data_->derived[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)].get(
+        [&] { return deriveRelation(*this, from, to); });
 }
 
 }  // namespace espalier::far

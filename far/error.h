@@ -9,9 +9,9 @@
 
 namespace espalier {
 
-/// Base of every exception that Espalier throws on purpose but far::Cancelled (progress.h), which is
-/// nobody's mistake. what() is one line that names the offender; the library never prints and never
-/// aborts.
+/// Base of every exception that Espalier throws on purpose but far::Cancelled (progress.h), which
+/// is nobody's mistake. what() is one line that names the offender; the library never prints and
+/// never aborts.
 class ESPALIER_API Error : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;

@@ -18,8 +18,10 @@ public:
     ///
     /// Calls nest, from the threads that run tasks: there must be an end to it even if no other
     /// thread is free, as there is where the calling thread takes part. A thread that waits may run
-    /// other work of the host; of ours it turns away what it must not begin then, and the thread
-    /// that began the loop makes up for that, as for calls that are left out.
+    /// other work of the host, to which none of our scopes on that thread applies; of ours it turns
+    /// away what it must not begin then. What is turned away is asked for again, in a call of run()
+    /// for fewer, as are calls that were left out, and is done by the thread that began the loop if
+    /// that is of no use.
     ///
     /// \param task throws nothing
     /// \throws what it likes, which arrives at the caller of the library, but not before all calls

@@ -17,7 +17,9 @@
 namespace espalier::far {
 
 LoopContext& loopContext() {
-    thread_local LoopContext context;
+    // Of the block that each thread is born with: in a library that is loaded later the first use
+    // on a thread would allocate.
+    [[gnu::tls_model("initial-exec")]] thread_local constinit LoopContext context;
     return context;
 }
 
@@ -47,8 +49,8 @@ public:
     /// For any thread, each range once. Does nothing if a lower range has failed.
     void runRange(Offset range) {
         if (range > failedRange_.load(std::memory_order_relaxed)) return;
-        const LoopContext own = std::exchange(
-            loopContext(), {outer_.executor, outer_.progress, outer_.progress != nullptr, nullptr});
+        const LoopContextScope scope({outer_.executor, outer_.progress, outer_.progress != nullptr,
+                                      nullptr, outer_.isAwaited});
         try {
             if (outer_.progress != nullptr) outer_.progress->check();
             const Offset first = range * grain_, last = std::min(first + grain_, count_);
@@ -64,7 +66,6 @@ public:
                 failure_ = std::current_exception();
             }
         }
-        loopContext() = own;
     }
 
     /// When all ranges have run.
@@ -87,12 +88,14 @@ class SharedRanges {
 public:
     explicit SharedRanges(Loop& loop) : loop_(loop) {}
 
-    /// \return whether there was one left
-    bool runNext() {
+    void runNext() {
         const Offset range = next_.fetch_add(1, std::memory_order_relaxed);
-        if (range >= loop_.rangeCount()) return false;
-        loop_.runRange(range);
-        return true;
+        if (range < loop_.rangeCount()) loop_.runRange(range);
+    }
+
+    /// Ranges that nobody has taken.
+    Offset left() const {
+        return std::max(loop_.rangeCount() - next_.load(std::memory_order_relaxed), Offset{0});
     }
 
 private:
@@ -107,24 +110,24 @@ void runOn(Executor& executor, Loop& loop) {
         const void* awaited = loopContext().awaited;
         if (awaited == nullptr || awaited == &loop) ranges.runNext();
     };
-    struct Wait {
-        explicit Wait(const Loop& loop) : outer(std::exchange(loopContext().awaited, &loop)) {}
-        ~Wait() { loopContext().awaited = outer; }
-        const void* outer;
-    };
-    const Wait wait(loop);
-    executor.run(loop.rangeCount(), task);
-    // What threads turned away.
-    while (ranges.runNext()) {
-    }
+    // What work of the host this thread takes up meanwhile is no concern of our scopes.
+    const LoopContextScope scope({nullptr, nullptr, false, &loop, loopContext().isAwaited});
+    // Again for what threads turned away, as long as that brings us on; and alone in the end.
+    for (Offset left = ranges.left(), before = left + 1; left > 1 && left < before;
+         before = std::exchange(left, ranges.left()))
+        executor.run(left, task);
+    while (ranges.left() > 0) ranges.runNext();
 }
 
 #ifdef ESPALIER_WITH_TBB
 void runInArena(Loop& loop) {
     // Isolated: the caller may hold a lock that other work of the arena wants.
     tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(Offset{0}, loop.rangeCount(),
-                          [&](Offset range) { loop.runRange(range); });
+        // Of its own: a loop that ended when a group of the host's is cancelled would leave ranges
+        // out, and nobody would know.
+        tbb::task_group_context context(tbb::task_group_context::isolated);
+        tbb::parallel_for(
+            Offset{0}, loop.rangeCount(), [&](Offset range) { loop.runRange(range); }, context);
     });
 }
 #else

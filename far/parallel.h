@@ -16,6 +16,8 @@ namespace espalier::far {
 /// (executor.h), or one after the other in a build without oneTBB. They do not depend on the number
 /// of threads: range k is [k·grain, min((k+1)·grain, count)), so a body that keeps a result per
 /// range is deterministic. A single range runs on the calling thread.
+/// That a host cancels a group of oneTBB's in which this runs has no effect on it; a ProgressScope
+/// (progress.h) cancels.
 /// Calls nest: a thread that waits here does nothing else of the library's meanwhile, so that the
 /// caller may hold a lock that other work of the arena wants.
 ///

@@ -33,14 +33,16 @@ void ProgressState::report() {
     if (isReporting_.test_and_set(std::memory_order_acquire)) return;
     if (!isEnded_ && Clock::now() - lastCall_ >= interval_) {
         // What the callback does to the library is no part of the work.
-        const LoopContext own = std::exchange(loopContext(), {});
+        LoopContext own = loopContext();
+        own.progress = nullptr;
+        own.isInStage = false;
+        const LoopContextScope scope(own);
         try {
             if (!callback_({stage_, done_, count_})) throw Cancelled();
         } catch (...) {
             end_ = std::current_exception();
             isEnded_.store(true, std::memory_order_release);
         }
-        loopContext() = own;
         lastCall_ = Clock::now();
     }
     isReporting_.clear(std::memory_order_release);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <deque>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -19,6 +21,13 @@ public:
         Blocks,        ///< a thread that waits for its loop does nothing else
         HelpsAnybody,  ///< it takes up whatever work there is, as many schedulers do
     };
+
+    /// Work of the host's own, for a thread that has nothing else to do.
+    void post(std::function<void()> job) {
+        const std::lock_guard lock(mutex_);
+        posted_.push_back(std::move(job));
+        changed_.notify_all();
+    }
 
     explicit ThreadPool(int threads, Waiting waiting = Waiting::Blocks) : waiting_(waiting) {
         jobs_.reserve(1000);
@@ -39,13 +48,8 @@ public:
         jobs_.push_back(&job);
         changed_.notify_all();
         while (job.next < job.count) runNext(job, lock);
-        while (job.running > 0) {
-            Job* other = waiting_ == Waiting::HelpsAnybody ? open() : nullptr;
-            if (other != nullptr)
-                runNext(*other, lock);
-            else
-                changed_.wait(lock);
-        }
+        while (job.running > 0)
+            if (waiting_ == Waiting::Blocks || !runAny(lock)) changed_.wait(lock);
         jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
     }
 
@@ -74,19 +78,32 @@ private:
         changed_.notify_all();
     }
 
+    /// Whether there was anything.
+    bool runAny(std::unique_lock<std::mutex>& lock) {
+        if (Job* job = open()) {
+            runNext(*job, lock);
+            return true;
+        }
+        if (posted_.empty()) return false;
+        const std::function<void()> own = std::move(posted_.front());
+        posted_.pop_front();
+        lock.unlock();
+        own();
+        lock.lock();
+        return true;
+    }
+
     void work() {
         std::unique_lock lock(mutex_);
         while (!isEnding_)
-            if (Job* job = open())
-                runNext(*job, lock);
-            else
-                changed_.wait(lock);
+            if (!runAny(lock)) changed_.wait(lock);
     }
 
     Waiting waiting_;
     std::mutex mutex_;
     std::condition_variable changed_;
     std::vector<Job*> jobs_;
+    std::deque<std::function<void()>> posted_;
     bool isEnding_ = false;
     std::vector<std::thread> threads_;
 };

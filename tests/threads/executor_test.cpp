@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/executor.h>
 #include <espalier/far/parallel.h>
+#include <espalier/far/progress.h>
+#include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/local_binding.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -19,6 +22,10 @@
 #include "support/thread_pool.h"
 #include "support/threads.h"
 #include "support/waiting_thread.h"
+
+#ifdef ESPALIER_WITH_TBB
+#include <tbb/task_group.h>
+#endif
 
 namespace espalier::far {
 namespace {
@@ -150,6 +157,108 @@ TEST(Executor, WaitingThreadTakesUpNoOtherWork) {
     EXPECT_FALSE(test::waitingThreadTakesUpOtherWork(50));
 }
 
+/// Has job() run by a thread of a pool that waits for a loop of ours, in a scope of ours.
+template <class Work>
+void whileWaiting(ThreadPool& pool, Work job) {
+    const auto waiting = std::this_thread::get_id();
+    std::atomic<bool> isOtherAtWork = false, isDone = false;
+    parallelFor(2, 1, [&](Offset, Offset) {
+        if (std::this_thread::get_id() == waiting) {
+            while (!isOtherAtWork) std::this_thread::yield();
+            return;
+        }
+        isOtherAtWork = true;
+        pool.post([&] {
+            EXPECT_EQ(std::this_thread::get_id(), waiting);
+            job();
+            isDone = true;
+        });
+        while (!isDone) std::this_thread::yield();
+    });
+    EXPECT_TRUE(isDone);
+}
+
+// What a host does on a thread that waits for us has nothing to do with the scopes of that thread.
+TEST(Executor, WorkOfTheHostHasNoScopesOfOurs) {
+    ThreadPool pool(1, ThreadPool::Waiting::HelpsAnybody);
+    const ExecutorScope scope(pool);
+    bool isHeard = false;
+    {
+        const ProgressScope listening(
+            [&](const Progress& progress) {
+                isHeard = isHeard || progress.count == 7;
+                return true;
+            },
+            std::chrono::milliseconds(0));
+        whileWaiting(pool, [] { parallelFor(7, 1, [](Offset, Offset) {}); });
+        EXPECT_FALSE(isHeard);
+        parallelFor(7, 1, [](Offset, Offset) {});
+        EXPECT_TRUE(isHeard);
+    }
+    // Nor does it end as that work does.
+    std::atomic<bool> isCancelled = false, isThrough = false;
+    const ProgressScope ending([&](const Progress&) { return !(isCancelled = true); },
+                               std::chrono::milliseconds(0));
+    whileWaiting(pool, [&] {
+        while (!isCancelled) std::this_thread::yield();
+        parallelFor(7, 1, [](Offset, Offset) {});
+        isThrough = true;
+    });
+    EXPECT_TRUE(isThrough);
+    EXPECT_THROW(parallelFor(7, 1, [](Offset, Offset) {}), Cancelled);
+}
+
+// The work of a host may ask for the very relation that the thread which takes it up derives.
+TEST(Executor, WorkOfTheHostAsksForWhatIsBeingDerived) {
+    const Lattice lattice = shapes::box({.cells = {12, 12, 12}});
+    const auto deriving = std::this_thread::get_id();
+    ThreadPool pool(1, ThreadPool::Waiting::HelpsAnybody);
+    const ExecutorScope scope(pool);
+    const Incidence* seen = nullptr;
+    // Until the other thread of the pool has had a range of it.
+    for (int repeat = 0; repeat < 1000 && seen == nullptr; ++repeat) {
+        TopologyRefiner refiner(lattice.complex);
+        refiner.refineUniform(1);
+        const CellComplex complex = refiner.level(1).complex;
+        std::atomic<bool> isDone = false;
+        const ProgressScope holding(
+            [&](const Progress&) {
+                if (std::this_thread::get_id() == deriving || isDone) return true;
+                pool.post([&] {
+                    EXPECT_EQ(std::this_thread::get_id(), deriving);
+                    seen = &complex.relation(3, 0);
+                    isDone = true;
+                });
+                while (!isDone) std::this_thread::yield();
+                return true;
+            },
+            std::chrono::milliseconds(0));
+        const Incidence* derived = &complex.relation(3, 0);
+        if (seen != nullptr) {
+            EXPECT_EQ(seen, derived);
+        }
+    }
+    EXPECT_NE(seen, nullptr);
+}
+
+// What is turned away is offered again: loops in its ranges leave an outer loop on all threads.
+TEST(Executor, OffersAgainWhatWasTurnedAway) {
+    /// Makes each call but a few a round, the way a thread does that is busy with another loop.
+    class Reluctant final : public Executor {
+    public:
+        void run(Offset count, FunctionRef<void(Offset)> task) override {
+            counts.push_back(count);
+            for (Offset i = 0; i < (count + 1) / 2; ++i) task(i);
+        }
+        std::vector<Offset> counts;
+    } reluctant;
+    const ExecutorScope scope(reluctant);
+    std::vector<int> visits(20);
+    parallelFor(20, 1, [&](Offset first, Offset) { ++visits[static_cast<std::size_t>(first)]; });
+    EXPECT_EQ(visits, std::vector<int>(20, 1));
+    EXPECT_EQ(reluctant.counts, (std::vector<Offset>{20, 10, 5, 2}));
+}
+
 /// Points bound to a lattice, by groups on several threads.
 stencils::BoundModel<float> bindModel() {
     static const Lattice lattice = shapes::cylinder({.sectors = 5});
@@ -188,6 +297,25 @@ TEST(Arena, OfTheCallerIsUsed) {
     const ThreadLimit limit(8);
     tbb::task_arena arena(3);
     EXPECT_EQ(arena.execute(bindModel).binding, expected.binding);
+}
+
+// A group of the host's that is cancelled takes nothing of ours with it: a loop that left ranges
+// out would leave its caller with numbers that were never set.
+TEST(Arena, OfAGroupThatIsCancelledComesToItsEnd) {
+    tbb::task_group group;
+    std::atomic<bool> isBegun = false;
+    std::vector<std::atomic<int>> visits(500);
+    group.run([&] {
+        parallelFor(500, 1, [&](Offset first, Offset) {
+            isBegun = true;
+            ++visits[static_cast<std::size_t>(first)];
+            std::this_thread::sleep_for(std::chrono::microseconds(20));
+        });
+    });
+    while (!isBegun) std::this_thread::yield();
+    group.cancel();
+    group.wait();
+    for (const auto& count : visits) EXPECT_EQ(count, 1);
 }
 #endif
 

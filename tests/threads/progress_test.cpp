@@ -12,6 +12,7 @@
 #include <atomic>
 #include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "support/refined_lattice.h"
@@ -97,20 +98,39 @@ TEST(Progress, IsHeardNoMoreOftenThanAsked) {
     EXPECT_EQ(calls, 1010);
 }
 
-// A preview in the callback, say.
+// A preview in the callback, say. It runs where all work of this thread does.
 TEST(Progress, WorkOfTheCallbackIsNotHeard) {
     SerialExecutor serial;
     const ExecutorScope onThisThread(serial);
     int calls = 0;
+    const auto own = std::this_thread::get_id();
     const ProgressScope scope(
         [&](const Progress&) {
             ++calls;
-            parallelFor(5, 1, [](Offset, Offset) {});
+            parallelFor(50, 1, [&](Offset, Offset) {
+                EXPECT_EQ(std::this_thread::get_id(), own);
+                std::this_thread::sleep_for(20us);
+            });
             return true;
         },
         0ms);
     parallelFor(10, 1, [](Offset, Offset) {});
     EXPECT_EQ(calls, 10);
+}
+
+// Of the very relation that is being derived.
+TEST(Progress, CallbackMayAskForWhatIsBeingDerived) {
+    TopologyRefiner refiner(shapes::box({.cells = {12, 12, 12}}).complex);
+    refiner.refineUniform(1);
+    const CellComplex complex = refiner.level(1).complex;
+    const Incidence* seen = nullptr;
+    const ProgressScope scope(
+        [&](const Progress&) {
+            seen = &complex.relation(3, 0);
+            return true;
+        },
+        0ms);
+    EXPECT_EQ(&complex.relation(3, 0), seen);
 }
 
 TEST(Cancelled, LastsAsLongAsTheScope) {
