@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/shapes/level_lattice.h>
 
-#include <algorithm>
+#include <string>
 #include <utility>
 
 namespace espalier {
@@ -11,13 +12,13 @@ namespace {
 /// they would be too: under another boundary mode they might not.
 void keepCorners(const far::TopologyRefiner& refiner, int level, far::Marks& marks) {
     if (refiner.boundary() == far::Boundary::Open) return;
+    std::vector<bool> isMarked(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
+    for (const far::Marks::Vertex& mark : marks.vertices)
+        isMarked[static_cast<std::size_t>(mark.vertex)] = true;
     for (const far::Marks::Vertex& mark : refiner.options().marks.vertices) {
         // The vertex points of a level keep the numbers of their vertices.
         const float sharpness = refiner.level(level).strata.sharpness({0, mark.vertex});
-        const bool isThere =
-            std::any_of(marks.vertices.begin(), marks.vertices.end(),
-                        [&](const auto& other) { return other.vertex == mark.vertex; });
-        if (sharpness > far::kSmooth && !isThere)
+        if (sharpness > far::kSmooth && !isMarked[static_cast<std::size_t>(mark.vertex)])
             marks.vertices.push_back({mark.vertex, sharpness});
     }
 }
@@ -27,6 +28,9 @@ void keepCorners(const far::TopologyRefiner& refiner, int level, far::Marks& mar
 Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
                      std::vector<Point3> positions) {
     const auto& [complex, strata, holes] = refiner.level(level);
+    if (positions.size() != static_cast<std::size_t>(complex.count(0)))
+        throw Error("level " + std::to_string(level) + " has " + std::to_string(complex.count(0)) +
+                    " vertices, but there are " + std::to_string(positions.size()) + " positions");
     const far::RefinerOptions& used = refiner.options();
     Lattice lattice{complex, std::move(positions), {}, {}};
     // A file of a mesh or a curve keeps the boundary mode; one of a lattice has marks alone.

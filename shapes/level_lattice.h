@@ -18,7 +18,7 @@ namespace espalier {
 ///
 /// \param level one that the refiner has
 /// \param positions one a vertex of the level
-/// \throws Error if the refiner does not have the level
+/// \throws Error if the refiner does not have the level, or there are not as many positions
 /// \cost O(entities of the level)
 ESPALIER_API Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
                                   std::vector<Point3> positions);

@@ -98,7 +98,8 @@ TEST(LevelLattice, PositionsAreThoseGiven) {
     const Lattice cube = shapes::box();
     const TopologyRefiner refiner(cube.complex);
     EXPECT_EQ(levelLattice(refiner, 0, cube.positions).positions, cube.positions);
-    EXPECT_THROW(levelLattice(refiner, 1, {}), Error);
+    EXPECT_THROW(levelLattice(refiner, 1, cube.positions), Error);
+    EXPECT_THROW(levelLattice(refiner, 0, {}), Error);
 }
 
 }  // namespace
