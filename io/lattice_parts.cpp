@@ -93,9 +93,13 @@ far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& l
         throw FileError(path, "cannot be written: the lattice has " + std::to_string(vertexCount) +
                                   " vertices and " + std::to_string(lattice.positions.size()) +
                                   " positions");
+    checkFinite(path, lattice.positions);
     for (const VertexAttribute& attribute : lattice.attributes) {
         if (attribute.name.empty())
             throw FileError(path, "cannot be written: an attribute has no name");
+        if (attribute.name.starts_with(kReservedNames))
+            throw FileError(path, "cannot be written: the attribute " + inQuotes(attribute.name) +
+                                      " has a name that is kept for marks");
         const auto components = static_cast<std::size_t>(std::max(attribute.components, 0));
         if (components == 0 || attribute.values.size() != components * vertexCount)
             throw FileError(path, "cannot be written: the attribute " + inQuotes(attribute.name) +

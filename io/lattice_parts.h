@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,7 +16,8 @@
 
 namespace espalier::io {
 
-// Names of the arrays and properties that hold marks.
+// Names of the arrays and properties that hold marks; attributes have none that begin so.
+inline constexpr std::string_view kReservedNames = "espalier:";
 inline constexpr const char* kVertexSharpness = "espalier:vertex_sharpness";
 inline constexpr const char* kEdgeSharpness = "espalier:edge_sharpness";
 inline constexpr const char* kEdgeVertices = "espalier:edge_vertices";
@@ -86,8 +88,8 @@ Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuild
                       std::vector<Point3> positions, const far::Marks& marks,
                       std::vector<VertexAttribute> attributes);
 
-/// What is done first in writing: checks that a lattice is of this dimension and that its parts fit
-/// together. Returns its marks in canonical form.
+/// What is done first in writing: checks that a lattice is of this dimension, that its parts fit
+/// together, and that it would be read again. Returns its marks in canonical form.
 ///
 /// \throws FileError naming what does not fit; TopologyError as canonicalMarks()
 far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice,

@@ -4,6 +4,7 @@
 #include <espalier/far/error.h>
 
 #include <filesystem>
+#include <limits>
 #include <ostream>
 
 #include "support/shared_data.h"
@@ -103,6 +104,15 @@ TEST_P(LatticeFile, RefusesToWriteWhatDoesNotFitTogether) {
     lattice = boxLattice();
     lattice.attributes.push_back({"", 1, std::vector<double>(12)});
     EXPECT_THAT(refusal(lattice), HasSubstr("an attribute has no name"));
+
+    // It would come back as marks.
+    lattice = boxLattice();
+    lattice.attributes.push_back({"espalier:vertex_sharpness", 1, std::vector<double>(12)});
+    EXPECT_THAT(refusal(lattice), HasSubstr("'espalier:vertex_sharpness' has a name that is kept"));
+
+    lattice = boxLattice();
+    lattice.positions[7][1] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THAT(refusal(lattice), HasSubstr("point 7 is not finite"));
 
     lattice = boxLattice();
     lattice.marks.edges = {{{0, 4}, 0}};
