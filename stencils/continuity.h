@@ -66,7 +66,7 @@ ESPALIER_API std::vector<Index> verticesHoldingRows(const StencilTable<double>& 
 ///
 /// \param base a lattice at level 0
 /// \param positions of its vertices, at rest
-/// \param level that the model is bound to
+/// \param level that the model is bound to, 1 to kMostLevelOfPoints
 /// \param options that it is bound with
 /// \throws Error if there are no points; naming one that is not finite; as bindPoints()
 /// \cost as bindPoints()

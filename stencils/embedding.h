@@ -23,6 +23,10 @@ enum class OutsidePolicy {
     Error     ///< binding is refused
 };
 
+/// The finest level that points are bound to. Its cells are a millionth of a base cell across, as
+/// fine as the tolerance below: on levels above it a point would be in ever more cells at once.
+inline constexpr int kMostLevelOfPoints = 20;
+
 struct EmbeddingOptions {
     OutsidePolicy outside = OutsidePolicy::Keep;
 

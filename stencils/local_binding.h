@@ -35,7 +35,7 @@ struct BoundModel {
 ///
 /// \param base a lattice at level 0
 /// \param positions of its vertices, at rest
-/// \param level 1 or above
+/// \param level 1 to kMostLevelOfPoints
 /// \param progress called now and then with the number of points done, from any thread, or empty
 /// \throws Error as embedPoints(), and for a base of other levels; TopologyError as
 ///         far::TopologyRefiner::refineUniform()

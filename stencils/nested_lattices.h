@@ -28,7 +28,7 @@ namespace espalier::stencils {
 /// \param childPose of each of its vertices, in the space where the parent is at rest
 /// \param parent a lattice at level 0
 /// \param parentRest positions of its vertices, at rest
-/// \param level of the parent, 1 or above
+/// \param level of the parent, 1 to kMostLevelOfPoints
 /// \param options where a vertex of the child is outside of the parent, OutsidePolicy::Nearest
 ///        takes it along; any other policy refuses it
 /// \throws Error if there are not as many positions as columns of D_child; naming a vertex of the

@@ -32,6 +32,9 @@ void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positio
                     std::to_string(base.maxLevel()) + " levels more");
     if (level < 1)
         throw Error("points are bound to level 1 or above, not to level " + std::to_string(level));
+    if (level > kMostLevelOfPoints)
+        throw Error("points are bound to level " + std::to_string(kMostLevelOfPoints) +
+                    " at most, not to level " + std::to_string(level));
     const far::Level& lattice = base.level(0);
     checkPositions(lattice.complex, positions);
     // Without boundary control there may be no next level: refining says what is missing.

@@ -23,8 +23,9 @@ inline std::array<double, 3> toArray(const Eigen::Vector3d& v) {
 void checkPositions(const far::CellComplex& complex, std::span<const Point3> positions);
 
 /// Checks that points can be bound to a level of a base.
-/// \throws Error for a base that is no lattice or has been refined, and a level below 1; as
-///         checkPositions(); and what refining a base throws of which nothing is left
+/// \throws Error for a base that is no lattice or has been refined, and a level that is not 1 to
+///         kMostLevelOfPoints; as checkPositions(); and what refining a base throws of which
+///         nothing is left
 void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positions, int level);
 
 /// The tolerance, if it is one.
