@@ -158,7 +158,8 @@ typedef struct espalier_lattice espalier_lattice;
 
 /// Makes a lattice from cells of any shape.
 ///
-/// Two faces with the same vertices are one, so a caller may give each cell faces of its own. How
+/// Two faces with the same vertices are one, so a caller may give each cell faces of its own; none
+/// may be in no cell. How
 /// faces wind, and where they start, is free: they are oriented coherently. Vertices and cells keep
 /// their numbers; edges and faces are numbered as they come.
 ///
@@ -385,7 +386,7 @@ enum {
 /// How points are bound. Begin with espalier_default_bind_options(), as with those above.
 typedef struct espalier_bind_options {
     size_t size;       ///< of this struct: sizeof(espalier_bind_options)
-    int32_t level;     ///< 1 or above: whose cells hold the points; default 3
+    int32_t level;     ///< 1 to 20: whose cells hold the points; default 3
     int32_t outside;   ///< ESPALIER_OUTSIDE_...; default KEEP
     double tolerance;  ///< how far outside is still inside, as a fraction of the diagonal of the
                        ///< lattice's bounding box; default 1e-6
@@ -542,6 +543,39 @@ ESPALIER_C_API espalier_status espalier_evaluator_f32_evaluate(
     const espalier_evaluator_f32* evaluator, const float* source, int64_t source_size,
     espalier_buffer_layout source_layout, float* destination, int64_t destination_size,
     espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,
+    espalier_workspace* workspace);
+
+/// Applies again what depends on a few columns of a table, and nothing else: while vertices of a
+/// lattice are dragged, for example (osd/change_evaluator.h). Immutable.
+typedef struct espalier_change_evaluator_f64 espalier_change_evaluator_f64;
+typedef struct espalier_change_evaluator_f32 espalier_change_evaluator_f32;
+
+/// \param evaluator one that applies a table, not an adjoint
+/// \cost O(entries).
+ESPALIER_C_API espalier_status espalier_change_evaluator_f64_create(
+    const espalier_evaluator_f64* evaluator, espalier_change_evaluator_f64** changes);
+ESPALIER_C_API espalier_status espalier_change_evaluator_f32_create(
+    const espalier_evaluator_f32* evaluator, espalier_change_evaluator_f32** changes);
+
+ESPALIER_C_API void espalier_change_evaluator_f64_destroy(espalier_change_evaluator_f64* changes);
+ESPALIER_C_API void espalier_change_evaluator_f32_destroy(espalier_change_evaluator_f32* changes);
+
+/// Applies the rows that depend on one of `changed`, with the result of an evaluation of the whole
+/// table, bit for bit, and writes no others: kept points, too, stay as they were put.
+///
+/// \param changed columns of the table, in any order; vertices of the lattice, where it is D
+/// \param source, ..., workspace as for the whole table
+/// \retval ESPALIER_ERROR_INPUT as for the whole table; or a column that is not in it
+/// \cost O(entries of these rows × components), and O(rows / 64).
+ESPALIER_C_API espalier_status espalier_change_evaluator_f64_evaluate(
+    const espalier_change_evaluator_f64* changes, const double* source, int64_t source_size,
+    espalier_buffer_layout source_layout, double* destination, int64_t destination_size,
+    espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
+    espalier_workspace* workspace);
+ESPALIER_C_API espalier_status espalier_change_evaluator_f32_evaluate(
+    const espalier_change_evaluator_f32* changes, const float* source, int64_t source_size,
+    espalier_buffer_layout source_layout, float* destination, int64_t destination_size,
+    espalier_buffer_layout destination_layout, int32_t changed_count, const int32_t* changed,
     espalier_workspace* workspace);
 
 /// Puts the kept points of a binding where they stay, after its table was applied; the others are

@@ -1,39 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/osd/compiled_adjoint.h>
-#include <espalier/osd/compiled_table.h>
-#include <espalier/osd/workspace.h>
-
-#include <utility>
 #include <variant>
 
 #include "arguments.h"
+#include "evaluators.h"
 #include "guard.h"
 #include "handles.h"
 
 using namespace espalier;
-
-namespace espalier::c {
-namespace {
-
-template <class Real>
-using Compiled = std::variant<osd::CompiledTable<Real>, osd::CompiledAdjoint<Real>>;
-
-}  // namespace
-}  // namespace espalier::c
-
-struct espalier_workspace {
-    osd::Workspace workspace;
-};
-
-struct espalier_evaluator_f64 {
-    using Real = double;
-    c::Compiled<Real> compiled;
-};
-
-struct espalier_evaluator_f32 {
-    using Real = float;
-    c::Compiled<Real> compiled;
-};
 
 namespace espalier::c {
 namespace {
@@ -61,15 +34,11 @@ espalier_status evaluate(const Evaluator* evaluator, const Real* source, int64_t
         const auto& own = deref(evaluator, "evaluator");
         const auto from = array(source, sourceSize, "source");
         const auto to = array(destination, destinationSize, "destination");
-        const auto layoutOf = [](const espalier_buffer_layout& layout) {
-            return osd::BufferDescriptor{layout.offset, layout.length, layout.stride};
-        };
-        osd::Workspace temporary;
-        osd::Workspace& memory = workspace != nullptr ? workspace->workspace : temporary;
+        WorkspaceOr memory(workspace);
         std::visit(
             [&](const auto& compiled) {
                 compiled.evaluate(from, layoutOf(sourceLayout), to, layoutOf(destinationLayout),
-                                  rows, memory);
+                                  rows, memory.get());
             },
             own.compiled);
     });

@@ -44,6 +44,7 @@ far::CellComplex buildCells(const espalier_cells& cells) {
 
     far::ComplexBuilder builder(3, cells.vertex_count);
     std::vector<std::vector<Index>> loops;
+    std::vector<bool> isUsed(static_cast<std::size_t>(cells.face_count));
     for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
         loops.clear();
         for (std::int64_t i = cellOffsets[cell]; i < cellOffsets[cell + 1]; ++i) {
@@ -51,11 +52,14 @@ far::CellComplex buildCells(const espalier_cells& cells) {
             if (face < 0 || face >= cells.face_count)
                 throw Error("cell " + std::to_string(cell) + " names face " + std::to_string(face) +
                             "; there are " + std::to_string(cells.face_count));
+            isUsed[static_cast<std::size_t>(face)] = true;
             const auto loop = row(faceOffsets, cells.face_vertices, static_cast<std::size_t>(face));
             loops.emplace_back(loop.begin(), loop.end());
         }
         builder.addCell(loops);
     }
+    if (const auto unused = std::find(isUsed.begin(), isUsed.end(), false); unused != isUsed.end())
+        throw Error("face " + std::to_string(unused - isUsed.begin()) + " is in no cell");
     return builder.build();
 }
 

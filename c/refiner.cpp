@@ -32,12 +32,13 @@ std::vector<std::int64_t> offsetsOf(const far::Incidence& relation) {
 
 const espalier_refiner::LevelOffsets& offsetsOf(const espalier_refiner& refiner, int32_t level) {
     const far::CellComplex& complex = refiner.refiner.level(level).complex;
+    const far::Incidence& loops = complex.relation(2, 0);  // derived on all threads: not locked
     const std::lock_guard lock(refiner.offsetsMutex);
     const auto known = refiner.offsets.find(level);
     if (known != refiner.offsets.end()) return known->second;
     return refiner.offsets
         .emplace(level, espalier_refiner::LevelOffsets{offsetsOf(complex.relation(3, 2)),
-                                                       offsetsOf(complex.relation(2, 0))})
+                                                       offsetsOf(loops)})
         .first->second;
 }
 
@@ -130,6 +131,8 @@ espalier_status espalier_refiner_carry_values(const espalier_refiner* refiner, i
         const auto from = c::array(values, size, "values");
         const auto to = c::array(result, result_size, "result");
         const std::int64_t count = own.refiner.level(level).complex.count(0);
+        if (components < 1)
+            throw Error("components is " + std::to_string(components) + "; expected 1 or more");
         c::checkCount(result_size, count * components, "numbers of room for the result");
         const auto carried =
             stencils::refineValues(own.refiner, level, own.rules, from, components);

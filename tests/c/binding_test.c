@@ -132,6 +132,66 @@ static void test_evaluators(void) {
     espalier_evaluator_f32_destroy(f32);
 }
 
+/* What depends on the vertices that moved is as after a whole evaluation, and the rest untouched.
+ */
+static void test_changes(void) {
+    fixture f = set_up();
+    const espalier_buffer_layout xyz = espalier_packed_layout(3);
+    espalier_evaluator_f64 *forward = NULL, *backward = NULL;
+    espalier_evaluator_f32* single = NULL;
+    espalier_change_evaluator_f64 *changes = NULL, *none = NULL;
+    espalier_change_evaluator_f32* changes_f32 = NULL;
+    OK(espalier_evaluator_f64_create(f.table, &forward));
+    OK(espalier_evaluator_f64_create_adjoint(f.table, &backward));
+    OK(espalier_evaluator_f32_create(f.table, &single));
+    OK(espalier_change_evaluator_f64_create(forward, &changes));
+    OK(espalier_change_evaluator_f32_create(single, &changes_f32));
+    CHECK(espalier_change_evaluator_f64_create(backward, &none) == ESPALIER_ERROR_INPUT);
+    CHECK(strstr(espalier_last_error(), "evaluator is an adjoint") != NULL && none == NULL);
+
+    double moved[3 * POINTS], expected[3 * POINTS];
+    float source[3 * BOX_VERTICES], moved_f32[3 * POINTS], expected_f32[3 * POINTS];
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) source[i] = (float)f.pose[i];
+    OK(espalier_evaluator_f64_evaluate(forward, f.pose, 3 * BOX_VERTICES, xyz, moved, 3 * POINTS,
+                                       xyz, 0, POINTS, NULL));
+    OK(espalier_evaluator_f32_evaluate(single, source, 3 * BOX_VERTICES, xyz, moved_f32, 3 * POINTS,
+                                       xyz, 0, POINTS, NULL));
+    OK(espalier_binding_put_kept_f64(f.binding, moved, 3 * POINTS, xyz));
+    OK(espalier_binding_put_kept_f32(f.binding, moved_f32, 3 * POINTS, xyz));
+    const int32_t changed[2] = {BOX_VERTICES - 1, 0};
+    for (int k = 0; k < 2; ++k) {
+        f.pose[3 * changed[k]] += 0.25;
+        source[3 * changed[k]] += 0.25f;
+    }
+    espalier_workspace* workspace = NULL;
+    OK(espalier_workspace_create(&workspace));
+    OK(espalier_change_evaluator_f64_evaluate(changes, f.pose, 3 * BOX_VERTICES, xyz, moved,
+                                              3 * POINTS, xyz, 2, changed, workspace));
+    OK(espalier_change_evaluator_f32_evaluate(changes_f32, source, 3 * BOX_VERTICES, xyz, moved_f32,
+                                              3 * POINTS, xyz, 2, changed, workspace));
+    OK(espalier_evaluator_f64_evaluate(forward, f.pose, 3 * BOX_VERTICES, xyz, expected, 3 * POINTS,
+                                       xyz, 0, POINTS, workspace));
+    OK(espalier_evaluator_f32_evaluate(single, source, 3 * BOX_VERTICES, xyz, expected_f32,
+                                       3 * POINTS, xyz, 0, POINTS, workspace));
+    OK(espalier_binding_put_kept_f64(f.binding, expected, 3 * POINTS, xyz));
+    OK(espalier_binding_put_kept_f32(f.binding, expected_f32, 3 * POINTS, xyz));
+    CHECK(memcmp(moved, expected, sizeof moved) == 0);
+    CHECK(memcmp(moved_f32, expected_f32, sizeof moved_f32) == 0);
+
+    const int32_t bad = BOX_VERTICES;
+    CHECK(espalier_change_evaluator_f64_evaluate(changes, f.pose, 3 * BOX_VERTICES, xyz, moved,
+                                                 3 * POINTS, xyz, 1, &bad,
+                                                 NULL) == ESPALIER_ERROR_INPUT);
+    CHECK(strstr(espalier_last_error(), "column 27 is not in a table of 27") != NULL);
+    espalier_workspace_destroy(workspace);
+    espalier_evaluator_f64_destroy(forward);
+    espalier_evaluator_f64_destroy(backward);
+    espalier_evaluator_f32_destroy(single);
+    espalier_change_evaluator_f64_destroy(changes);
+    espalier_change_evaluator_f32_destroy(changes_f32);
+    tear_down(&f);
+}
+
 /* <D p, g> = <p, Dᵀ g> */
 static void test_adjoint(void) {
     fixture f = set_up();
@@ -254,6 +314,7 @@ int main(int count, char** arguments) {
     test_where_points_are();
     test_apply();
     test_evaluators();
+    test_changes();
     test_adjoint();
     test_save_and_load(arguments[1]);
     test_points_outside();

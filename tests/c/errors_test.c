@@ -40,6 +40,8 @@ static void test_null_is_destroyed_in_peace(void) {
     espalier_binding_destroy(NULL);
     espalier_evaluator_f64_destroy(NULL);
     espalier_evaluator_f32_destroy(NULL);
+    espalier_change_evaluator_f64_destroy(NULL);
+    espalier_change_evaluator_f32_destroy(NULL);
 }
 
 static int32_t go_on(void* user, const espalier_progress* progress) {
@@ -190,8 +192,33 @@ static void test_null_is_refused(void) {
     REFUSED_INPUT(espalier_evaluator_f32_evaluate(f32, singles, 81, xyz, NULL, 3, xyz, 0, 1, NULL),
                   "destination is null");
 
+    espalier_change_evaluator_f64* changes = NULL;
+    espalier_change_evaluator_f32* changes_f32 = NULL;
+    REFUSED_INPUT(espalier_change_evaluator_f64_create(NULL, &changes), "evaluator is null");
+    REFUSED_INPUT(espalier_change_evaluator_f64_create(f64, NULL), "changes is null");
+    REFUSED_INPUT(espalier_change_evaluator_f32_create(NULL, &changes_f32), "evaluator is null");
+    REFUSED_INPUT(espalier_change_evaluator_f32_create(f32, NULL), "changes is null");
+    const int32_t one = 0;
+    REFUSED_INPUT(espalier_change_evaluator_f64_evaluate(NULL, positions, 81, xyz, values, 3, xyz,
+                                                         1, &one, NULL),
+                  "changes is null");
+    REFUSED_INPUT(espalier_change_evaluator_f32_evaluate(NULL, singles, 81, xyz, singles, 3, xyz, 1,
+                                                         &one, NULL),
+                  "changes is null");
+    OK(espalier_change_evaluator_f64_create(f64, &changes));
+    REFUSED_INPUT(espalier_change_evaluator_f64_evaluate(changes, NULL, 81, xyz, values, 3, xyz, 1,
+                                                         &one, NULL),
+                  "source is null");
+    REFUSED_INPUT(espalier_change_evaluator_f64_evaluate(changes, positions, 81, xyz, NULL, 3, xyz,
+                                                         1, &one, NULL),
+                  "destination is null");
+    REFUSED_INPUT(espalier_change_evaluator_f64_evaluate(changes, positions, 81, xyz, values, 3,
+                                                         xyz, 1, NULL, NULL),
+                  "changed is null");
+    espalier_change_evaluator_f64_destroy(changes);
+
     CHECK(progress == NULL && l == NULL && r == NULL && t == NULL && b == NULL && e == NULL &&
-          s == NULL);
+          s == NULL && changes_f32 == NULL);
     CHECK(view == NULL && numbers == NULL && signs == NULL && statuses == NULL);
 }
 
@@ -219,7 +246,10 @@ static void test_bad_cells(void) {
     cell_faces[3] = -1;
     REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "cell 0 names face -1");
     cell_offsets[1] = 3;
+    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "face 3 is in no cell");
+    c.face_count = 3;
     REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "edge");
+    c.face_count = 4;
     cell_offsets[1] = 5;
     c.cell_faces = NULL;
     REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "cell 0 names face 4");
@@ -302,7 +332,10 @@ static void test_bad_sizes(void) {
     REFUSED_INPUT(espalier_table_create_level(refiner, 0, &t), "level 0");
     REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, 3, positions, 80, values, 81), "80");
     REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, 3, positions, 81, values, 80), "80");
-    REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, 0, positions, 0, values, 0), "0");
+    REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, 0, positions, 0, values, 0),
+                  "components is 0");
+    REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, -1, positions, 0, values, 0),
+                  "components is -1");
     REFUSED_INPUT(espalier_binding_create(refiner, 26, positions, 1, point, NULL, &b), "26");
     REFUSED_INPUT(espalier_binding_apply(binding, 26, positions, 1, values), "26");
     REFUSED_INPUT(espalier_binding_apply(binding, BOX_VERTICES, positions, 2, values), "got 2");

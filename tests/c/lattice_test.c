@@ -53,10 +53,15 @@ static void test_cells_of_any_shape(void) {
     check_counts(counts, 9, 16, 10, 2);
 
     /* The same by faces that the two share. */
-    static const int32_t cell_faces[11] = {0, 1, 2, 3, 4, 5, 1, 7, 8, 9, 10};
-    cells.cell_faces = cell_faces;
+    static const int32_t cell_faces[11] = {0, 1, 2, 3, 4, 5, 1, 6, 7, 8, 9};
+    static const int64_t shared_offsets[11] = {0, 4, 8, 12, 16, 20, 24, 27, 30, 33, 36};
+    static const int32_t shared_vertices[36] = {0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4,
+                                                1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7,
+                                                4, 5, 8, 5, 6, 8, 6, 7, 8, 4, 7, 8};
+    const espalier_cells shared = {
+        9, 10, 2, cell_offsets, cell_faces, shared_offsets, shared_vertices};
     espalier_lattice* same = NULL;
-    OK(espalier_lattice_create(&cells, positions, &same));
+    OK(espalier_lattice_create(&shared, positions, &same));
     uint64_t hash = 0, same_hash = 1;
     OK(espalier_lattice_topology_hash(lattice, &hash));
     OK(espalier_lattice_topology_hash(same, &same_hash));
