@@ -60,6 +60,24 @@ class Packages(unittest.TestCase):
                                f"-DCMAKE_PREFIX_PATH={self.prefix}", code=1)
         self.assertIn("teapot", out)
 
+    def test_optional_components_may_be_missing(self):
+        (self.folder / "may").mkdir()
+        (self.folder / "may/CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.25)\nproject(may LANGUAGES CXX)\n"
+            "find_package(espalier REQUIRED COMPONENTS far OPTIONAL_COMPONENTS io teapot)\n"
+            'message(STATUS "far: ${espalier_far_FOUND}, io: ${espalier_io_FOUND}, '
+            'teapot: ${espalier_teapot_FOUND}, path: (${CMAKE_MODULE_PATH})")\n')
+        options = ["-S", "may", "-B", "may/build", f"-DCMAKE_PREFIX_PATH={self.prefix}"]
+        out = self.run_program(CMAKE, *options)
+        self.assertIn("far: TRUE, io: TRUE, teapot: , path: ()", out)
+        if (BUILD / "io/libespalier_io.a").is_file():  # a shared library finds its own
+            out = self.run_program(CMAKE, *options, "-DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON")
+            self.assertIn("far: TRUE, io: , teapot: , path: ()", out)
+            out = self.run_program(CMAKE, "-S", CONSUMER, "-B", "no-pugixml",
+                                   f"-DCMAKE_PREFIX_PATH={self.prefix}",
+                                   "-DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON", code=1)
+            self.assertIn("component io needs pugixml", " ".join(out.split()))
+
     def test_other_versions_are_refused(self):
         (self.folder / "newer").mkdir()
         (self.folder / "newer/CMakeLists.txt").write_text(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A program of somebody else's: a cube in a lattice, which is moved by (1, 2, 3). It exits with 0 if
-// the points of the cube went there, too, and a file came back as it was written.
+// A program of somebody else's: a cube in a lattice, which is moved by (1, 2, 3). It exits with 0
+// if the points of the cube went there, too, and a file came back as it was written.
 
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/lattice_file.h>
