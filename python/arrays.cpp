@@ -61,6 +61,10 @@ void checkFinite(const py::array_t<Real>& array, const std::string& name) {
 
 }  // namespace
 
+bool isFloat32(const py::dtype& type) {
+    return type.kind() == 'f' && type.itemsize() == sizeof(float);
+}
+
 std::string shapeText(const py::array& array) {
     std::string text;
     for (py::ssize_t axis = 0; axis < array.ndim(); ++axis)
@@ -71,7 +75,7 @@ std::string shapeText(const py::array& array) {
 template <class Real>
 py::array_t<Real> realArray(const py::handle& object, const std::string& name) {
     const py::array array = numberArray(object, name, "fiu", "real numbers");
-    const auto values = py::array_t<Real, py::array::c_style | py::array::forcecast>::ensure(array);
+    const auto values = py::array_t<Real, kReadable>::ensure(array);
     if (!values) throw py::error_already_set();
     checkFinite<Real>(values, name);
     return values;
@@ -108,11 +112,10 @@ py::array_t<Index> indexArray(const py::handle& object, const std::string& name)
             result.mutable_data()[i] = static_cast<Index>(value);
         }
     };
-    constexpr int kFlags = py::array::c_style | py::array::forcecast;
     if (isUnsigned)
-        narrow(py::array_t<std::uint64_t, kFlags>::ensure(array));
+        narrow(py::array_t<std::uint64_t, kReadable>::ensure(array));
     else
-        narrow(py::array_t<std::int64_t, kFlags>::ensure(array));
+        narrow(py::array_t<std::int64_t, kReadable>::ensure(array));
     return result;
 }
 

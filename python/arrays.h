@@ -34,6 +34,19 @@ std::string typeName(const py::handle& object);
 /// "(27, 3)".
 std::string shapeText(const py::array& array);
 
+/// Whether numbers are of 32 bits, in any order of their bytes.
+bool isFloat32(const py::dtype& type);
+
+/// What arrays have to be whose numbers C++ reads: in C order, each where the processor wants it.
+/// NumPy makes a copy of any other, and of numbers of another type.
+inline constexpr int kReadable =
+    py::array::c_style | py::array::forcecast | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
+
+/// Whether each number of an array is where the processor wants it.
+inline bool isAligned(const py::array& array) {
+    return (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0;
+}
+
 /// Finite numbers of any shape, in C order; a copy only where they are not such an array already.
 /// Real is float or double.
 template <class Real>

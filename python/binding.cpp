@@ -3,6 +3,7 @@
 
 #include <espalier/far/error.h>
 #include <espalier/far/topology_match.h>
+#include <espalier/io/file.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/stencils/local_binding.h>
 #include <espalier/stencils/tensor_product.h>
@@ -19,7 +20,9 @@
 #include "evaluation.h"
 #include "model.h"
 #include "module.h"
+#include "pickling.h"
 #include "refiner.h"
+#include "shared.h"
 
 namespace espalier::python {
 
@@ -36,14 +39,15 @@ const Words<Weights> kBases = {{"subdivision", Weights::Subdivision},
                                {"bspline", Weights::BSpline}};
 
 void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
-                       const stencils::EmbeddingOptions& options) {
+                       std::span<const Point3> points, const stencils::EmbeddingOptions& options) {
     auto found = stencils::bindPoints<double>(refiner.base(), refiner.lattice()->positions, level,
-                                              refiner.rules(), result.points, options);
+                                              refiner.rules(), points, options);
     result.bound.binding = std::move(found.binding);
     result.placement = {std::move(found.statuses), found.largestResidual};
 }
 
 void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights basis,
+                         std::span<const Point3> points,
                          const stencils::EmbeddingOptions& options) {
     const Lattice& lattice = *refiner.lattice();
     // To go on without them would be another deformation than the lattice asks for.
@@ -52,8 +56,8 @@ void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights ba
     const stencils::TensorLattice tensor(
         lattice.complex, lattice.positions,
         basis == Weights::Bezier ? stencils::Basis::Bezier : stencils::Basis::BSpline);
-    const auto embedding = stencils::embedPoints(tensor, result.points, options);
-    result.bound.binding = stencils::makeBinding<double>(tensor, embedding, result.points);
+    const auto embedding = stencils::embedPoints(tensor, points, options);
+    result.bound.binding = stencils::makeBinding<double>(tensor, embedding, points);
     Placement placement{{}, embedding.largestResidual()};
     for (const auto& point : embedding.points) placement.statuses.push_back(point.status);
     result.placement = std::move(placement);
@@ -67,8 +71,7 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
     auto result = std::make_shared<BoundPoints>();
     if (py::isinstance<ModelFile>(points)) {
         const auto& file = points.cast<const ModelFile&>();
-        const auto positions = file.model->positions();
-        result->points.assign(positions.begin(), positions.end());
+        result->points = pointsOf(file);
         result->bound.modelName = file.name;
         result->bound.modelBytes = file.bytes;
     } else {
@@ -76,9 +79,9 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
     }
     withoutGil([&] {
         if (weights == Weights::Subdivision)
-            bindToSubdivision(*result, *refiner, level, options);
+            bindToSubdivision(*result, *refiner, level, *result->points, options);
         else
-            bindToTensorProduct(*result, *refiner, weights, options);
+            bindToTensorProduct(*result, *refiner, weights, *result->points, options);
     });
     return result;
 }
@@ -86,23 +89,22 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
 Bound load(const std::filesystem::path& path) {
     auto result = std::make_shared<BoundPoints>();
     result->bound = io::readBoundModel(path);
-    const auto file = modelOfBytes(result->bound.modelName, result->bound.modelBytes);
-    const auto positions = file.model->positions();
-    if (positions.size() != static_cast<std::size_t>(result->bound.binding.table.rowCount()))
-        throw Error(path.string() + ": binds " +
-                    std::to_string(result->bound.binding.table.rowCount()) + " points; its model " +
-                    "has " + std::to_string(positions.size()));
-    result->points.assign(positions.begin(), positions.end());
+    try {
+        result->points = pointsIn(result->bound);
+    } catch (const Error& error) {
+        throw io::FileError(path, error.what());
+    }
     return result;
 }
 
 void save(const BoundPoints& self, const std::filesystem::path& path) {
-    if (!self.bound.modelName.empty()) {
+    // No model has no points.
+    if (!self.bound.modelName.empty() || !self.points || self.points->empty()) {
         io::writeBoundModel(path, self.bound);
         return;
     }
     // A file of the points stands in for that of a model, so that `espalier apply` has one.
-    auto file = modelOfPoints(self.points);
+    auto file = modelOfPoints(*self.points);
     io::writeBoundModel(path, {self.bound.binding, std::move(file.name), std::move(file.bytes)});
 }
 
@@ -117,9 +119,8 @@ BoundPoints::Compiled<Real>& compiledOf(BoundPoints& self) {
 /// Calls function(Real) with float for an array of float32, with double for all else.
 template <class Function>
 py::array inPrecisionOf(const py::object& values, Function function) {
-    const bool isSingle =
-        py::isinstance<py::array>(values) &&
-        py::reinterpret_borrow<py::array>(values).dtype().equal(py::dtype::of<float>());
+    const bool isSingle = py::isinstance<py::array>(values) &&
+                          isFloat32(py::reinterpret_borrow<py::array>(values).dtype());
     return isSingle ? function(float{}) : function(double{});
 }
 
@@ -181,25 +182,20 @@ py::array adjoint(BoundPoints& self, const ArrayLike& gradients,
 py::object statusesOf(const py::object& self) {
     const auto& placement = self.cast<const BoundPoints&>().placement;
     if (!placement) return py::none();
-    using stencils::PointStatus;
-    // As PointStatus in espalier/__init__.py has them.
-    static_assert(sizeof(PointStatus) == sizeof(std::uint8_t) &&
-                  static_cast<int>(PointStatus::Inside) == 0 &&
-                  static_cast<int>(PointStatus::Outside) == 1 &&
-                  static_cast<int>(PointStatus::NotConverged) == 2);
-    const auto& statuses = placement->statuses;
-    return viewOf(
-        std::span(reinterpret_cast<const std::uint8_t*>(statuses.data()), statuses.size()),
-        {static_cast<py::ssize_t>(statuses.size())}, self);
+    const auto statuses = bytesOf(placement->statuses);
+    return viewOf(statuses, {static_cast<py::ssize_t>(statuses.size())}, self);
 }
 
 void addPoints(py::class_<BoundPoints, Bound>& type) {
     type.def_property_readonly(
             "points",
-            [](const py::object& self) {
-                return viewOf(self.cast<const BoundPoints&>().points, self);
+            [](const py::object& self) -> py::object {
+                const auto& points = self.cast<const BoundPoints&>().points;
+                if (!points) return py::none();
+                return viewOf(*points, self);
             },
-            "Where the points were bound: array (N, 3) of float64, read-only, not a copy.")
+            "Where the points were bound: array (N, 3) of float64, read-only, not a copy; None of "
+            "a binding that was loaded from a file without a model.")
         .def_property_readonly(
             "kept",
             [](const py::object& self) {
@@ -223,6 +219,26 @@ void addPoints(py::class_<BoundPoints, Bound>& type) {
 
 }  // namespace
 
+std::span<const std::uint8_t> bytesOf(const std::vector<stencils::PointStatus>& statuses) {
+    using stencils::PointStatus;
+    static_assert(sizeof(PointStatus) == sizeof(std::uint8_t) &&
+                  static_cast<int>(PointStatus::Inside) == 0 &&
+                  static_cast<int>(PointStatus::Outside) == 1 &&
+                  static_cast<int>(PointStatus::NotConverged) == 2);
+    return {reinterpret_cast<const std::uint8_t*>(statuses.data()), statuses.size()};
+}
+
+std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
+    const auto count = static_cast<std::size_t>(bound.binding.table.rowCount());
+    if (count == 0) return std::vector<Point3>();
+    if (bound.modelName.empty()) return std::nullopt;
+    auto points = pointsOf(modelOfBytes(bound.modelName, bound.modelBytes));
+    if (points.size() != count)
+        throw Error("binds " + std::to_string(count) + " points; its model has " +
+                    std::to_string(points.size()));
+    return points;
+}
+
 void addBinding(py::module_& module) {
     py::class_<BoundPoints, Bound> type(module, "Binding", R"(
 Points that are bound to a lattice: the matrix D, with x' = D @ p' for a pose p' of the lattice.
@@ -235,10 +251,11 @@ bind() and load_binding() make it. Any number of threads may use it.
                 return std::pair(table.rowCount(), table.columnCount());
             },
             "Points and vertices of the lattice: tuple of 2 int.")
-        .def_property_readonly("table", &tableIn,
-                               "D as a StencilTable: rows sum to 1, or are empty.")
         .def_property_readonly(
-            "matrix", [](const Bound& self) { return csrOf(tableIn(self)); },
+            "table", [](const Shared<BoundPoints>& self) { return tableIn(self); },
+            "D as a StencilTable: rows sum to 1, or are empty.")
+        .def_property_readonly(
+            "matrix", [](const Shared<BoundPoints>& self) { return csrOf(tableIn(self)); },
             "D as a scipy.sparse.csr_matrix (N, V) over the same memory: see StencilTable.csr(). "
             "It is made anew each time.")
         .def("deform", &deform, "pose"_a, "out"_a = py::none(), R"(
@@ -264,7 +281,8 @@ Returns the array; float32 and compiling as in deform().
             },
             "path"_a,
             "Writes the binding (.espb), for load_binding() and `espalier apply`. Without the file "
-            "of a model, one of the points alone, points.obj, goes with it.")
+            "of a model, one of the points alone, points.obj, goes with it, unless they are not "
+            "known either.")
         .def("__repr__", [](const BoundPoints& self) {
             const auto& table = self.bound.binding.table;
             return "<espalier.Binding: " + std::to_string(table.rowCount()) + " points x " +
@@ -272,6 +290,7 @@ Returns the array; float32 and compiling as in deform().
                    std::to_string(self.bound.binding.kept.size()) + " kept in place>";
         });
     addPoints(type);
+    addPickling(type, &stateOfBinding, &bindingOfState);
     module.def("bind", &bind, "lattice"_a, "points"_a, "level"_a = 3, py::kw_only(),
                "outside"_a = "keep", "tolerance"_a = 1e-6, "basis"_a = "subdivision", R"(
 Binds points to a level of a lattice at rest. Returns a Binding.
@@ -287,7 +306,7 @@ basis     : "subdivision"; or of a box on a parallelepiped "bezier" or "bspline"
     module.def(
         "load_binding",
         [](const std::filesystem::path& path) { return withoutGil([&] { return load(path); }); },
-        "path"_a, "Reads a Binding from .espb.");
+        "path"_a, "Reads a Binding from .espb. Its points are None where no model is in the file.");
 }
 
 }  // namespace espalier::python

@@ -7,29 +7,41 @@
 #include <espalier/osd/compiled_table.h>
 #include <espalier/stencils/point_location.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "tables.h"
 
 namespace espalier::python {
 
-/// A value that is made when it is first asked for, by whichever thread comes first.
+/// A value that is made when it is first asked for.
+///
+/// Nobody waits for who is at it: a signal handler of Python, which runs in the midst of long work,
+/// may ask for the same. Whoever is first has made it for all.
 template <class T>
 class Lazy {
 public:
+    Lazy() = default;
+    ~Lazy() { delete known_.load(std::memory_order_relaxed); }
+    Lazy(const Lazy&) = delete;
+    Lazy& operator=(const Lazy&) = delete;
+
     template <class Make>
     const T& get(Make make) {
-        std::call_once(once_, [&] { value_.emplace(make()); });
-        return *value_;
+        if (const T* known = known_.load(std::memory_order_acquire)) return *known;
+        auto made = std::make_unique<const T>(make());
+        const T* first = nullptr;
+        if (!known_.compare_exchange_strong(first, made.get(), std::memory_order_acq_rel))
+            return *first;
+        return *made.release();
     }
 
 private:
-    std::once_flag once_;
-    std::optional<T> value_;
+    std::atomic<const T*> known_ = nullptr;
 };
 
 /// How binding went for each point.
@@ -41,10 +53,11 @@ struct Placement {
 /// Points that are bound to a lattice; what io::BoundModel has, where they were, and the forms of D
 /// that were asked for.
 struct BoundPoints {
-    /// The file of the model is empty where the points are those of an array.
+    /// Without a name for the model where the points are those of an array, or of a model that is
+    /// not there.
     io::BoundModel bound;
-    std::vector<Point3> points;
-    std::optional<Placement> placement;  ///< a file does not tell
+    std::optional<std::vector<Point3>> points;  ///< as far as they are known
+    std::optional<Placement> placement;         ///< a file does not tell
 
     template <class Real>
     struct Compiled {
@@ -54,6 +67,13 @@ struct BoundPoints {
     Compiled<float> single;
     Compiled<double> twofold;
 };
+
+/// How binding went, as NumPy has it: PointStatus in espalier/__init__.py.
+std::span<const std::uint8_t> bytesOf(const std::vector<stencils::PointStatus>& statuses);
+
+/// The points of what was bound, where its model tells.
+/// \throws Error if the model cannot be read, or has another number of points
+std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound);
 
 /// D, which lives as long as the binding.
 inline std::shared_ptr<Table> tableIn(const std::shared_ptr<BoundPoints>& bound) {

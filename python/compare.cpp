@@ -18,6 +18,7 @@ using compare::Agreement;
 using compare::LevelAgreement;
 
 Agreement compareWithOpenSubdiv(const Refiner& refiner, int level) {
+    checkLevel(level);
     return withoutGil([&] {
         const auto levels = refiner.upTo(level);
         return compare::Comparison(*levels).compareAll(refiner.rules(),

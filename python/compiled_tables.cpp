@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/osd/change_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 #include <pybind11/stl.h>
 
-#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "evaluation.h"
+#include "in_either.h"
 #include "module.h"
 #include "tables.h"
 
@@ -23,77 +26,110 @@ namespace {
 bool isSingle(const py::object& dtype) {
     const py::dtype type = py::dtype::from_args(dtype);
     const char kind = type.kind();
-    if (kind == 'f' && type.itemsize() == sizeof(float)) return true;
+    if (isFloat32(type)) return true;
     if (kind == 'f' && type.itemsize() == sizeof(double)) return false;
     throw Error("dtype: expected float32 or float64, got " + textOf(type));
 }
-
-/// A table compiled in either precision. Compiled is osd::CompiledTable or osd::CompiledAdjoint.
-template <template <class> class Compiled>
-class InEither {
-public:
-    InEither(const Table& table, bool isSingle)
-        : compiled_(isSingle ? Variant(compile<Compiled, float>(table))
-                             : Variant(compile<Compiled, double>(table))) {}
-
-    py::array evaluate(const ArrayLike& values, const std::optional<ArrayLike>& out) const {
-        return std::visit([&](const auto& compiled) { return evaluateBy(compiled, values, out); },
-                          compiled_);
-    }
-
-    std::pair<far::Index, far::Index> shape() const {
-        return std::visit(
-            [](const auto& compiled) {
-                return std::pair(compiled.rowCount(), compiled.columnCount());
-            },
-            compiled_);
-    }
-
-    std::size_t byteCount() const {
-        return std::visit([](const auto& compiled) { return compiled.byteCount(); }, compiled_);
-    }
-
-    py::dtype dtype() const {
-        return std::holds_alternative<Compiled<float>>(compiled_) ? py::dtype::of<float>()
-                                                                  : py::dtype::of<double>();
-    }
-
-private:
-    using Variant = std::variant<Compiled<float>, Compiled<double>>;
-
-    template <class Real>
-    static py::array evaluateBy(const Compiled<Real>& compiled, const ArrayLike& values,
-                                const std::optional<ArrayLike>& out) {
-        return python::evaluate<Real>(
-            {"values",
-             compiled.columnCount(),
-             compiled.rowCount(),
-             {},
-             [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
-                 std::span<Real> result) {
-                 compiled.evaluate(source, layout, result, layout, {0, compiled.rowCount()});
-             }},
-            values, out);
-    }
-
-    Variant compiled_;
-};
 
 template <template <class> class Compiled>
 void addCompiled(py::module_& module, const char* name, const char* text,
                  const char* evaluateText) {
     using Either = InEither<Compiled>;
-    py::class_<Either>(module, name, text)
-        .def(py::init([](const TableLike& like, const py::object& dtype) {
+    using Variant = typename Either::Variant;
+    py::class_<Either> type(module, name, text);
+    type.def(py::init([](const TableLike& like, const py::object& dtype) {
                  const auto table = tableOf(like);
                  const bool single = isSingle(dtype);
-                 return withoutGil([&] { return std::make_unique<Either>(*table, single); });
+                 return withoutGil([&] {
+                     return Either(single ? Variant(compile<Compiled, float>(*table))
+                                          : Variant(compile<Compiled, double>(*table)));
+                 });
              }),
              "table"_a, py::kw_only(), "dtype"_a = "float64")
-        .def_property_readonly("shape", &Either::shape, "Rows and columns: tuple of 2 int.")
-        .def_property_readonly("dtype", &Either::dtype, "numpy.float32 or float64.")
-        .def_property_readonly("nbytes", &Either::byteCount, "Memory that it takes, in bytes.")
-        .def("evaluate", &Either::evaluate, "values"_a, "out"_a = py::none(), evaluateText);
+        .def(
+            "evaluate",
+            [](const Either& self, const ArrayLike& values, const std::optional<ArrayLike>& out) {
+                return evaluateBy(
+                    self, values, out,
+                    [](const auto& compiled, const auto& source, const auto& layout,
+                       const auto& result) {
+                        compiled.evaluate(source, layout, result, layout, {0, compiled.rowCount()});
+                    });
+            },
+            "values"_a, "out"_a = py::none(), evaluateText);
+    addProperties(type);
+}
+
+/// A ChangeEvaluator in the precision of a compiled table.
+InEither<osd::ChangeEvaluator> changeEvaluatorOf(const InEither<osd::CompiledTable>& table) {
+    return std::visit(
+        []<class Real>(const osd::CompiledTable<Real>& compiled) {
+            return InEither<osd::ChangeEvaluator>(osd::ChangeEvaluator<Real>(compiled));
+        },
+        table.variant());
+}
+
+/// Which of the columns have changed.
+std::vector<far::Index> columnsOf(const ArrayLike& changed,
+                                  const InEither<osd::ChangeEvaluator>& evaluator) {
+    auto columns = toIndices(changed, "changed");
+    const far::Index count = evaluator.shape().second;
+    for (const far::Index column : columns)
+        if (column < 0 || column >= count)
+            throw Error("changed: there is no column " + std::to_string(column) + " among " +
+                        std::to_string(count));
+    return columns;
+}
+
+void addChangeEvaluator(py::module_& module) {
+    using Either = InEither<osd::ChangeEvaluator>;
+    py::class_<Either> type(module, "ChangeEvaluator", R"(
+Evaluates again what a few moved vertices carry, and nothing else: while one of them is dragged, for
+example. It shares the numbers of the compiled table. Any number of threads may use it.
+
+table : CompiledTable, whose precision it has
+)");
+    type.def(py::init([](const InEither<osd::CompiledTable>& table) {
+                 return withoutGil([&] { return changeEvaluatorOf(table); });
+             }),
+             "table"_a)
+        .def(
+            "evaluate_changed",
+            [](const Either& self, const ArrayLike& values, const ArrayLike& changed,
+               const ArrayLike& out) {
+                const auto columns = columnsOf(changed, self);
+                return evaluateBy(self, values, out,
+                                  [&](const auto& evaluator, const auto& source, const auto& layout,
+                                      const auto& result) {
+                                      evaluator.evaluateChanged(source, layout, result, layout,
+                                                                columns);
+                                  });
+            },
+            "values"_a, "changed"_a, "out"_a, R"(
+Writes the rows of table @ values that depend on what has changed, as CompiledTable.evaluate() does,
+bit for bit, and no others. So `out` has to hold what that gave for values which differ from these
+in the changed columns only.
+
+values  : array (columns, k), or (P, columns, k) for P poses at once, or (columns,), of the values
+          as they are now
+changed : array (C,) of int, the columns whose values are others, in any order
+out     : array (rows, k), (P, rows, k) or (rows,), in C order and of this dtype
+Returns `out`.
+)")
+        .def(
+            "rows",
+            [](const Either& self, const ArrayLike& changed) {
+                const auto columns = columnsOf(changed, self);
+                return toArray(withoutGil([&] {
+                    return std::visit(
+                        [&](const auto& evaluator) { return evaluator.rowsOf(columns); },
+                        self.variant());
+                }));
+            },
+            "changed"_a,
+            "The rows that evaluate_changed() writes: array (R,) of int32, ascending. changed : "
+            "array (C,) of int, columns");
+    addProperties(type);
 }
 
 }  // namespace
@@ -126,6 +162,7 @@ values : array (rows of the table, k), or (P, rows, k) for P of them at once, or
 out    : array for the result, in C order and of this dtype; a new one without
 Returns an array (columns of the table, k), (P, columns, k) or (columns,).
 )");
+    addChangeEvaluator(module);
 }
 
 }  // namespace espalier::python

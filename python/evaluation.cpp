@@ -59,6 +59,7 @@ py::array_t<Real> checkedOut(const py::handle& object, const Shape& shape,
         throw Error("out: expected an array of " + textOf(py::dtype::of<Real>()) +
                     " in C order, got " + textOf(array.dtype()) +
                     (py::isinstance<py::array_t<Real>>(array) ? " in another order" : ""));
+    if (!isAligned(array)) throw Error("out: the numbers of the array are not aligned in memory");
     if (!array.writeable()) throw Error("out: the array is read-only");
     const auto begin = [](const py::array& each) {
         return reinterpret_cast<std::uintptr_t>(each.data());

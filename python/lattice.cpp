@@ -18,6 +18,7 @@
 #include "choices.h"
 #include "lattice_arrays.h"
 #include "module.h"
+#include "pickling.h"
 
 namespace espalier::python {
 
@@ -97,21 +98,28 @@ LatticePointer transformed(const Lattice& lattice, const ArrayLike& linear,
     return withoutGil([&] { return std::make_shared<Lattice>(shapes::transformed(lattice, map)); });
 }
 
+// What may derive a relation does so without the GIL. Whoever derives the same at the moment may
+// want that (InterruptScope), and be waited for.
+
 std::vector<std::vector<Index>> loopsOf(const far::CellComplex& complex) {
-    std::vector<std::vector<Index>> loops;
-    if (complex.dimension() < 2) return loops;
-    for (Index face = 0; face < complex.count(2); ++face) {
-        const auto loop = complex.relation(2, 0)[face];
-        loops.emplace_back(loop.begin(), loop.end());
-    }
-    return loops;
+    return withoutGil([&] {
+        std::vector<std::vector<Index>> loops;
+        if (complex.dimension() < 2) return loops;
+        for (Index face = 0; face < complex.count(2); ++face) {
+            const auto loop = complex.relation(2, 0)[face];
+            loops.emplace_back(loop.begin(), loop.end());
+        }
+        return loops;
+    });
 }
 
 std::vector<std::vector<std::vector<Index>>> cellsOf(const far::CellComplex& complex) {
-    std::vector<std::vector<std::vector<Index>>> cells;
-    for (Index cell = 0; cell < complex.count(3); ++cell)
-        cells.push_back(far::outwardLoops(complex, far::CellId(cell)));
-    return cells;
+    return withoutGil([&] {
+        std::vector<std::vector<std::vector<Index>>> cells;
+        for (Index cell = 0; cell < complex.count(3); ++cell)
+            cells.push_back(far::outwardLoops(complex, far::CellId(cell)));
+        return cells;
+    });
 }
 
 py::array_t<Index> hexahedra(const Lattice& lattice) {
@@ -138,17 +146,22 @@ py::array_t<Index> edgesOf(const Lattice& lattice) {
 }
 
 py::array_t<Index> boundaryFaces(const Lattice& lattice) {
-    std::vector<Index> faces;
-    if (lattice.complex.dimension() == 3)
-        for (Index face = 0; face < lattice.complex.count(2); ++face)
-            if (lattice.complex.relation(2, 3)[face].size() == 1) faces.push_back(face);
-    return toArray(std::move(faces));
+    return toArray(withoutGil([&] {
+        std::vector<Index> faces;
+        if (lattice.complex.dimension() == 3)
+            for (Index face = 0; face < lattice.complex.count(2); ++face)
+                if (lattice.complex.relation(2, 3)[face].size() == 1) faces.push_back(face);
+        return faces;
+    }));
 }
 
 EdgeSharpness edgeSharpness(const Lattice& lattice) {
     EdgeSharpness sharpness;
-    for (const auto& mark : lattice.marks.edges)
-        sharpness.insert_or_assign({mark.vertices[0], mark.vertices[1]}, mark.sharpness);
+    for (const auto& mark : lattice.marks.edges) {
+        const auto& [a, b] = mark.vertices;
+        sharpness.erase({b, a});  // the later mark counts
+        sharpness.insert_or_assign({a, b}, mark.sharpness);
+    }
     return sharpness;
 }
 
@@ -301,6 +314,7 @@ linear : array (3, 3); translation : 3 float
             "replaced when all is written.")
         .def("__repr__", &summaryOf);
     addArrays(type);
+    addPickling(type, &stateOfLattice, &latticeOfState);
     module.def(
         "read",
         [](const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "arrays.h"
 
@@ -15,6 +16,9 @@ namespace {
 
 using far::Index;
 using far::StandardCell;
+
+/// How io/lattice_parts.h names what a lattice has besides its attributes, in a file of these.
+constexpr std::string_view kReservedNames = "espalier:";
 
 std::optional<StandardCell> standardCell(std::size_t vertexCount) {
     for (const auto cell : {StandardCell::Tetrahedron, StandardCell::Pyramid, StandardCell::Wedge,
@@ -98,13 +102,14 @@ far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
 
 far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
     far::ComplexBuilder builder(2, vertexCount);
-    if (const auto rows = rowsOf(faces, "faces", "(F, k)")) {
-        for (std::size_t i = 0; i < rows->count(); ++i) builder.addFace((*rows)[i]);
-    } else {
-        const auto list = sequenceOf(faces, "faces", "an array or a list of loops");
-        for (std::size_t i = 0; i < list.size(); ++i)
-            builder.addFace(toIndices(list[i], "faces[" + std::to_string(i) + "]"));
-    }
+    if (const auto rows = rowsOf(faces, "faces", "(F, k)"))
+        return withoutGil([&] {
+            for (std::size_t i = 0; i < rows->count(); ++i) builder.addFace((*rows)[i]);
+            return builder.build();
+        });
+    const auto list = sequenceOf(faces, "faces", "an array or a list of loops");
+    for (std::size_t i = 0; i < list.size(); ++i)
+        builder.addFace(toIndices(list[i], "faces[" + std::to_string(i) + "]"));
     return withoutGil([&] { return builder.build(); });
 }
 
@@ -113,6 +118,9 @@ std::vector<VertexAttribute> attributesOf(const py::dict& arrays, std::size_t ve
     for (const auto& [key, value] : arrays) {
         const auto attribute = textOf(key);
         const std::string name = "attributes[\"" + attribute + "\"]";
+        if (attribute.starts_with(kReservedNames))
+            throw Error(name + ": names that begin with \"" + std::string(kReservedNames) +
+                        "\" are reserved, for what files of lattices hold besides attributes");
         const auto array = realArray<double>(value, name);
         const bool fits = (array.ndim() == 1 || (array.ndim() == 2 && array.shape(1) > 0)) &&
                           static_cast<std::size_t>(array.shape(0)) == vertexCount;
@@ -129,12 +137,20 @@ std::vector<VertexAttribute> attributesOf(const py::dict& arrays, std::size_t ve
 far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
                    const VertexSharpness& vertices, std::vector<Index> holes) {
     far::Marks marks;
-    for (const auto& [ends, sharpness] : edges)
-        marks.edges.push_back({{ends.first, ends.second}, sharpness});
+    for (const auto& [ends, sharpness] : edges) {
+        const auto& [a, b] = ends;
+        // Which of them were to count would be chance.
+        if (a < b && edges.contains({b, a}))
+            throw Error("edge_sharpness: the edge of vertices " + std::to_string(a) + " and " +
+                        std::to_string(b) + " is there twice, in both directions");
+        marks.edges.push_back({{a, b}, sharpness});
+    }
     for (const auto& [vertex, sharpness] : vertices) marks.vertices.push_back({vertex, sharpness});
     marks.holes = std::move(holes);
-    far::readMarks(complex, marks);
-    if (!marks.holes.empty()) far::readHoles(complex, marks);
+    withoutGil([&] {
+        far::readMarks(complex, marks);
+        if (!marks.holes.empty()) far::readHoles(complex, marks);
+    });
     return marks;
 }
 

@@ -21,6 +21,11 @@ ModelFile modelOfBytes(std::string name, std::string bytes) {
     return {std::move(name), std::move(bytes), std::move(model)};
 }
 
+std::vector<Point3> pointsOf(const ModelFile& file) {
+    const auto points = file.model->positions();
+    return {points.begin(), points.end()};
+}
+
 ModelFile modelOfPoints(std::span<const Point3> points) {
     std::string bytes;
     std::array<char, 32> digits{};  // more than the 24 that a double takes at most

@@ -4,7 +4,9 @@
 #include <espalier/io/model.h>
 
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace espalier::python {
 
@@ -14,6 +16,9 @@ struct ModelFile {
     std::string bytes;
     std::shared_ptr<const io::Model> model;
 };
+
+/// A copy of the points of a model.
+std::vector<Point3> pointsOf(const ModelFile& file);
 
 /// A model of points alone, as a file that says so: points.obj.
 ModelFile modelOfPoints(std::span<const Point3> points);

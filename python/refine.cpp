@@ -17,6 +17,7 @@
 #include "choices.h"
 #include "module.h"
 #include "refiner.h"
+#include "shared.h"
 #include "tables.h"
 
 namespace espalier::python {
@@ -34,10 +35,9 @@ std::optional<Choice> chosenIfAny(const Words<Choice>& words, const char* argume
     return chosen(words, argument, *word);
 }
 
-std::shared_ptr<Refiner> makeRefiner(const std::shared_ptr<Lattice>& lattice,
-                                     const std::string& rules, const Word& boundary,
-                                     const std::string& sharpEdges, const Word& creasing,
-                                     const Word& triangles) {
+std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::string& rules,
+                                     const Word& boundary, const std::string& sharpEdges,
+                                     const Word& creasing, const Word& triangles) {
     auto options = refinerOptions(*lattice, {chosenIfAny(kBoundaries, "boundary", boundary),
                                              chosenIfAny(kCreasings, "creasing", creasing),
                                              chosenIfAny(kTriangles, "triangles", triangles)});
@@ -84,7 +84,7 @@ std::shared_ptr<Table> stencilsOf(const Refiner& refiner, int level,
 }
 
 std::shared_ptr<Table> levelTable(const Refiner& refiner, int level) {
-    if (level < 1) throw Error("level: expected 1 or more, got " + std::to_string(level));
+    checkLevel(level);
     return withoutGil([&] {
         return std::make_shared<Table>(
             stencils::buildLevelTable(*refiner.upTo(level), level, refiner.rules()));
@@ -133,7 +133,7 @@ triangles   : "catmark" or "smooth"; as the tags say, or "catmark"
         .def(py::init(&makeRefiner), "lattice"_a, py::kw_only(), "rules"_a = "siggraph96",
              "boundary"_a = py::none(), "sharp_edges"_a = "single-cell", "creasing"_a = py::none(),
              "triangles"_a = py::none())
-        .def_property_readonly("lattice", &Refiner::lattice, "The Lattice at level 0.")
+        .def_property_readonly("lattice", getter(&Refiner::lattice), "The Lattice at level 0.")
         .def_property_readonly(
             "rules", [](const Refiner& self) { return wordOf(kRules, self.rules()); },
             "The name of the rules: str.")

@@ -23,14 +23,21 @@ Refiner::Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& op
 
 std::shared_ptr<const far::TopologyRefiner> Refiner::upTo(int level) const {
     if (level < 0) throw Error("level: expected 0 or more, got " + std::to_string(level));
-    const std::lock_guard lock(mutex_);
-    if (deepest_->maxLevel() < level) {
-        // Others may be reading the levels that are there: they keep theirs.
-        auto deeper = std::make_shared<far::TopologyRefiner>(*deepest_);
-        deeper->refineUniform(level);
-        deepest_ = std::move(deeper);
-    }
+    std::unique_lock lock(mutex_);
+    const auto levels = deepest_;
+    lock.unlock();
+    if (levels->maxLevel() >= level) return levels;
+    // Others may be reading the levels that are there: they keep theirs. Not locked, since a signal
+    // handler of Python may come here again meanwhile; what two make at once is the same.
+    auto deeper = std::make_shared<far::TopologyRefiner>(*levels);
+    deeper->refineUniform(level);
+    lock.lock();
+    if (deepest_->maxLevel() < level) deepest_ = std::move(deeper);
     return deepest_;
+}
+
+void checkLevel(int level) {
+    if (level < 1) throw Error("level: expected 1 or more, got " + std::to_string(level));
 }
 
 std::shared_ptr<const Refiner> refinerOf(const RefinerLike& object) {

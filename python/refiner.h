@@ -14,7 +14,7 @@ namespace espalier::python {
 namespace py = pybind11;
 
 /// A lattice, how it is refined, and the levels made so far. Calls are safe from any number of
-/// threads; make them without the GIL, since they wait for one another.
+/// threads; make them without the GIL.
 class Refiner {
 public:
     Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& options,
@@ -42,6 +42,10 @@ private:
 class RefinerLike : public py::object {
     PYBIND11_OBJECT_DEFAULT(RefinerLike, object, [](PyObject*) { return true; })
 };
+
+/// For what needs a level that is refined.
+/// \throws Error for a level below 1
+void checkLevel(int level);
 
 /// \throws py::type_error if it is neither
 std::shared_ptr<const Refiner> refinerOf(const RefinerLike& object);

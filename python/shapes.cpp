@@ -7,12 +7,13 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arrays.h"
 #include "module.h"
+#include "shared.h"
 #include "words.h"
 
 namespace espalier::python {
@@ -30,10 +31,37 @@ shapes::DiskPattern patternOf(int rings, const std::string& core) {
     return {rings, chosen(kCores, "core", core)};
 }
 
+/// A message of the library about options, about the arguments that they are of: minorRadius is
+/// minor_radius here, and what a joint has is a column of joints.
+std::string aboutArguments(const std::string& message) {
+    std::string text;
+    for (const char letter : message) {
+        const bool isCapital = letter >= 'A' && letter <= 'Z';
+        if (isCapital && !text.empty() && text.back() >= 'a' && text.back() <= 'z')
+            text += {'_', static_cast<char>(letter - 'A' + 'a')};
+        else
+            text += letter;
+    }
+    const std::pair<std::string, std::string> others[] = {
+        {": from is ", ": start is "}, {": to is ", ": end is "}, {"`from`", "start"},
+        {"].position", ", :3]"},       {"].radius", ", 3]"},      {"].twist", ", 4]"}};
+    for (const auto& [option, argument] : others)
+        if (const auto at = text.find(option); at != text.npos)
+            text.replace(at, option.size(), argument);
+    return text;
+}
+
 /// Makes a lattice of the inventory.
+/// \throws Error that names arguments
 template <class Options>
 std::shared_ptr<Lattice> make(Lattice (*shape)(const Options&), const Options& options) {
-    return withoutGil([&] { return std::make_shared<Lattice>(shape(options)); });
+    return withoutGil([&] {
+        try {
+            return std::make_shared<Lattice>(shape(options));
+        } catch (const Error& error) {
+            throw Error(aboutArguments(error.what()));
+        }
+    });
 }
 
 std::vector<shapes::ArmJoint> jointsOf(const ArrayLike& rows) {
@@ -199,7 +227,7 @@ Vertex (i, j, k) is i + (cells[0] + 1) * (j + (cells[1] + 1) * k): positions res
     addSolids(shapesModule);
     shapesModule.def(
         "merge",
-        [](const std::vector<std::shared_ptr<Lattice>>& lattices, double tolerance) {
+        [](const std::vector<Shared<Lattice>>& lattices, double tolerance) {
             return withoutGil([&] {
                 std::vector<Lattice> copies;  // cheap: their complexes are shared
                 for (const auto& lattice : lattices) copies.push_back(*lattice);

@@ -10,7 +10,10 @@
 
 #include "arrays.h"
 #include "binding.h"
+#include "matrix_check.h"
 #include "module.h"
+#include "pickling.h"
+#include "shared.h"
 #include "tables.h"
 
 namespace espalier::python {
@@ -29,15 +32,15 @@ py::array arrayOf(std::span<const T> values, const std::shared_ptr<Table>& table
 }
 
 std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
+    checkMatrix(matrix);
     // Ascending columns, each once, without a change to what the caller has.
     const py::object rows = matrix.attr("tocsr")("copy"_a = true);
     rows.attr("sum_duplicates")();
-    const auto shape = rows.attr("shape").cast<std::pair<Offset, Offset>>();
+    const auto shape = shapeOf(rows);
     if (!std::in_range<Index>(shape.first) || !std::in_range<Index>(shape.second))
         throw Error("a matrix of " + std::to_string(shape.first) + " x " +
                     std::to_string(shape.second) + " is too large for a table");
-    const auto offsets =
-        py::array_t<Offset, py::array::c_style | py::array::forcecast>(rows.attr("indptr"));
+    const auto offsets = integersOf(rows, "indptr");
     const auto columns = indexArray(rows.attr("indices"), "indices");
     const auto weights = realArray<double>(rows.attr("data"), "data");
     const auto copyOf = [](const auto& array) {
@@ -81,35 +84,31 @@ py::object csrOf(const std::shared_ptr<Table>& table) {
 }
 
 void addStencilTable(py::module_& module) {
-    py::class_<Table, std::shared_ptr<Table>>(module, "StencilTable", R"(
+    py::class_<Table, std::shared_ptr<Table>> type(module, "StencilTable", R"(
 A sparse matrix of weights in compressed sparse rows, double precision, immutable: result i is the
 sum over k from offsets[i] to offsets[i + 1] of weights[k] * source[columns[k]].
 
 matrix : a sparse matrix of SciPy, or a Binding. Of a matrix it is a copy, with columns ascending
-)")
-        .def(py::init([](const TableLike& matrix) { return tableOf(matrix); }), "matrix"_a)
+)");
+    type.def(py::init([](const TableLike& matrix) { return tableOf(matrix); }), "matrix"_a)
         .def_property_readonly(
             "shape",
             [](const Table& self) { return std::pair(self.rowCount(), self.columnCount()); },
             "Rows and columns: tuple of 2 int.")
-        .def_property_readonly("nnz", &Table::entryCount, "Number of entries: int.")
+        .def_property_readonly("nnz", getter(&Table::entryCount), "Number of entries: int.")
         .def_property_readonly(
-            "offsets",
-            [](const std::shared_ptr<Table>& self) { return arrayOf(self->offsets(), self); },
+            "offsets", [](const Shared<Table>& self) { return arrayOf(self->offsets(), self); },
             "Where rows begin: array (rows + 1,) of int64, read-only, not a copy.")
         .def_property_readonly(
             "columns",
-            [](const std::shared_ptr<Table>& self) {
-                return arrayOf(std::as_const(*self).columns(), self);
-            },
+            [](const Shared<Table>& self) { return arrayOf(std::as_const(*self).columns(), self); },
             "The column of each entry: array (nnz,) of int32, read-only, not a copy.")
         .def_property_readonly(
             "weights",
-            [](const std::shared_ptr<Table>& self) {
-                return arrayOf(std::as_const(*self).weights(), self);
-            },
+            [](const Shared<Table>& self) { return arrayOf(std::as_const(*self).weights(), self); },
             "The weight of each entry: array (nnz,) of float64, read-only, not a copy.")
-        .def("csr", &csrOf, R"(
+        .def(
+            "csr", [](const Shared<Table>& self) { return csrOf(self); }, R"(
 The table as a scipy.sparse.csr_matrix over the same memory, which it keeps alive.
 
 Columns and weights are not copied, and are read-only; the offsets are, to 32 bits, since SciPy wants
@@ -135,6 +134,7 @@ them in the width of the columns. (With 2^31 entries and more the columns are co
                    std::to_string(self.columnCount()) + ", " + std::to_string(self.entryCount()) +
                    " entries>";
         });
+    addPickling(type, &stateOfTable, &tableOfState);
 }
 
 }  // namespace espalier::python

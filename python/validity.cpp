@@ -64,6 +64,7 @@ private:
 };
 
 std::unique_ptr<LevelCheck> makeCheck(const RefinerLike& lattice, int level) {
+    checkLevel(level);
     auto refiner = refinerOf(lattice);
     return withoutGil([&] { return std::make_unique<LevelCheck>(std::move(refiner), level); });
 }

@@ -15,8 +15,14 @@ it. That makes one sparse matrix D: for a pose p' of the lattice the points are 
     D = binding.matrix                               # scipy.sparse.csr_matrix (N, V)
 
 Arrays of positions have shape (count, 3) and any unit of length; angles are in radians. What is
-wrong with an argument is said by a ValueError that names it. Long calls let other threads of Python
-run, and end at Ctrl-C. Everything but DesignVariables may be used from many threads at once.
+wrong with an argument is said by a ValueError that names it.
+
+Other threads of Python run during long calls, but not while arguments and results become arrays and
+lists. Ctrl-C ends refining, binding, evaluating and checking before long; what one core does alone
+(reading and writing files, compiling tables, fit()) is finished first. Everything but
+DesignVariables may be used from many threads at once.
+
+Lattice, StencilTable and Binding can be pickled. A copy of one is itself, since they never change.
 """
 
 import enum
@@ -24,6 +30,7 @@ import enum
 from . import shapes
 from ._core import (
     Binding,
+    ChangeEvaluator,
     CompiledAdjoint,
     CompiledTable,
     DesignVariables,
@@ -51,6 +58,7 @@ from ._core import (
 
 __all__ = [
     "Binding",
+    "ChangeEvaluator",
     "CompiledAdjoint",
     "CompiledTable",
     "DesignVariables",

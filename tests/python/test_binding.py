@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
+import pickle
+import struct
 import threading
+import zlib
 
 import numpy as np
 import pytest
@@ -48,6 +51,9 @@ def test_float32_stays_float32(binding, pose):
     # 64 products of size 3, each rounded to 6e-8 of it.
     np.testing.assert_allclose(single, binding.deform(pose), atol=1e-5)
     assert binding.adjoint(single).dtype == np.float32
+    for order in "<>":
+        np.testing.assert_array_equal(binding.deform(pose.astype(order + "f4")), single)
+        assert binding.deform(pose.astype(order + "f4")).dtype == np.float32
     out = np.empty((500, 3), np.float32)
     assert binding.deform(pose.astype(np.float32), out=out) is out
     np.testing.assert_array_equal(out, single)
@@ -103,6 +109,45 @@ def test_saved_and_loaded(tmp_path, rest, points, pose):
     (tmp_path / "binding.espb").write_bytes((tmp_path / "binding.espb").read_bytes()[:-1])
     with pytest.raises(ValueError, match="binding.espb"):
         espalier.load_binding(tmp_path / "binding.espb")
+
+
+def without_model(path):
+    """Takes the model out of a file, as a program in C writes it: see io/binding_file.h."""
+    head, *sizes = struct.unpack("<24s6q", path.read_bytes()[:72])
+    content = path.read_bytes()[72:-4 - sizes[4] - sizes[5]]
+    start = struct.pack("<24s6q", head, *sizes[:4], 0, 0)
+    path.write_bytes(start + content + struct.pack("<I", zlib.crc32(start + content)))
+
+
+def test_a_binding_without_a_model(tmp_path, binding, pose):
+    path, copy = tmp_path / "c.espb", tmp_path / "copy.espb"
+    binding.save(path)
+    without_model(path)
+    loaded = espalier.load_binding(path)
+    assert loaded.points is None
+    np.testing.assert_array_equal(loaded.deform(pose), binding.deform(pose))
+    pickled = pickle.loads(pickle.dumps(loaded))
+    assert pickled.points is None
+    np.testing.assert_array_equal(pickled.deform(pose), binding.deform(pose))
+    loaded.save(copy)
+    assert copy.read_bytes() == path.read_bytes()
+
+
+def test_a_model_that_cannot_be_read_is_that_of_a_file(tmp_path, binding):
+    path = tmp_path / "binding.espb"
+    binding.save(path)
+    content = path.read_bytes()[:-4].replace(b"points.obj", b"points.xyz")
+    path.write_bytes(content + struct.pack("<I", zlib.crc32(content)))
+    with pytest.raises(ValueError, match="binding.espb: points.xyz: "):
+        espalier.load_binding(path)
+
+
+def test_a_binding_of_nothing(tmp_path, rest, pose):
+    nothing = espalier.bind(rest, np.empty((0, 3)))
+    nothing.save(tmp_path / "nothing.espb")
+    loaded = espalier.load_binding(tmp_path / "nothing.espb")
+    assert loaded.shape == (0, 36) and loaded.points.shape == (0, 3)
+    assert loaded.deform(pose).shape == (0, 3)
 
 
 def test_models(tmp_path, rest, points, pose):

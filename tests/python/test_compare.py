@@ -38,6 +38,8 @@ def test_the_rules_of_a_refiner_are_compared():
 def test_what_cannot_be_compared():
     with pytest.raises(ValueError, match="curve"):
         espalier.compare(espalier.Lattice.curve(np.eye(3)))
+    with pytest.raises(ValueError, match="^level: expected 1 or more, got 0$"):
+        espalier.compare(espalier.shapes.box(), level=0)
 
 
 def test_open_subdiv_is_loaded_only_when_it_is_asked_for():

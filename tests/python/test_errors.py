@@ -128,6 +128,118 @@ def test_other_types_are_type_errors(rest, points):
         espalier.CompiledTable(np.eye(3))
 
 
+@pytest.mark.parametrize("call", [
+    lambda rest: espalier.Refiner(None),
+    lambda rest: espalier.refine(None),
+    lambda rest: espalier.ValidityCheck(None),
+    lambda rest: espalier.compare(None),
+    lambda rest: espalier.shapes.merge([None]),
+    lambda rest: espalier.shapes.merge([rest, None]),
+    lambda rest: rest.topology_difference(None),
+    lambda rest: espalier.CompiledTable(None),
+    lambda rest: espalier.ChangeEvaluator(None),
+    lambda rest: espalier.StencilTable(None),
+    lambda rest: espalier.StencilTable.csr(None),
+    lambda rest: espalier.StencilTable.__getstate__(None),
+    lambda rest: espalier.Lattice.__setstate__(espalier.Lattice.__new__(espalier.Lattice), None),
+], ids=lambda call: None)
+def test_none_is_no_object(rest, call):
+    with pytest.raises(TypeError):
+        call(rest)
+
+
+def test_none_has_no_members_of_ours():
+    seen = 0
+    for name in espalier.__all__:
+        each = getattr(espalier, name)
+        if type(each).__name__ != "pybind11_type":
+            continue
+        for member, value in vars(each).items():
+            if member in ("__copy__", "mesh", "curve"):
+                continue
+            if isinstance(value, property) or type(value).__name__ == "instancemethod":
+                with pytest.raises(TypeError):
+                    value.fget(None) if isinstance(value, property) else value(None)
+                seen += 1
+    assert seen > 60
+
+
+def test_an_edge_is_marked_once(rest):
+    for marks in ({(1, 0): 1, (0, 1): 2}, {(0, 1): 1, (1, 0): 1}):
+        with pytest.raises(ValueError,
+                           match="^edge_sharpness: the edge of vertices 0 and 1 is there twice"):
+            rest.with_marks(edge_sharpness=marks)
+    assert rest.with_marks(edge_sharpness={(1, 0): 1}).edge_sharpness == {(1, 0): 1}
+
+
+def test_names_of_attributes_that_files_need(rest):
+    values = np.zeros(len(rest.positions))
+    with pytest.raises(ValueError, match=r'^attributes\["espalier:x"\]: names that begin with'):
+        espalier.Lattice(rest.positions, rest.hexahedra, attributes={"espalier:x": values})
+    made = espalier.Lattice(rest.positions, rest.hexahedra, attributes={"espalier": values})
+    assert list(made.attributes) == ["espalier"]
+
+
+@pytest.mark.parametrize("name, arguments, text", [
+    ("cylinder", {"start": (1, 2, 3), "end": (1, 2, 3)},
+     "cylinder: end is (1, 2, 3); allowed: points other than start"),
+    ("cylinder", {"start": (np.inf, 0, 0)},
+     "cylinder: start is (inf, 0, 0); allowed: finite numbers"),
+    ("torus", {"minor_radius": 2},
+     "torus: minor_radius is 2; allowed: numbers below major_radius, which is 1"),
+    ("torus", {"grid_cells": 0}, "torus: grid_cells is 0; allowed: 1 or more"),
+    ("star", {"inner_radius": 0}, "star: inner_radius is 0; allowed: finite numbers above 0"),
+    ("barbell", {"end_segments": 2}, "barbell: end_segments is 2; allowed: 3 or more"),
+    ("barbell", {"bar_half_width": 1},
+     "barbell: bar_half_width is 1; allowed: with roundness 1, numbers below end_radius, "
+     "which is 1"),
+    ("barbell", {"roundness": 2}, "barbell: roundness is 2; allowed: numbers from 0 to 1"),
+    ("arm", {"joints": [[0, 0, 0, 1], [1, 0, 0, 0]]},
+     "arm: joints[1, 3] is 0; allowed: finite numbers above 0"),
+    ("arm", {"joints": [[0, 0, 0, 1], [0, 0, 0, 1]]},
+     "arm: joints[1, :3] is (0, 0, 0); allowed: points other than that of the joint before"),
+    ("prism", {"sides": 2}, "prism: sides is 2; allowed: 3 or more"),
+])
+def test_shapes_name_their_arguments(name, arguments, text):
+    with pytest.raises(ValueError) as error:
+        getattr(espalier.shapes, name)(**arguments)
+    assert str(error.value) == text
+
+
+def test_a_level_that_is_refined_is_wanted(rest, pose):
+    for call in (lambda: espalier.ValidityCheck(rest, 0), lambda: espalier.check(rest, pose, 0),
+                 lambda: espalier.Refiner(rest).level_table(0)):
+        with pytest.raises(ValueError, match="^level: expected 1 or more, got 0$"):
+            call()
+
+
+def misaligned(array):
+    """A copy whose numbers begin one byte off."""
+    memory = np.zeros(array.nbytes + 1, np.uint8)
+    result = np.frombuffer(memory, array.dtype, array.size, 1).reshape(array.shape)
+    result[...] = array
+    assert not result.flags.aligned
+    return result
+
+
+def test_arrays_that_are_not_aligned(rest, points, pose):
+    binding = espalier.bind(rest, misaligned(points), level=2)
+    np.testing.assert_array_equal(binding.points, points)
+    np.testing.assert_array_equal(binding.deform(misaligned(pose)), binding.deform(pose))
+    with pytest.raises(ValueError, match="^out: the numbers of the array are not aligned"):
+        binding.deform(pose, out=misaligned(np.zeros((500, 3))))
+
+
+def test_an_array_that_is_not_aligned_is_copied(rest):
+    """What is read is another array then, so that `out` cannot overlap with it."""
+    compiled = espalier.CompiledTable(espalier.Refiner(rest).stencils(0))
+    memory = np.zeros(8 * 37, np.uint8)
+    values = np.frombuffer(memory, float, 36, 1)
+    values[:] = np.arange(36)
+    compiled.evaluate(values, out=memory[:8 * 36].view(float))
+    np.testing.assert_array_equal(memory[:8 * 36].view(float), np.arange(36))
+
+
 def test_one_value_error_a_cause_and_the_module_lives_on(rest, points):
     for _ in range(100):
         with pytest.raises(ValueError):

@@ -7,6 +7,7 @@ import inspect
 import os
 import pathlib
 import re
+import site
 import subprocess
 import sys
 import zipfile
@@ -18,6 +19,7 @@ import espalier
 
 PACKAGE = pathlib.Path(espalier.__file__).parent
 SOURCE = pathlib.Path(__file__).parents[2]
+SITE = "lib/python{}.{}/dist-packages".format(*sys.version_info)
 BINARY_DIR = os.environ.get("ESPALIER_BINARY_DIR")
 CHECK = """
 import numpy as np, espalier
@@ -129,11 +131,13 @@ def installed(tmp_path_factory):
     prefix = tmp_path_factory.mktemp("prefix")
     # Nothing of it where the libraries are static.
     install(prefix, "python", "libraries")
-    return prefix / "lib/python3/dist-packages"
+    return prefix / SITE
 
 
 @needs_build
 def test_installed_where_debians_python_looks(installed):
+    for prefix in ("/usr", "/usr/local"):
+        assert f"{prefix}/{SITE}" in site.getsitepackages()
     assert check_import(installed) == espalier.__version__
     names = {path.name for path in (installed / "espalier").iterdir()}
     assert names >= {"__init__.py", "__init__.pyi", "shapes.py", "shapes.pyi", "py.typed"}

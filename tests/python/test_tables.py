@@ -79,6 +79,44 @@ def test_tables_from_scipy():
     np.testing.assert_array_equal(table.transpose().csr().toarray(), matrix.toarray().T)
 
 
+def broken_matrices():
+    def broken(form, name, values, shape=(3, 3)):
+        matrix = getattr(scipy.sparse, form + "_matrix")(np.eye(*shape))
+        array = getattr(matrix, name)
+        setattr(matrix, name, np.array(values, array.dtype))
+        return matrix
+
+    yield broken("csr", "indptr", [0, 2, 1, 3]), r"indptr[2] is 1; expected 2 or more"
+    yield broken("csr", "indptr", [0, 5, -3, 0]), r"indptr[2] is -3; expected 5 or more"
+    yield broken("csr", "indptr", [1, 1, 2, 3]), r"indptr[0] is 1; expected 0"
+    yield broken("csr", "indptr", [0, 1, 2, 1 << 20]), r"indices: expected 1048576 entries, got 3"
+    yield broken("csr", "indptr", [0, 1, 2]), r"indptr: expected 4 entries, got 3"
+    yield broken("csr", "indices", [0, 3, 1]), r"indices[1] is 3; expected 0 to 2"
+    yield broken("csr", "indices", [0, -1, 1]), r"indices[1] is -1; expected 0 to 2"
+    yield broken("csr", "data", [1, 1]), r"indptr[3] is 3; expected 2 at most, which data has"
+    yield broken("csc", "indptr", [0, 2, 1, 3]), r"indptr[2] is 1; expected 2 or more"
+    yield broken("csc", "indices", [0, 1 << 20, 1]), r"indices[1] is 1048576; expected 0 to 2"
+    yield broken("bsr", "indptr", [0, 2, 1, 3]), r"indptr[2] is 1; expected 2 or more"
+    yield broken("coo", "row", [0, 1 << 20, 1]), r"row[1] is 1048576; expected 0 to 2"
+    yield broken("coo", "col", [0, 1]), r"col: expected 3 entries, got 2"
+
+
+@pytest.mark.parametrize("matrix, text", broken_matrices())
+def test_matrices_that_scipy_would_write_out_of_bounds_for(matrix, text):
+    with pytest.raises(ValueError) as error:
+        espalier.StencilTable(matrix)
+    assert str(error.value) == text
+
+
+@pytest.mark.parametrize("form", ["csr", "csc", "bsr", "coo", "lil", "dok", "dia"])
+def test_matrices_of_every_format(form):
+    dense = np.arange(24.0).reshape(4, 6) % 5
+    matrix = getattr(scipy.sparse, form + "_matrix")(dense)
+    np.testing.assert_array_equal(espalier.StencilTable(matrix).csr().toarray(), dense)
+    empty = getattr(scipy.sparse, form + "_matrix")((2, 3))
+    assert espalier.StencilTable(empty).shape == (2, 3)
+
+
 @pytest.mark.parametrize("dtype, bound", [(np.float64, 1e-13), (np.float32, 1e-5)])
 @pytest.mark.parametrize("shape", [(36,), (36, 1), (36, 3), (36, 7), (4, 36, 3), (0, 36, 3)])
 def test_compiled_tables_give_the_product(table, dtype, bound, shape):
@@ -104,6 +142,47 @@ def test_results_go_where_they_are_wanted(table):
     out = np.full((2, table.shape[0], 3), np.nan)
     assert compiled.evaluate(values, out=out) is out
     np.testing.assert_array_equal(out, compiled.evaluate(values))
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("shape", [(36,), (36, 3), (2, 36, 3)])
+def test_only_what_has_changed_is_evaluated_again(table, dtype, shape):
+    compiled = espalier.CompiledTable(table, dtype=dtype)
+    evaluator = espalier.ChangeEvaluator(compiled)
+    assert evaluator.shape == table.shape and evaluator.dtype == dtype and evaluator.nbytes > 0
+    values = np.random.default_rng(5).normal(size=shape).astype(dtype)
+    out = compiled.evaluate(values)
+    changed, axis = [35, 0, 35], len(shape) == 3
+    values[(slice(None),) * axis + (changed,)] += 1
+    wanted = compiled.evaluate(values)
+    assert evaluator.evaluate_changed(values, changed, out) is out
+    np.testing.assert_array_equal(out, wanted)
+
+    rows = evaluator.rows(changed)
+    assert rows.dtype == np.int32
+    dense = table.csr().toarray()
+    np.testing.assert_array_equal(rows, np.flatnonzero((dense[:, changed] != 0).any(axis=1)))
+    assert 0 < len(rows) < table.shape[0]
+    out[...] = np.nan
+    evaluator.evaluate_changed(values, changed, out=out)
+    written = ~np.isnan(out).any(axis=2) if len(shape) == 3 else ~np.isnan(out)
+    assert set(np.nonzero(written)[axis]) == set(rows)
+    before = out.copy()
+    evaluator.evaluate_changed(values, np.empty(0, int), out)
+    np.testing.assert_array_equal(out, before)
+
+
+def test_changes_that_are_none(table):
+    evaluator = espalier.ChangeEvaluator(espalier.CompiledTable(table))
+    out = np.zeros((table.shape[0], 3))
+    for call in (evaluator.rows, lambda c: evaluator.evaluate_changed(np.ones((36, 3)), c, out)):
+        with pytest.raises(ValueError, match="^changed: there is no column 36 among 36$"):
+            call([3, 36])
+        with pytest.raises(ValueError, match="^changed: expected an array of integers"):
+            call([0.5])
+    with pytest.raises(ValueError, match="^out: expected an array, got NoneType$"):
+        evaluator.evaluate_changed(np.ones((36, 3)), [0], None)
+    assert (out == 0).all()
 
 
 @pytest.mark.parametrize("extension", ["mtx", "npz"])

@@ -61,7 +61,18 @@ CALLS = {
     "fit": lambda rest, points, binding: espalier.fit(rest, binding, points[:30_000],
                                                    rows=np.arange(30_000)),
     "check": lambda rest, points, binding: espalier.check(rest, rest.positions**2),
+    "mesh": lambda rest, points, binding: many_faces(),
 }
+
+
+FACES = np.tile(np.arange(4), (3_000_000, 1))  # of 64 bits: NumPy need not convert them
+FACES[-1] = 9
+
+
+def many_faces():
+    """Adds faces of which the last one is none, so that nothing comes after that."""
+    with pytest.raises(ValueError, match="face 2999999"):
+        espalier.Lattice.mesh(np.zeros((4, 3)), FACES)
 
 
 @pytest.mark.parametrize("name", CALLS)
@@ -76,6 +87,39 @@ def test_a_call_that_holds_the_gil_would_be_noticed():
     with Clock() as clock:
         # Sorted in C, without a look at other threads.
         assert not any(clock.ran_during(numbers.tolist().sort) for _ in range(3))
+
+
+def run(code):
+    """Runs code in a process of its own, since it may hang. Returns what it prints."""
+    setup = """
+import signal, time, numpy as np, espalier
+rest = espalier.shapes.box(cells=(6, 6, 6))
+points = np.random.default_rng(1).uniform(0.01, 0.99, (500_000, 3))
+"""
+    done = subprocess.run([sys.executable, "-c", setup + code], capture_output=True, text=True,
+                          timeout=60)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("make, call", [
+    ("espalier.bind(rest, points)", "made.deform(rest.positions.astype(np.float32))"),
+    ("espalier.Refiner(rest)", "made.counts(4)"),
+])
+def test_a_signal_handler_asks_for_what_is_being_made(make, call):
+    """In the midst of it, on the same thread, which would wait for itself in vain."""
+    run(f"""
+def handle(*_):
+    {call}
+    calls.append(1)
+signal.signal(signal.SIGALRM, handle)
+made, calls = {make}, []
+with espalier.ThreadLimit(1):  # this one hears of signals
+    signal.setitimer(signal.ITIMER_REAL, 0.001)
+    {call}
+while not calls:
+    time.sleep(0.001)
+""")
 
 
 def test_an_interrupt_ends_a_long_call():

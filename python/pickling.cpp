@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pickling.h"
+
+#include <espalier/far/cell_complex.h>
+#include <espalier/far/error.h>
+#include <espalier/far/marks.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "choices.h"
+#include "without_gil.h"
+
+namespace espalier::python {
+namespace {
+
+using far::Index;
+using far::Offset;
+
+[[noreturn]] void refuseState() {
+    throw Error("the pickled state is not one of this version of Espalier");
+}
+
+void requireState(bool isAsExpected) {
+    if (!isAsExpected) refuseState();
+}
+
+/// The numbers of an array of any shape. Container is a vector or a far::Array.
+template <class Container>
+Container numbersOf(const py::handle& object) {
+    using Number = typename Container::value_type;
+    const auto array = py::array_t<Number, kReadable>::ensure(object);
+    if (!array) throw py::error_already_set();
+    return Container(array.data(), array.data() + array.size());
+}
+
+template <class T>
+py::array viewOfAll(std::span<const T> values, const py::handle& owner) {
+    return viewOf(values, {static_cast<py::ssize_t>(values.size())}, owner);
+}
+
+/// A word for a choice, and None for none.
+template <class Choice>
+std::optional<std::string> wordOfAny(const Words<Choice>& words, std::optional<Choice> choice) {
+    return choice ? std::optional(wordOf(words, *choice)) : std::nullopt;
+}
+template <class Choice>
+std::optional<Choice> choiceOf(const Words<Choice>& words, const py::handle& word) {
+    if (word.is_none()) return std::nullopt;
+    return chosen(words, "state", word.cast<std::string>());
+}
+
+/// The offsets of rows, or the length that all of them have.
+py::object lengthsOf(const far::Incidence& rows) {
+    const Index count = rows.rowCount();
+    std::vector<Offset> offsets{0};
+    bool areAlike = count > 0 && rows.offset(1) > 0;
+    for (Index row = 0; row < count; ++row) {
+        offsets.push_back(rows.offset(row + 1));
+        areAlike = areAlike && offsets.back() == rows.offset(1) * (row + 1);
+    }
+    if (areAlike) return py::int_(rows.offset(1));
+    return toArray(std::move(offsets));
+}
+
+far::Incidence rowsOf(const py::handle& lengths, far::Array<Index> values) {
+    const auto size = static_cast<Offset>(values.size());
+    if (py::isinstance<py::int_>(lengths)) {
+        const auto length = lengths.cast<Index>();
+        requireState(length > 0 && size % length == 0 && std::in_range<Index>(size / length));
+        return far::Incidence::uniform(length, std::move(values));
+    }
+    auto offsets = numbersOf<far::Array<Offset>>(lengths);
+    requireState(!offsets.empty() && std::in_range<Index>(offsets.size() - 1) &&
+                 offsets.front() == 0 && offsets.back() == size &&
+                 std::is_sorted(offsets.begin(), offsets.end()));
+    return far::Incidence({std::move(offsets), std::move(values)});
+}
+
+py::list boundariesOf(const far::CellComplex& complex, const py::object& owner) {
+    py::list boundaries;
+    for (int dimension = 1; dimension <= complex.dimension(); ++dimension) {
+        const far::SignedIncidence& boundary = complex.boundary(dimension);
+        boundaries.append(py::make_tuple(lengthsOf(boundary.unsignedRows()),
+                                         viewOfAll(boundary.unsignedRows().values(), owner),
+                                         viewOfAll(boundary.signs(), owner)));
+    }
+    return boundaries;
+}
+
+far::CellComplex complexOf(Index vertexCount, const py::sequence& boundaries) {
+    far::CellComplex::Boundaries all;
+    requireState(boundaries.size() <= all.size());
+    for (std::size_t i = 0; i < boundaries.size(); ++i) {
+        const py::tuple parts = boundaries[i];
+        requireState(parts.size() == 3);
+        auto rows = rowsOf(parts[0], numbersOf<far::Array<Index>>(parts[1]));
+        auto signs = numbersOf<far::Array<std::int8_t>>(parts[2]);
+        requireState(signs.size() == rows.values().size());
+        for (const std::int8_t sign : signs) requireState(sign == 1 || sign == -1);
+        all[i] = far::SignedIncidence(std::move(rows), std::move(signs));
+    }
+    const auto dimension = static_cast<int>(boundaries.size());
+    return withoutGil([&] {
+        far::CellComplex complex(dimension, vertexCount, std::move(all));
+        far::validate(complex);
+        return complex;
+    });
+}
+
+py::tuple stateOfMarks(const far::Marks& marks) {
+    std::vector<Index> ends, vertices;
+    std::vector<double> ofEdges, ofVertices;
+    for (const auto& mark : marks.edges) {
+        ends.insert(ends.end(), mark.vertices.begin(), mark.vertices.end());
+        ofEdges.push_back(mark.sharpness);
+    }
+    for (const auto& mark : marks.vertices) {
+        vertices.push_back(mark.vertex);
+        ofVertices.push_back(mark.sharpness);
+    }
+    return py::make_tuple(toArray(std::move(ends)), toArray(std::move(ofEdges)),
+                          toArray(std::move(vertices)), toArray(std::move(ofVertices)),
+                          toArray(std::vector<Index>(marks.holes)));
+}
+
+far::Marks marksOfState(const far::CellComplex& complex, const py::tuple& state) {
+    requireState(state.size() == 5);
+    const auto ends = numbersOf<std::vector<Index>>(state[0]);
+    const auto ofEdges = numbersOf<std::vector<double>>(state[1]);
+    const auto vertices = numbersOf<std::vector<Index>>(state[2]);
+    const auto ofVertices = numbersOf<std::vector<double>>(state[3]);
+    requireState(ends.size() == 2 * ofEdges.size() && vertices.size() == ofVertices.size());
+    far::Marks marks;
+    for (std::size_t i = 0; i < ofEdges.size(); ++i)
+        marks.edges.push_back({{ends[2 * i], ends[2 * i + 1]}, ofEdges[i]});
+    for (std::size_t i = 0; i < ofVertices.size(); ++i)
+        marks.vertices.push_back({vertices[i], ofVertices[i]});
+    marks.holes = numbersOf<std::vector<Index>>(state[4]);
+    withoutGil([&] {
+        far::readMarks(complex, marks);
+        if (!marks.holes.empty()) far::readHoles(complex, marks);
+    });
+    return marks;
+}
+
+}  // namespace
+
+py::tuple stateOfLattice(const py::object& self) {
+    const auto& lattice = self.cast<const Lattice&>();
+    py::list attributes;
+    for (const VertexAttribute& attribute : lattice.attributes)
+        attributes.append(
+            py::make_tuple(attribute.name, attribute.components,
+                           viewOfAll(std::span<const double>(attribute.values), self)));
+    const RefinementTags& tags = lattice.tags;
+    return py::make_tuple(
+        viewOf(lattice.positions, self), boundariesOf(lattice.complex, self),
+        stateOfMarks(lattice.marks), attributes,
+        py::make_tuple(wordOfAny(kBoundaries, tags.boundary), wordOfAny(kCreasings, tags.creasing),
+                       wordOfAny(kTriangles, tags.triangles)));
+}
+
+std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
+    requireState(state.size() == 5);
+    Lattice lattice;
+    lattice.positions = toPoints(state[0], "positions");
+    const std::size_t count = lattice.positions.size();
+    requireState(std::in_range<Index>(count));
+    lattice.complex = complexOf(static_cast<Index>(count), state[1]);
+    lattice.marks = marksOfState(lattice.complex, state[2]);
+    for (const py::handle each : py::list(state[3])) {
+        const auto parts = py::reinterpret_borrow<py::tuple>(each);
+        requireState(py::isinstance<py::tuple>(each) && parts.size() == 3);
+        VertexAttribute attribute{parts[0].cast<std::string>(), parts[1].cast<int>(),
+                                  numbersOf<std::vector<double>>(parts[2])};
+        requireState(attribute.components > 0 &&
+                     attribute.values.size() ==
+                         count * static_cast<std::size_t>(attribute.components));
+        lattice.attributes.push_back(std::move(attribute));
+    }
+    const py::tuple tags = state[4];
+    requireState(tags.size() == 3);
+    lattice.tags = {choiceOf(kBoundaries, tags[0]), choiceOf(kCreasings, tags[1]),
+                    choiceOf(kTriangles, tags[2])};
+    return std::make_shared<Lattice>(std::move(lattice));
+}
+
+py::tuple stateOfTable(const py::object& self) {
+    const auto& table = self.cast<const Table&>();
+    return py::make_tuple(table.columnCount(), viewOfAll(table.offsets(), self),
+                          viewOfAll(table.columns(), self), viewOfAll(table.weights(), self));
+}
+
+std::shared_ptr<Table> tableOfState(const py::tuple& state) {
+    requireState(state.size() == 4);
+    const auto columnCount = state[0].cast<Index>();
+    auto offsets = numbersOf<far::Array<Offset>>(state[1]);
+    auto columns = numbersOf<far::Array<Index>>(state[2]);
+    auto weights = numbersOf<far::Array<double>>(state[3]);
+    return withoutGil([&] {
+        return std::make_shared<Table>(columnCount, std::move(offsets), std::move(columns),
+                                       std::move(weights));
+    });
+}
+
+py::tuple stateOfBinding(const py::object& self) {
+    const auto& [bound, points, placement, single, twofold] = self.cast<const BoundPoints&>();
+    const auto& binding = bound.binding;
+    py::object at = py::none(), statuses = py::none(), residual = py::none();
+    // Of a model they are in its file.
+    if (bound.modelName.empty() && points) at = viewOf(*points, self);
+    if (placement) {
+        statuses = viewOfAll(bytesOf(placement->statuses), self);
+        residual = py::float_(placement->largestResidual);
+    }
+    return py::make_tuple(
+        stateOfTable(py::cast(tableIn(self.cast<std::shared_ptr<BoundPoints>>()))),
+        viewOfAll(std::span<const Index>(binding.kept), self), viewOf(binding.keptAt, self),
+        binding.topologyHash, py::bytes(bound.modelName), py::bytes(bound.modelBytes), at, statuses,
+        residual);
+}
+
+std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
+    requireState(state.size() == 9);
+    auto result = std::make_shared<BoundPoints>();
+    auto& binding = result->bound.binding;
+    binding.table = std::move(*tableOfState(state[0]));
+    const Index rows = binding.table.rowCount();
+    binding.kept = numbersOf<std::vector<Index>>(state[1]);
+    binding.keptAt = toPoints(state[2], "kept", binding.kept.size());
+    for (const Index kept : binding.kept) requireState(kept >= 0 && kept < rows);
+    binding.topologyHash = state[3].cast<std::uint64_t>();
+    result->bound.modelName = state[4].cast<std::string>();
+    result->bound.modelBytes = state[5].cast<std::string>();
+    result->points =
+        state[6].is_none()
+            ? withoutGil([&] { return pointsIn(result->bound); })
+            : std::optional(toPoints(state[6], "points", static_cast<std::size_t>(rows)));
+    if (!state[7].is_none()) {
+        Placement placement{{}, state[8].cast<double>()};
+        for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[7])) {
+            requireState(status <= static_cast<std::uint8_t>(stencils::PointStatus::NotConverged));
+            placement.statuses.push_back(static_cast<stencils::PointStatus>(status));
+        }
+        requireState(placement.statuses.size() == static_cast<std::size_t>(rows));
+        result->placement = std::move(placement);
+    }
+    return result;
+}
+
+}  // namespace espalier::python

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/shapes/lattice.h>
+#include <pybind11/pybind11.h>
+
+#include <memory>
+
+#include "binding.h"
+
+// Objects that nobody can change, as pickle wants them: in arrays, and made of these again, the
+// same to the last bit.
+namespace espalier::python {
+
+/// \param lattice the object of Python, to whose numbers the arrays of the result refer
+py::tuple stateOfLattice(const py::object& lattice);
+py::tuple stateOfTable(const py::object& table);
+py::tuple stateOfBinding(const py::object& binding);
+
+/// \throws Error if it is not the state of such an object
+std::shared_ptr<Lattice> latticeOfState(const py::tuple& state);
+std::shared_ptr<Table> tableOfState(const py::tuple& state);
+std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state);
+
+/// Lets a class be pickled, and copied: a copy is the object itself, as one of a tuple is.
+template <class Class, class ToState, class OfState>
+void addPickling(Class& type, ToState toState, OfState ofState) {
+    using namespace py::literals;
+    type.def(py::pickle(toState, ofState))
+        .def("__copy__", [](const py::object& self) { return self; })
+        .def(
+            "__deepcopy__", [](const py::object& self, const py::object&) { return self; },
+            "memo"_a);
+}
+
+}  // namespace espalier::python
