@@ -11,8 +11,7 @@
 
 namespace espalier::osd {
 
-template <class Real>
-class CompiledAdjointChain;
+struct ChainSteps;
 
 /// The adjoint of a table, Dᵀ, in the form that is fastest to evaluate: gradients by the points of
 /// a model become gradients by the vertices of its lattice.
@@ -73,7 +72,7 @@ private:
 
     std::unique_ptr<const Data> data_;
 
-    friend class CompiledAdjointChain<Real>;
+    friend struct ChainSteps;
 };
 
 }  // namespace espalier::osd

@@ -10,24 +10,19 @@
 
 namespace espalier::osd {
 
-/// Room for the values between the steps, of so many components, and for each step in its turn.
-/// Those before and after a step are held at once.
-struct ChainRoom {
-    std::array<Offset, 2> held = {0, 0};  ///< numbers after every other step
-    std::size_t ofStep = 0;
-
-    template <class Step, class RoomForStep>
-    ChainRoom(std::span<const Step> steps, Offset length, RoomForStep roomForStep) {
-        for (std::size_t i = 0; i < steps.size(); ++i) {
-            if (i + 1 < steps.size())
-                held[i % 2] = std::max(held[i % 2], steps[i].rowCount() * paddedLength(length));
-            ofStep = std::max(ofStep, roomForStep(steps[i], i > 0));
-        }
-    }
-
+/// What the steps of a chain do in memory of somebody else's.
+struct ChainSteps {
     template <class Real>
-    std::size_t bytes() const {
-        return roomOf<Real>(held[0]) + roomOf<Real>(held[1]) + ofStep;
+    static std::size_t roomFor(const CompiledTable<Real>& step, Offset length, bool isPadded) {
+        return step.roomFor(length, isPadded);
+    }
+    template <class Real>
+    static std::size_t roomFor(const CompiledAdjoint<Real>& step, Offset length, bool) {
+        return step.roomFor(length);
+    }
+    template <class Step, class... Arguments>
+    static void evaluate(const Step& step, const Arguments&... arguments) {
+        step.evaluateIn(arguments...);
     }
 };
 
@@ -77,13 +72,33 @@ std::size_t bytesOf(std::span<const Step> steps) {
     return bytes;
 }
 
-/// \param evaluateStep what a step does, in the memory that it is given first
-template <class Real, class Step, class EvaluateStep>
-void evaluateInTurn(std::span<const Step> steps, const ChainRoom& needed, std::byte* memory,
-                    Values<Real> source, const BufferDescriptor& sourceLayout,
-                    MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                    RowRange rows, EvaluateStep evaluateStep) {
-    Room room(memory);
+/// Room for the values between the steps, of so many components, and for each step in its turn.
+/// Those before and after a step are held at once.
+template <class Real>
+struct ChainRoom {
+    std::array<Offset, 2> held = {0, 0};  ///< numbers after every other step
+    std::size_t ofStep = 0;
+
+    template <class Step>
+    ChainRoom(std::span<const Step> steps, Offset length) {
+        for (std::size_t i = 0; i < steps.size(); ++i) {
+            if (i + 1 < steps.size())
+                held[i % 2] = std::max(held[i % 2], steps[i].rowCount() * paddedLength(length));
+            ofStep = std::max(ofStep, ChainSteps::roomFor(steps[i], length, i > 0));
+        }
+    }
+
+    std::size_t bytes() const { return roomOf<Real>(held[0]) + roomOf<Real>(held[1]) + ofStep; }
+};
+
+template <class Real, class Step>
+void evaluateInTurn(std::span<const Step> steps, Workspace& workspace, Values<Real> source,
+                    const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
+                    const BufferDescriptor& destinationLayout, RowRange rows) {
+    checkEvaluation(steps.back().rowCount(), steps.front().columnCount(), source.size(),
+                    sourceLayout, destination.size(), destinationLayout, rows);
+    const ChainRoom<Real> needed(steps, sourceLayout.length);
+    Room room(workspace.reserve(needed.bytes()));
     const std::span<Real> held[] = {room.take<Real>(needed.held[0]),
                                     room.take<Real>(needed.held[1])};
     std::byte* const own = room.take<std::byte>(static_cast<Offset>(needed.ofStep)).data();
@@ -96,11 +111,12 @@ void evaluateInTurn(std::span<const Step> steps, const ChainRoom& needed, std::b
             held[i % 2].first(static_cast<std::size_t>(steps[i].rowCount() * between.stride));
         // Behind the components no numbers that happen to be slow: denormal ones.
         if (between.stride > between.length) std::fill(next.begin(), next.end(), Real{0});
-        evaluateStep(steps[i], own, values, layout, next, between, {0, steps[i].rowCount()});
+        ChainSteps::evaluate(steps[i], own, values, layout, next, between,
+                             RowRange{0, steps[i].rowCount()});
         values = next;
         layout = between;
     }
-    evaluateStep(steps.back(), own, values, layout, destination, destinationLayout, rows);
+    ChainSteps::evaluate(steps.back(), own, values, layout, destination, destinationLayout, rows);
 }
 
 }  // namespace
@@ -119,17 +135,8 @@ std::size_t CompiledChain<Real>::byteCount() const {
 }
 
 template <class Real>
-ChainRoom CompiledChain<Real>::roomFor(Offset length) const {
-    return ChainRoom(
-        std::span(steps_), length,
-        [&]([[maybe_unused]] const CompiledTable<Real>& step, [[maybe_unused]] bool isPadded) {
-            return step.roomFor(length, isPadded);
-        });
-}
-
-template <class Real>
 Workspace CompiledChain<Real>::workspace(Offset length) const {
-    return Workspace(roomFor(length).template bytes<Real>());
+    return Workspace(ChainRoom<Real>(std::span(steps_), length).bytes());
 }
 
 template <class Real>
@@ -145,16 +152,8 @@ void CompiledChain<Real>::evaluate(Values<Real> source, const BufferDescriptor& 
                                    MutableValues<Real> destination,
                                    const BufferDescriptor& destinationLayout, RowRange rows,
                                    Workspace& workspace) const {
-    checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
-                    destinationLayout, rows);
-    const ChainRoom room = roomFor(sourceLayout.length);
-    evaluateInTurn<Real>(std::span(steps_), room, workspace.reserve(room.template bytes<Real>()),
-                         source, sourceLayout, destination, destinationLayout, rows,
-                         [](const CompiledTable<Real>& step, std::byte* memory, Values<Real> from,
-                            const BufferDescriptor& fromLayout, MutableValues<Real> to,
-                            const BufferDescriptor& toLayout, RowRange range) {
-                             step.evaluateIn(memory, from, fromLayout, to, toLayout, range);
-                         });
+    evaluateInTurn<Real>(std::span(steps_), workspace, source, sourceLayout, destination,
+                         destinationLayout, rows);
 }
 
 template <class Real>
@@ -172,15 +171,8 @@ std::size_t CompiledAdjointChain<Real>::byteCount() const {
 }
 
 template <class Real>
-ChainRoom CompiledAdjointChain<Real>::roomFor(Offset length) const {
-    return ChainRoom(std::span(steps_), length,
-                     [&]([[maybe_unused]] const CompiledAdjoint<Real>& step,
-                         [[maybe_unused]] bool isPadded) { return step.roomFor(length); });
-}
-
-template <class Real>
 Workspace CompiledAdjointChain<Real>::workspace(Offset length) const {
-    return Workspace(roomFor(length).template bytes<Real>());
+    return Workspace(ChainRoom<Real>(std::span(steps_), length).bytes());
 }
 
 template <class Real>
@@ -197,16 +189,8 @@ void CompiledAdjointChain<Real>::evaluate(Values<Real> source, const BufferDescr
                                           MutableValues<Real> destination,
                                           const BufferDescriptor& destinationLayout, RowRange rows,
                                           Workspace& workspace) const {
-    checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
-                    destinationLayout, rows);
-    const ChainRoom room = roomFor(sourceLayout.length);
-    evaluateInTurn<Real>(std::span(steps_), room, workspace.reserve(room.template bytes<Real>()),
-                         source, sourceLayout, destination, destinationLayout, rows,
-                         [](const CompiledAdjoint<Real>& step, std::byte* memory, Values<Real> from,
-                            const BufferDescriptor& fromLayout, MutableValues<Real> to,
-                            const BufferDescriptor& toLayout, RowRange range) {
-                             step.evaluateIn(memory, from, fromLayout, to, toLayout, range);
-                         });
+    evaluateInTurn<Real>(std::span(steps_), workspace, source, sourceLayout, destination,
+                         destinationLayout, rows);
 }
 
 template class CompiledChain<float>;

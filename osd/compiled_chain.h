@@ -12,8 +12,6 @@
 
 namespace espalier::osd {
 
-struct ChainRoom;
-
 /// Tables that are applied one after the other, T_n · (… · (T_1 · source)), each compiled: the two
 /// factors of a deformation table, or the level tables R_1 to R_n.
 ///
@@ -56,8 +54,6 @@ public:
     Workspace workspace(Offset length) const;
 
 private:
-    ChainRoom roomFor(Offset length) const;
-
     std::vector<CompiledTable<Real>> steps_;
 };
 
@@ -102,8 +98,6 @@ public:
     Workspace workspace(Offset length) const;
 
 private:
-    ChainRoom roomFor(Offset length) const;
-
     std::vector<CompiledAdjoint<Real>> steps_;  ///< T_nᵀ first
 };
 

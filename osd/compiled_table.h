@@ -11,8 +11,7 @@
 
 namespace espalier::osd {
 
-template <class Real>
-class CompiledChain;
+struct ChainSteps;
 template <class Real>
 class ChangeEvaluator;
 
@@ -84,7 +83,7 @@ private:
 
     std::shared_ptr<const Data> data_;
 
-    friend class CompiledChain<Real>;
+    friend struct ChainSteps;
     friend class ChangeEvaluator<Real>;
 };
 
