@@ -123,7 +123,7 @@ TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOnTheZoo) {
 // Outer products; panels, of several sets of columns with zeros for those that a row lacks; rows
 // with columns of their own; all the kernels.
 TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOfEachForm) {
-    const auto box = boundTable<TypeParam>(shapes::box({.cells = {5, 4, 4}}), 3, 20'000);
+    const auto box = boundTable<TypeParam>(shapes::box({.cells = {5, 4, 4}}), 3, 6000);
     const auto cylinder = boundTable<TypeParam>(shapes::cylinder({.sectors = 5}), 3, 3000);
     const Lattice torus = test::surfaceOf(shapes::torus());
     far::TopologyRefiner refiner(torus.complex);
