@@ -22,7 +22,9 @@ namespace espalier::osd {
 /// depend on it: an index for each column of each group of rows that share theirs, and one for each
 /// entry of the other rows.
 ///
-/// For whole tables: of a CompiledChain everything depends on what lies between its tables.
+/// Where nearly all rows depend on what has changed, a whole evaluation is quicker
+/// (docs/performance.md). For whole tables: of a CompiledChain everything depends on what lies
+/// between its tables.
 ///
 /// Immutable, and so safe to share between threads.
 template <class Real>
