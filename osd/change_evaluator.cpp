@@ -3,6 +3,7 @@
 #include <espalier/far/parallel.h>
 #include <espalier/osd/change_evaluator.h>
 #include <espalier/osd/compiled_table_data.h>
+#include <espalier/osd/places_of_columns.h>
 #include <espalier/osd/room.h>
 
 #include <algorithm>
@@ -21,27 +22,6 @@ using kernels::kLanes;
 std::size_t at(Offset index) {
     return static_cast<std::size_t>(index);
 }
-
-/// Of each column of a table the places, ascending, in which it was found.
-struct PlacesOfColumns {
-    std::vector<Offset> offsets;
-    std::vector<Index> places;
-
-    /// \param forEach calls what it is given with each column and place, places ascending
-    template <class ForEach>
-    PlacesOfColumns(Index columnCount, ForEach forEach) : offsets(at(columnCount) + 1, 0) {
-        forEach([&](Index column, Index) { ++offsets[at(column) + 1]; });
-        std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-        places.resize(at(offsets.back()));
-        std::vector<Offset> next(offsets.begin(), offsets.end() - 1);
-        forEach([&](Index column, Index place) { places[at(next[at(column)]++)] = place; });
-    }
-
-    std::span<const Index> of(Index column) const {
-        return std::span(places).subspan(at(offsets[at(column)]),
-                                         at(offsets[at(column) + 1] - offsets[at(column)]));
-    }
-};
 
 /// A set of numbers below a bound, in memory of somebody else's.
 class Marks {
@@ -82,11 +62,11 @@ struct ChangeEvaluator<Real>::Data {
     using Run = typename CompiledRows<Real>::Run;
 
     std::shared_ptr<const Table> table;
-    PlacesOfColumns groups;        ///< column → groups
-    PlacesOfColumns alone;         ///< column → rows in no group, by their place in rows.rows
-    std::vector<char> isMixed;     ///< group → whether some of its weights are 0
-    std::vector<Index> ascending;  ///< 0 to the length of the longest run
-    Index mostColumns;             ///< of a group or a run
+    PlacesOfColumns<Index> groups;  ///< column → groups
+    PlacesOfColumns<Index> alone;   ///< column → rows in no group, by their place in rows.rows
+    std::vector<char> isMixed;      ///< group → whether some of its weights are 0
+    std::vector<Index> ascending;   ///< 0 to the length of the longest run
+    Index mostColumns;              ///< of a group or a run
 
     explicit Data(std::shared_ptr<const Table> shared)
         : table(std::move(shared)),
@@ -232,8 +212,7 @@ Index ChangeEvaluator<Real>::columnCount() const {
 template <class Real>
 std::size_t ChangeEvaluator<Real>::byteCount() const {
     const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
-    return bytes(data_->groups.offsets) + bytes(data_->groups.places) +
-           bytes(data_->alone.offsets) + bytes(data_->alone.places) + bytes(data_->isMixed) +
+    return data_->groups.byteCount() + data_->alone.byteCount() + bytes(data_->isMixed) +
            bytes(data_->ascending);
 }
 

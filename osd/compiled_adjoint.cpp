@@ -2,11 +2,11 @@
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
 #include <espalier/osd/compiled_adjoint.h>
+#include <espalier/osd/places_of_columns.h>
 #include <espalier/osd/room.h>
 #include <espalier/osd/table_compiler.h>
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace espalier::osd {
@@ -17,26 +17,6 @@ using stencils::StencilTable;
 std::size_t at(Offset index) {
     return static_cast<std::size_t>(index);
 }
-
-/// Of each column of a table, the places that it has in groupColumns, ascending.
-struct PlacesOfColumns {
-    std::vector<Offset> offsets;
-    std::vector<Offset> places;
-
-    PlacesOfColumns(std::span<const Index> groupColumns, Index columnCount)
-        : offsets(at(columnCount) + 1, 0), places(groupColumns.size()) {
-        for (const Index column : groupColumns) ++offsets[at(column) + 1];
-        std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-        std::vector<Offset> next(offsets.begin(), offsets.end() - 1);
-        for (std::size_t place = 0; place < groupColumns.size(); ++place)
-            places[at(next[at(groupColumns[place])]++)] = static_cast<Offset>(place);
-    }
-
-    std::span<const Offset> of(Index column) const {
-        return std::span(places).subspan(at(offsets[at(column)]),
-                                         at(offsets[at(column) + 1] - offsets[at(column)]));
-    }
-};
 
 /// The rows of a table that are in no group.
 template <class Real>
@@ -63,10 +43,10 @@ template <class Real>
 struct CompiledAdjoint<Real>::Data {
     Index tableRowCount, tableColumnCount;
     kernels::Kernels<Real> kernels;
-    CompiledRows<Real> rows;  ///< the groups; no runs
-    PlacesOfColumns places;
-    StencilTable<Real> alone;  ///< the other rows, transposed
-    Index mostColumns = 0;     ///< of a group
+    CompiledRows<Real> rows;         ///< the groups; no runs
+    PlacesOfColumns<Offset> places;  ///< of each column in groupColumns
+    StencilTable<Real> alone;        ///< the other rows, transposed
+    Index mostColumns = 0;           ///< of a group
 
     /// Whether it pays to look ahead from group `g`: not where the next one has the same numbers,
     /// which then are in the cache. To ask for their rows alone costs more than it saves.
@@ -114,7 +94,10 @@ CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd sim
     rows.rows = decltype(rows.rows)();
     Index mostColumns = 0;
     for (const auto& group : rows.groups) mostColumns = std::max(mostColumns, group.columnCount);
-    PlacesOfColumns places(rows.groupColumns, table.columnCount());
+    PlacesOfColumns<Offset> places(table.columnCount(), [&](auto found) {
+        for (Offset place = 0; place < std::ssize(rows.groupColumns); ++place)
+            found(rows.groupColumns[at(place)], place);
+    });
     data_ = std::make_unique<const Data>(Data{table.rowCount(), table.columnCount(),
                                               kernels::kernelsFor<Real>(simd), std::move(rows),
                                               std::move(places), std::move(alone), mostColumns});
@@ -139,8 +122,7 @@ Index CompiledAdjoint<Real>::columnCount() const {
 
 template <class Real>
 std::size_t CompiledAdjoint<Real>::byteCount() const {
-    const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
-    return data_->rows.byteCount() + bytes(data_->places.offsets) + bytes(data_->places.places) +
+    return data_->rows.byteCount() + data_->places.byteCount() +
            data_->alone.offsets().size_bytes() + data_->alone.columns().size_bytes() +
            data_->alone.weights().size_bytes();
 }

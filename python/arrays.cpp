@@ -65,11 +65,10 @@ bool isFloat32(const py::dtype& type) {
     return type.kind() == 'f' && type.itemsize() == sizeof(float);
 }
 
-std::string shapeText(const py::array& array) {
+std::string shapeText(std::span<const py::ssize_t> shape) {
     std::string text;
-    for (py::ssize_t axis = 0; axis < array.ndim(); ++axis)
-        text += (axis > 0 ? ", " : "") + std::to_string(array.shape(axis));
-    return "(" + text + (array.ndim() == 1 ? ",)" : ")");
+    for (const py::ssize_t size : shape) text += (text.empty() ? "" : ", ") + std::to_string(size);
+    return "(" + text + (shape.size() == 1 ? ",)" : ")");
 }
 
 template <class Real>
@@ -124,17 +123,6 @@ std::vector<Index> toIndices(const py::handle& object, const std::string& name) 
     if (array.ndim() != 1)
         throw Error(name + ": expected an array of one dimension, got shape " + shapeText(array));
     return {array.data(), array.data() + array.size()};
-}
-
-py::array_t<double> toArray(std::vector<Point3> points) {
-    auto kept = std::make_unique<std::vector<Point3>>(std::move(points));
-    const auto* const data = kept->data()->data();
-    const auto size = static_cast<py::ssize_t>(kept->size());
-    const py::capsule owner(kept.get(), [](void* held) {
-        delete static_cast<std::vector<Point3>*>(held);  // NOLINT: a capsule owns by void*
-    });
-    kept.release();
-    return py::array_t<double>({size, py::ssize_t{3}}, data, owner);
 }
 
 }  // namespace espalier::python

@@ -32,7 +32,10 @@ std::string textOf(const py::handle& object);
 std::string typeName(const py::handle& object);
 
 /// "(27, 3)".
-std::string shapeText(const py::array& array);
+std::string shapeText(std::span<const py::ssize_t> shape);
+inline std::string shapeText(const py::array& array) {
+    return shapeText({array.shape(), static_cast<std::size_t>(array.ndim())});
+}
 
 /// Whether numbers are of 32 bits, in any order of their bytes.
 bool isFloat32(const py::dtype& type);
@@ -76,21 +79,32 @@ inline py::array viewOf(const std::vector<Point3>& points, py::handle owner) {
                   {static_cast<py::ssize_t>(points.size()), 3}, owner);
 }
 
+/// What keeps a vector for an array of its numbers.
+template <class T>
+py::capsule ownerOf(std::unique_ptr<std::vector<T>> values) {
+    py::capsule owner(values.get(), [](void* held) {
+        delete static_cast<std::vector<T>*>(held);  // NOLINT: a capsule owns by void*
+    });
+    values.release();
+    return owner;
+}
+
 /// An array that owns what was a vector.
 template <class T>
 py::array_t<T> toArray(std::vector<T> values) {
     auto kept = std::make_unique<std::vector<T>>(std::move(values));
-    const auto* const data = kept->data();
+    const T* const data = kept->data();
     const auto size = static_cast<py::ssize_t>(kept->size());
-    const py::capsule owner(kept.get(), [](void* held) {
-        delete static_cast<std::vector<T>*>(held);  // NOLINT: a capsule owns by void*
-    });
-    kept.release();
-    return py::array_t<T>(size, data, owner);
+    return py::array_t<T>(size, data, ownerOf(std::move(kept)));
 }
 
 /// The same for positions: shape (N, 3).
-py::array_t<double> toArray(std::vector<Point3> points);
+inline py::array_t<double> toArray(std::vector<Point3> points) {
+    auto kept = std::make_unique<std::vector<Point3>>(std::move(points));
+    const double* const data = kept->data()->data();
+    const auto size = static_cast<py::ssize_t>(kept->size());
+    return py::array_t<double>({size, py::ssize_t{3}}, data, ownerOf(std::move(kept)));
+}
 
 }  // namespace espalier::python
 

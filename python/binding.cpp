@@ -297,7 +297,7 @@ Binds points to a level of a lattice at rest. Returns a Binding.
 
 lattice   : Lattice, or Refiner where the rules are not the usual ones
 points    : array (N, 3), in the units of the lattice; or a Model
-level     : of the lattice, 1 or more
+level     : of the lattice, 1 to 20
 outside   : what becomes of a point outside: "keep" leaves it where it is, "nearest" carries it with
             the nearest cell, "error" refuses it
 tolerance : how far outside still counts as inside, in diagonals of the box round the lattice

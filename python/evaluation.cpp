@@ -10,12 +10,6 @@ namespace {
 
 using Shape = std::vector<py::ssize_t>;
 
-std::string shapeText(const Shape& shape) {
-    std::string text;
-    for (const py::ssize_t size : shape) text += (text.empty() ? "" : ", ") + std::to_string(size);
-    return "(" + text + (shape.size() == 1 ? ",)" : ")");
-}
-
 Shape shapeOf(const py::array& array) {
     return {array.shape(), array.shape() + array.ndim()};
 }
@@ -42,8 +36,7 @@ Parts partsOf(const Evaluation<Real>& evaluation, const py::array& values) {
     const std::string n = std::to_string(sourceRows);
     const std::string k = components ? std::to_string(*components) : "k";
     throw Error(source + ": expected an array of shape (" + n + ", " + k + ") or (P, " + n + ", " +
-                k + ")" + (components ? "" : " or (" + n + ",)") + ", got " +
-                python::shapeText(values));
+                k + ")" + (components ? "" : " or (" + n + ",)") + ", got " + shapeText(values));
 }
 
 template <class Real>
@@ -54,7 +47,7 @@ py::array_t<Real> checkedOut(const py::handle& object, const Shape& shape,
     const auto array = py::reinterpret_borrow<py::array>(object);
     if (shapeOf(array) != shape)
         throw Error("out: expected an array of shape " + shapeText(shape) + ", got " +
-                    python::shapeText(array));
+                    shapeText(array));
     if (!py::isinstance<py::array_t<Real, py::array::c_style>>(array))
         throw Error("out: expected an array of " + textOf(py::dtype::of<Real>()) +
                     " in C order, got " + textOf(array.dtype()) +

@@ -1,52 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// That an evaluation as espalier.h describes it for real time allocates nothing.
+// That an evaluation as espalier.h describes it for real time allocates nothing and takes no lock.
 #include <espalier.h>
 
-#include <atomic>
-#include <cstddef>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "box.h"
-
-namespace {
-
-std::atomic<long> allocations = 0;
-
-void* allocate(std::size_t bytes, std::size_t alignment) {
-    ++allocations;
-    if (void* memory =
-            std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment))
-        return memory;
-    throw std::bad_alloc();
-}
-
-}  // namespace
-
-// In place of those of the C++ library, for libespalier.so too.
-void* operator new(std::size_t bytes) {
-    return allocate(bytes, alignof(std::max_align_t));
-}
-void* operator new(std::size_t bytes, std::align_val_t alignment) {
-    return allocate(bytes, static_cast<std::size_t>(alignment));
-}
-void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
-    ++allocations;
-    return std::malloc(bytes);
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::align_val_t) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
-}
+#include "support/call_counts.h"
 
 int main() {
     double rest[3 * BOX_VERTICES];
@@ -90,11 +49,8 @@ int main() {
                                                   gradient.data(), size(gradient), xyz, 0,
                                                   BOX_VERTICES, workspace);
     };
-    const long none = allocations;
-    evaluate();
-    const long first = allocations;
-    evaluate();
-    const long second = allocations;
+    const auto first = espalier::test::callsOf(evaluate);
+    const auto second = espalier::test::callsOf(evaluate);
 
     espalier_executor_scope_destroy(scope);
     espalier_workspace_destroy(workspace);
@@ -105,5 +61,6 @@ int main() {
     espalier_refiner_destroy(refiner);
     espalier_lattice_destroy(lattice);
     // The first one did allocate: those of the library are counted.
-    return failed == ESPALIER_OK && none < first && first == second ? 0 : 1;
+    const bool isRight = first.allocations > 0 && second == espalier::test::CallCounts{};
+    return failed == ESPALIER_OK && isRight ? 0 : 1;
 }

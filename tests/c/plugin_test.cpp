@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "osd/call_counts.h"
+#include "support/call_counts.h"
 
 namespace {
 

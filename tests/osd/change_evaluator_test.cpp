@@ -13,6 +13,7 @@
 
 #include "support/mesh_shapes.h"
 #include "support/refined_lattice.h"
+#include "support/tables.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -140,17 +141,10 @@ TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOfEachForm) {
 
 // So many that the numbers of a task do not lie on the stack.
 TYPED_TEST(ChangeEvaluatorTest, LongRows) {
-    constexpr Index kLength = 2500;
-    far::Array<Offset> offsets = {0};
-    far::Array<Index> columns;
-    for (Index row = 0; row < 60; ++row) {
-        for (Index k = 0; k < kLength; ++k) columns.push_back(k + (row < 40 ? 0 : row));
-        offsets.push_back(static_cast<Offset>(columns.size()));
-    }
-    auto weights = randomReals<TypeParam>(std::ssize(columns), 9);
-    for (std::size_t i = 0; i < weights.size(); i += 3) weights[i] = 0;  // entries that are 0
-    const StencilTable<TypeParam> table(kLength + 60, offsets, columns,
-                                        {weights.begin(), weights.end()});
+    const auto weights = test::randomValues(60 * 2500, 9);
+    const auto table = test::tableOfLongRows<TypeParam>(60, 2500, [&](std::size_t entry) {
+        return entry % 3 == 0 ? 0 : weights[entry];  // entries that are 0
+    });
     expectSame(table, CompiledTable<TypeParam>(table), 3);
 }
 

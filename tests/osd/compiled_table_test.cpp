@@ -13,6 +13,7 @@
 #include <random>
 
 #include "support/mesh_shapes.h"
+#include "support/tables.h"
 #include "support/zoo.h"
 
 namespace espalier::osd {
@@ -204,15 +205,10 @@ TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
 // The bound of long rows: 4 ulp and one for each 32 entries.
 TYPED_TEST(CompiledTableTest, LongRows) {
     constexpr Index kLength = 2000;
-    far::Array<Offset> offsets = {0};
-    far::Array<Index> columns;
-    for (Index row = 0; row < 40; ++row) {
-        for (Index k = 0; k < kLength; ++k) columns.push_back(k + (row < 20 ? 0 : row));
-        offsets.push_back(static_cast<Offset>(columns.size()));
-    }
-    const auto weights = test::randomValues(columns.size(), 9);
-    const StencilTable<TypeParam> table(kLength + 40, offsets, columns,
-                                        {weights.begin(), weights.end()});
+    constexpr Index kRows = 60;
+    const auto weights = test::randomValues(std::size_t{kRows} * kLength, 9);
+    const auto table = test::tableOfLongRows<TypeParam>(
+        kRows, kLength, [&](std::size_t entry) { return weights[entry]; });
     expectWithinUlp(table, TypeParam{4 + kLength / 32});
 }
 

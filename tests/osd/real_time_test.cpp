@@ -19,9 +19,10 @@
 #include <numeric>
 #include <vector>
 
-#include "call_counts.h"
+#include "support/call_counts.h"
 #include "support/mesh_shapes.h"
 #include "support/refined_lattice.h"
+#include "support/tables.h"
 #include "support/thread_pool.h"
 #include "support/zoo.h"
 
@@ -68,15 +69,7 @@ struct Tables {
         far::TopologyRefiner refiner(torus.complex);
         refiner.refineUniform(4);
         tables.push_back(stencils::buildStencils<Real>(refiner, 4));
-        constexpr Index kLength = 2500;
-        far::Array<Offset> offsets = {0};
-        far::Array<Index> columns;
-        for (Index row = 0; row < 60; ++row) {
-            for (Index k = 0; k < kLength; ++k) columns.push_back(k + (row < 40 ? 0 : row));
-            offsets.push_back(static_cast<Offset>(columns.size()));
-        }
-        const far::Array<Real> weights(columns.size(), Real(0.001));
-        tables.emplace_back(kLength + 60, offsets, columns, weights);
+        tables.push_back(test::tableOfLongRows<Real>(60, 2500, [](std::size_t) { return 0.001; }));
     }
 };
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace espalier::test {
@@ -34,6 +35,25 @@ inline std::vector<Point3> shaken(std::vector<Point3> points, unsigned seed) {
     for (Point3& point : points)
         for (double& coordinate : point) coordinate += move(random);
     return points;
+}
+
+/// A table of long rows: the first two thirds share their `length` columns, each row of the rest
+/// has its own.
+/// \param weightOf a weight by the number of the entry
+template <class Real, class WeightOf>
+stencils::StencilTable<Real> tableOfLongRows(far::Index rowCount, far::Index length,
+                                             WeightOf weightOf) {
+    far::Array<far::Offset> offsets = {0};
+    far::Array<far::Index> columns;
+    far::Array<Real> weights;
+    for (far::Index row = 0; row < rowCount; ++row) {
+        for (far::Index k = 0; k < length; ++k) {
+            weights.push_back(static_cast<Real>(weightOf(columns.size())));
+            columns.push_back(k + (3 * row < 2 * rowCount ? 0 : row));
+        }
+        offsets.push_back(static_cast<far::Offset>(columns.size()));
+    }
+    return {length + rowCount, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
 /// D of a box lattice.

@@ -18,10 +18,10 @@
 #include <thread>
 #include <vector>
 
+#include "support/parallel_contract.h"
 #include "support/refined_lattice.h"
 #include "support/thread_pool.h"
 #include "support/threads.h"
-#include "support/waiting_thread.h"
 
 #ifdef ESPALIER_WITH_TBB
 #include <tbb/task_group.h>
@@ -57,30 +57,11 @@ void withEachExecutor(Work work) {
 }
 
 TEST(Executor, CoversEachItemOnceInFixedRanges) {
-    withEachExecutor([] {
-        std::vector<std::atomic<int>> visits(1003);
-        parallelFor(1003, 10, [&](Offset first, Offset last) {
-            EXPECT_EQ(first % 10, 0);
-            EXPECT_EQ(last, std::min<Offset>(first + 10, 1003));
-            for (Offset i = first; i < last; ++i) ++visits[static_cast<std::size_t>(i)];
-        });
-        for (const auto& count : visits) EXPECT_EQ(count, 1);
-    });
+    withEachExecutor([] { test::expectEachItemOnceInFixedRanges(); });
 }
 
 TEST(Executor, RethrowsTheErrorOfTheLowestRange) {
-    withEachExecutor([] {
-        for (int attempt = 0; attempt < 20; ++attempt) {
-            try {
-                parallelFor(1000, 10, [](Offset first, Offset) {
-                    if (first >= 300) throw std::runtime_error(std::to_string(first));
-                });
-                FAIL() << "nothing thrown";
-            } catch (const std::runtime_error& error) {
-                EXPECT_STREQ(error.what(), "300");
-            }
-        }
-    });
+    withEachExecutor([] { test::expectTheErrorOfTheLowestRange(20); });
 }
 
 TEST(Executor, ItsOwnErrorsArrive) {
@@ -154,7 +135,7 @@ TEST(ExecutorScope, HoldsForNestedLoops) {
 TEST(Executor, WaitingThreadTakesUpNoOtherWork) {
     ThreadPool pool(8, ThreadPool::Waiting::HelpsAnybody);
     const ExecutorScope scope(pool);
-    EXPECT_FALSE(test::waitingThreadTakesUpOtherWork(50));
+    test::expectNoOtherWorkWhileWaiting(50);
 }
 
 /// Has job() run by a thread of a pool that waits for a loop of ours, in a scope of ours.

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/index.h>
+
+#include <cstddef>
+#include <numeric>
+#include <span>
+#include <vector>
+
+namespace espalier::osd {
+
+/// Of each column of a table the places, ascending, in which it was found: in whatever a caller
+/// counts by Place.
+template <class Place>
+class PlacesOfColumns {
+public:
+    /// \param forEach calls what it is given with each column and place, places ascending; twice
+    ///        the same
+    template <class ForEach>
+    PlacesOfColumns(far::Index columnCount, ForEach forEach) : offsets_(at(columnCount) + 1, 0) {
+        forEach([&](far::Index column, Place) { ++offsets_[at(column) + 1]; });
+        std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
+        places_.resize(at(offsets_.back()));
+        std::vector<far::Offset> next(offsets_.begin(), offsets_.end() - 1);
+        forEach([&](far::Index column, Place place) { places_[at(next[at(column)]++)] = place; });
+    }
+
+    std::span<const Place> of(far::Index column) const {
+        return std::span(places_).subspan(at(offsets_[at(column)]),
+                                          at(offsets_[at(column) + 1] - offsets_[at(column)]));
+    }
+
+    std::size_t byteCount() const {
+        return offsets_.size() * sizeof(far::Offset) + places_.size() * sizeof(Place);
+    }
+
+private:
+    static std::size_t at(far::Offset index) { return static_cast<std::size_t>(index); }
+
+    std::vector<far::Offset> offsets_;
+    std::vector<Place> places_;
+};
+
+}  // namespace espalier::osd

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/parallel.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+// What parallelFor() promises, whoever runs its ranges.
+namespace espalier::test {
+
+inline void expectEachItemOnceInFixedRanges() {
+    std::vector<std::atomic<int>> visits(1003);
+    far::parallelFor(1003, 10, [&](far::Offset first, far::Offset last) {
+        EXPECT_EQ(first % 10, 0);
+        EXPECT_EQ(last, std::min<far::Offset>(first + 10, 1003));
+        for (far::Offset i = first; i < last; ++i) ++visits[static_cast<std::size_t>(i)];
+    });
+    for (const auto& count : visits) EXPECT_EQ(count, 1);
+}
+
+inline void expectTheErrorOfTheLowestRange(int repeats) {
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+        try {
+            far::parallelFor(1000, 10, [](far::Offset first, far::Offset) {
+                if (first >= 300) throw std::runtime_error(std::to_string(first));
+            });
+            FAIL() << "nothing thrown";
+        } catch (const std::runtime_error& error) {
+            EXPECT_STREQ(error.what(), "300");
+        }
+    }
+}
+
+/// That a thread which waits for an inner loop takes up no range of the outer one. A body may hold
+/// a lock round a nested loop, as CellComplex::relation() does, which that range would want too.
+inline void expectNoOtherWorkWhileWaiting(int repeats) {
+    thread_local bool holdsLock = false;
+    std::atomic<bool> isEnteredAgain = false;
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+        std::once_flag once;
+        far::parallelFor(64, 1, [&](far::Offset, far::Offset) {
+            if (holdsLock) {
+                isEnteredAgain = true;  // Waiting for the flag here would never end.
+                return;
+            }
+            std::call_once(once, [&] {
+                holdsLock = true;
+                far::parallelFor(16, 1, [](far::Offset first, far::Offset) {
+                    std::this_thread::sleep_for(std::chrono::microseconds(10 + 7 * first));
+                });
+                holdsLock = false;
+            });
+        });
+    }
+    EXPECT_FALSE(isEnteredAgain);
+}
+
+}  // namespace espalier::test
