@@ -109,11 +109,14 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model)
 }
 
 BoundModel readBoundModel(const std::filesystem::path& path) {
-    const std::string bytes = readFile(path);
+    return readBoundModel(path, readFile(path));
+}
+
+BoundModel readBoundModel(const std::filesystem::path& path, std::string_view bytes) {
     NumberReader in(bytes);
     BoundModel model;
     const Sizes sizes = readHeader(path, in, model.binding.topologyHash);
-    const std::string_view checked = std::string_view(bytes).substr(0, bytes.size() - 4);
+    const std::string_view checked = bytes.substr(0, bytes.size() - 4);
     const auto expected =
         loadNumber<std::uint32_t>(checked.data() + checked.size(), std::endian::little);
     const auto got = static_cast<std::uint32_t>(crc32_z(

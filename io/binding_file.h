@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace espalier::io {
 
@@ -39,5 +40,10 @@ ESPALIER_API void writeBoundModel(const std::filesystem::path& path, const Bound
 ///         does not have the checksum that it should; nothing is allocated by what it claims before
 ///         that
 ESPALIER_API BoundModel readBoundModel(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path for messages
+/// \param bytes the whole file
+ESPALIER_API BoundModel readBoundModel(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace espalier::io

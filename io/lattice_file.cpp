@@ -16,20 +16,21 @@ using Path = std::filesystem::path;
 
 struct LatticeFormat {
     std::string_view extension;
-    Lattice (*read)(const Path&);
+    Lattice (*readFrom)(const Path&);
+    Lattice (*read)(const Path&, std::string_view bytes);
     void (*write)(const Path&, const Lattice&, const WriteLatticeOptions&);
 };
 
 constexpr LatticeFormat kFormats[] = {
-    {".ovm", readOvm,
+    {".ovm", readOvm, readOvm,
      [](const Path& path, const Lattice& lattice, const WriteLatticeOptions&) {
          writeOvm(path, lattice);
      }},
-    {".vtu", readVtu,
+    {".vtu", readVtu, readVtu,
      [](const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
          writeVtu(path, lattice, options.vtuEncoding);
      }},
-    {".vtk", readVtkLegacy,
+    {".vtk", readVtkLegacy, readVtkLegacy,
      [](const Path& path, const Lattice& lattice, const WriteLatticeOptions&) {
          writeVtkLegacy(path, lattice);
      }}};
@@ -66,10 +67,21 @@ const LatticeFormat& formatOf(const Path& path) {
                               ("; expected " + latticeExtensions()));
 }
 
+/// The format of what can be refined and is no OBJ.
+const LatticeFormat& refinableFormatOf(const Path& path) {
+    if (const LatticeFormat* format = findFormat(path)) return *format;
+    throw FileError(path, "not a format of curves, meshes or lattices that is known; expected " +
+                              std::string(kMeshExtension) + ", " + latticeExtensions());
+}
+
 }  // namespace
 
 Lattice readLattice(const Path& path) {
-    return formatOf(path).read(path);
+    return formatOf(path).readFrom(path);
+}
+
+Lattice readLattice(const Path& path, std::string_view bytes) {
+    return formatOf(path).read(path, bytes);
 }
 
 void writeLattice(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
@@ -82,11 +94,12 @@ void checkLatticeTarget(const Path& path) {
 
 Lattice readRefinable(const Path& path) {
     if (isMeshFile(path)) return readObjMesh(path);
-    if (findFormat(path) == nullptr)
-        throw FileError(path,
-                        "not a format of curves, meshes or lattices that is known; expected " +
-                            std::string(kMeshExtension) + ", " + latticeExtensions());
-    return readLattice(path);
+    return refinableFormatOf(path).readFrom(path);
+}
+
+Lattice readRefinable(const Path& path, std::string_view bytes) {
+    if (isMeshFile(path)) return readObjMesh(path, bytes);
+    return refinableFormatOf(path).read(path, bytes);
 }
 
 void writeRefinable(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {

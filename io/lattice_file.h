@@ -7,6 +7,7 @@
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
+#include <string_view>
 
 namespace espalier::io {
 
@@ -20,6 +21,11 @@ struct WriteLatticeOptions {
 /// \throws FileError if the extension is none of these, or the file cannot be read or is malformed;
 ///         TopologyError, with the path in its message, if its cells do not form a lattice
 ESPALIER_API Lattice readLattice(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path names the format, and the file in messages
+/// \param bytes the whole file
+ESPALIER_API Lattice readLattice(const std::filesystem::path& path, std::string_view bytes);
 
 /// Writes a lattice in the format that the extension names, so that readLattice() gives it back:
 /// the same vertices, cells and faces of cells, vertices and cells with their numbers, positions
@@ -40,6 +46,11 @@ ESPALIER_API void checkLatticeTarget(const std::filesystem::path& path);
 ///
 /// \throws FileError if the extension is none of these; what readObjMesh() and readLattice() throw
 ESPALIER_API Lattice readRefinable(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path names the format, and the file in messages
+/// \param bytes the whole file
+ESPALIER_API Lattice readRefinable(const std::filesystem::path& path, std::string_view bytes);
 
 /// Writes a mesh or a curve as .obj (obj_mesh.h), a lattice as writeLattice() does, so that
 /// readRefinable() gives it back.

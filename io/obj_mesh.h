@@ -5,6 +5,7 @@
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
+#include <string_view>
 
 /// \file
 /// Control meshes and control polygons as Wavefront OBJ, with the tags of OpenSubdiv's regression
@@ -49,6 +50,11 @@ namespace espalier::io {
 ///         message, if there is neither face nor line, and with path and line if a face has fewer
 ///         than three corners
 ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path for messages
+/// \param bytes the whole file
+ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path, std::string_view bytes);
 
 /// Writes a mesh so that it reads back the same: vertices and faces with their numbers, positions
 /// bit for bit, tags, and marks in canonical form, their sharpness rounded to a float. The edges of

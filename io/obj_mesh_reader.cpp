@@ -179,8 +179,11 @@ private:
 }  // namespace
 
 Lattice readObjMesh(const std::filesystem::path& path) {
-    const std::string text = readFile(path);
-    return ObjMeshReader(path).read(text);
+    return readObjMesh(path, readFile(path));
+}
+
+Lattice readObjMesh(const std::filesystem::path& path, std::string_view bytes) {
+    return ObjMeshReader(path).read(bytes);
 }
 
 }  // namespace espalier::io

@@ -5,6 +5,7 @@
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
+#include <string_view>
 
 /// \file
 /// Lattices in OpenVolumeMesh's text files (.ovm).
@@ -34,6 +35,11 @@ namespace espalier::io {
 ///         path in its message, if the cells do not form a lattice, or an edge or a face is not in
 ///         any
 ESPALIER_API Lattice readOvm(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path for messages
+/// \param bytes the whole file
+ESPALIER_API Lattice readOvm(const std::filesystem::path& path, std::string_view bytes);
 
 /// Writes a lattice so that it reads back the same: positions and attributes bit for bit, marks in
 /// canonical order.

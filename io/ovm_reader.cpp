@@ -293,7 +293,10 @@ private:
 }  // namespace
 
 Lattice readOvm(const std::filesystem::path& path) {
-    const std::string bytes = readFile(path);
+    return readOvm(path, readFile(path));
+}
+
+Lattice readOvm(const std::filesystem::path& path, std::string_view bytes) {
     return OvmReader(path, bytes).read();
 }
 

@@ -9,8 +9,12 @@
 namespace espalier::io {
 
 std::vector<Target> readTargets(const std::filesystem::path& path, far::Index pointCount) {
-    const std::string text = readFile(path);
-    TextReader reader(path, text);
+    return readTargets(path, pointCount, readFile(path));
+}
+
+std::vector<Target> readTargets(const std::filesystem::path& path, far::Index pointCount,
+                                std::string_view bytes) {
+    TextReader reader(path, bytes);
     reader.skipComments('#');
     std::vector<Target> targets;
     std::vector<std::size_t> lines(static_cast<std::size_t>(pointCount), 0);

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 namespace espalier::io {
@@ -26,5 +27,11 @@ struct Target {
 ///         for a point that comes twice; if there are no targets
 ESPALIER_API std::vector<Target> readTargets(const std::filesystem::path& path,
                                              far::Index pointCount);
+
+/// The same for a file that is in memory already.
+/// \param path for messages
+/// \param bytes the whole file
+ESPALIER_API std::vector<Target> readTargets(const std::filesystem::path& path,
+                                             far::Index pointCount, std::string_view bytes);
 
 }  // namespace espalier::io

@@ -5,6 +5,7 @@
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
+#include <string_view>
 
 /// \file
 /// Lattices in VTK's legacy files of unstructured grids (.vtk). Marks and attributes have the names
@@ -22,6 +23,11 @@ namespace espalier::io {
 /// \throws FileError with the line, if the file is malformed or holds cells of other types;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
 ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path for messages
+/// \param bytes the whole file
+ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes);
 
 /// Writes a lattice as ASCII, version 3.0, so that it reads back the same: positions and attributes
 /// bit for bit, marks in canonical order.

@@ -286,7 +286,10 @@ private:
 }  // namespace
 
 Lattice readVtkLegacy(const std::filesystem::path& path) {
-    const std::string bytes = readFile(path);
+    return readVtkLegacy(path, readFile(path));
+}
+
+Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes) {
     return LegacyReader(path, bytes).read();
 }
 

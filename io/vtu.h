@@ -5,6 +5,7 @@
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
+#include <string_view>
 
 /// \file
 /// Lattices in VTK's XML files of unstructured grids (.vtu).
@@ -37,6 +38,11 @@ enum class VtuEncoding {
 /// \throws FileError with the line, if the file is malformed or holds cells of other types;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
 ESPALIER_API Lattice readVtu(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path for messages
+/// \param bytes the whole file
+ESPALIER_API Lattice readVtu(const std::filesystem::path& path, std::string_view bytes);
 
 /// Writes a lattice so that it reads back the same: positions and attributes bit for bit, marks in
 /// canonical order. Files are little-endian, with 64-bit headers and the older layout of polyhedra,

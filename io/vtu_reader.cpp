@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace espalier::io {
 namespace {
@@ -47,8 +48,8 @@ private:
 
 class VtuReader {
 public:
-    explicit VtuReader(const std::filesystem::path& path)
-        : file_(VtkXmlFile::read(path, readFile(path), "UnstructuredGrid")) {}
+    VtuReader(const std::filesystem::path& path, std::string bytes)
+        : file_(VtkXmlFile::read(path, std::move(bytes), "UnstructuredGrid")) {}
 
     Lattice read() {
         for (const VtkPiece& piece : file_.pieces()) {
@@ -227,7 +228,11 @@ private:
 }  // namespace
 
 Lattice readVtu(const std::filesystem::path& path) {
-    return VtuReader(path).read();
+    return VtuReader(path, readFile(path)).read();
+}
+
+Lattice readVtu(const std::filesystem::path& path, std::string_view bytes) {
+    return VtuReader(path, std::string(bytes)).read();
 }
 
 }  // namespace espalier::io
