@@ -6,6 +6,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace espalier {
 
@@ -16,6 +17,10 @@ class ESPALIER_API Error : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
+
+/// How messages show a text that comes from elsewhere: in quotes, cut after 40 bytes, and with
+/// "\x1B" in place of what a terminal would not show but obey.
+ESPALIER_API std::string inQuotes(std::string_view text);
 
 }  // namespace espalier
 

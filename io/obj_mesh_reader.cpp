@@ -6,7 +6,6 @@
 #include <espalier/io/obj_mesh.h>
 #include <espalier/io/obj_statements.h>
 #include <espalier/io/obj_tags.h>
-#include <espalier/io/words.h>
 
 #include <algorithm>
 #include <cstdint>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/far/sharpness.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_parts.h>
 #include <espalier/io/obj_mesh.h>
 #include <espalier/io/point_arrays.h>
 #include <espalier/io/text_output.h>
-#include <espalier/io/words.h>
 
 #include <initializer_list>
 #include <ostream>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/coordinates.h>
 #include <espalier/io/file.h>
 #include <espalier/io/obj_statements.h>
-#include <espalier/io/words.h>
 
 namespace espalier::io {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/far/sharpness.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_parts.h>
 #include <espalier/io/obj_tags.h>
-#include <espalier/io/words.h>
 
 #include <algorithm>
 #include <cmath>

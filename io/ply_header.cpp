@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/ply_header.h>
 #include <espalier/io/text_reader.h>
 #include <espalier/io/words.h>

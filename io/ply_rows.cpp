@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/byte_order.h>
 #include <espalier/io/file.h>
 #include <espalier/io/ply_rows.h>

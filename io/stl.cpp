@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/byte_order.h>
 #include <espalier/io/coordinates.h>
 #include <espalier/io/file.h>
 #include <espalier/io/stl.h>
 #include <espalier/io/text_output.h>
 #include <espalier/io/text_reader.h>
-#include <espalier/io/words.h>
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/file.h>
 #include <espalier/io/text_reader.h>
 
@@ -60,8 +61,7 @@ template <class Number>
 Number TextReader::number(const char* what) {
     const std::string_view text = token(what);
     Number result{};
-    if (!parseNumber(text, result))
-        fail("'" + std::string(text.substr(0, 40)) + "' is not a number; expected " + what);
+    if (!parseNumber(text, result)) fail(inQuotes(text) + " is not a number; expected " + what);
     return result;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/vtk_legacy_data.h>
-#include <espalier/io/words.h>
 
 #include <bit>
 #include <charconv>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_parts.h>
 #include <espalier/io/point_arrays.h>

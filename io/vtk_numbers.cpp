@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/byte_order.h>
 #include <espalier/io/vtk_numbers.h>
-#include <espalier/io/words.h>
 
 #include <limits>
 #include <type_traits>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/coding_error.h>
 #include <espalier/io/file.h>
 #include <espalier/io/vtk_xml.h>
-#include <espalier/io/words.h>
 
 #include <algorithm>
 #include <type_traits>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/file.h>
 #include <espalier/io/vtk_xml.h>
-#include <espalier/io/words.h>
 
 #include <algorithm>
 #include <limits>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_parts.h>
 #include <espalier/io/point_arrays.h>
 #include <espalier/io/vtk_cells.h>
 #include <espalier/io/vtk_xml.h>
 #include <espalier/io/vtu.h>
-#include <espalier/io/words.h>
 
 #include <algorithm>
 #include <string>

@@ -103,11 +103,11 @@ void requireConsistent(const std::string& who, const std::string& name, const La
                         textOf(lattice.positions[vertex]) + "; expected finite numbers");
     for (const VertexAttribute& attribute : lattice.attributes) {
         if (attribute.components < 1)
-            throw Error(who + ": attribute '" + attribute.name + "' of " + name + " has " +
+            throw Error(who + ": attribute " + inQuotes(attribute.name) + " of " + name + " has " +
                         std::to_string(attribute.components) + " components; expected 1 or more");
         const std::size_t expected = vertexCount * static_cast<std::size_t>(attribute.components);
         if (attribute.values.size() != expected)
-            throw Error(who + ": attribute '" + attribute.name + "' of " + name + " has " +
+            throw Error(who + ": attribute " + inQuotes(attribute.name) + " of " + name + " has " +
                         std::to_string(attribute.values.size()) + " values; expected " +
                         std::to_string(expected));
     }

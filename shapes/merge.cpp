@@ -29,10 +29,10 @@ void requireAttribute(const VertexAttribute& wanted, std::size_t owner, const La
                       std::size_t number) {
     const VertexAttribute* found = findAttribute(lattice, wanted.name);
     if (found == nullptr)
-        throw Error("merge: " + latticeName(number) + " lacks attribute '" + wanted.name +
-                    "', which " + latticeName(owner) + " has");
+        throw Error("merge: " + latticeName(number) + " lacks attribute " + inQuotes(wanted.name) +
+                    ", which " + latticeName(owner) + " has");
     if (found->components != wanted.components)
-        throw Error("merge: attribute '" + wanted.name + "' has " +
+        throw Error("merge: attribute " + inQuotes(wanted.name) + " has " +
                     std::to_string(found->components) + " components in " + latticeName(number) +
                     ", but " + std::to_string(wanted.components) + " in " + latticeName(owner));
 }
