@@ -65,7 +65,7 @@ enum {
     ESPALIER_OK = 0,
     ESPALIER_ERROR_INPUT = 1,    ///< an argument, or a lattice, that is refused
     ESPALIER_ERROR_FILE = 2,     ///< a file that cannot be read or written, or is malformed
-    ESPALIER_ERROR_MEMORY = 3,   ///< not enough memory
+    ESPALIER_ERROR_MEMORY = 3,   ///< not enough memory, or more than a limit allows
     ESPALIER_CANCELLED = 4,      ///< by the callback of an espalier_progress_scope
     ESPALIER_ERROR_INTERNAL = 5  ///< not foreseen: please report it
 };
@@ -133,6 +133,16 @@ typedef struct espalier_thread_limit espalier_thread_limit;
 ESPALIER_C_API espalier_status espalier_thread_limit_create(int32_t threads,
                                                             espalier_thread_limit** limit);
 ESPALIER_C_API void espalier_thread_limit_destroy(espalier_thread_limit* limit);
+
+/// An upper bound on the memory of the whole process, that of the host included; of several the
+/// lowest counts. What is known to take more gives ESPALIER_ERROR_MEMORY before memory is taken for
+/// it, what turns out to, soon after (far/memory.h).
+typedef struct espalier_memory_limit espalier_memory_limit;
+
+/// \param bytes 1 or more
+ESPALIER_C_API espalier_status espalier_memory_limit_create(int64_t bytes,
+                                                            espalier_memory_limit** limit);
+ESPALIER_C_API void espalier_memory_limit_destroy(espalier_memory_limit* limit);
 
 // ---- Lattices -------------------------------------------------------------------------------
 

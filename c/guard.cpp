@@ -2,6 +2,7 @@
 #include "guard.h"
 
 #include <espalier/far/error.h>
+#include <espalier/far/memory.h>
 #include <espalier/far/progress.h>
 #include <espalier/io/file.h>
 
@@ -40,6 +41,8 @@ espalier_status statusOfException() noexcept {
         throw;
     } catch (const io::FileError& error) {
         return report(ESPALIER_ERROR_FILE, error.what());
+    } catch (const far::MemoryError& error) {
+        return report(ESPALIER_ERROR_MEMORY, error.what());
     } catch (const Error& error) {
         return report(ESPALIER_ERROR_INPUT, error.what());
     } catch (const far::Cancelled& cancelled) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/executor.h>
+#include <espalier/far/memory.h>
 #include <espalier/far/parallel.h>
 #include <espalier/far/progress.h>
 
@@ -55,6 +56,12 @@ struct espalier_thread_limit {
     far::ThreadLimit limit;
 };
 
+struct espalier_memory_limit {
+    explicit espalier_memory_limit(std::uint64_t bytes) : limit(bytes) {}
+
+    far::MemoryLimit limit;
+};
+
 espalier_status espalier_progress_scope_create(espalier_progress_callback callback, void* user,
                                                int32_t milliseconds,
                                                espalier_progress_scope** scope) {
@@ -98,5 +105,17 @@ espalier_status espalier_thread_limit_create(int32_t threads, espalier_thread_li
 }
 
 void espalier_thread_limit_destroy(espalier_thread_limit* limit) {
+    delete limit;
+}
+
+espalier_status espalier_memory_limit_create(int64_t bytes, espalier_memory_limit** limit) {
+    return c::guarded([&] {
+        auto& out = c::deref(limit, "limit");
+        if (bytes < 1) throw Error("bytes is " + std::to_string(bytes) + "; expected 1 or more");
+        out = new espalier_memory_limit(static_cast<std::uint64_t>(bytes));
+    });
+}
+
+void espalier_memory_limit_destroy(espalier_memory_limit* limit) {
     delete limit;
 }

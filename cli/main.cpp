@@ -7,6 +7,7 @@
 #include <new>
 
 #include "commands.h"
+#include "memory_option.h"
 
 namespace {
 
@@ -30,6 +31,7 @@ int run(int argumentCount, char** arguments) {
     addFitCommand(program);
     addCheckCommand(program);
     addCompareCommand(program);
+    addMemoryOption(program);
     try {
         program.parse(argumentCount, arguments);
     } catch (const CLI::Success& helpOrVersion) {

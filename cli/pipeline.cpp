@@ -49,7 +49,7 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
 std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& stages) {
     return stages.run("reading", [&] {
         stages.addFile(path);
-        return io::readModel(path);
+        return ofFile(path, [&] { return io::readModel(path); });
     });
 }
 

@@ -79,12 +79,4 @@ int threadCount([[maybe_unused]] int limit) {
 #endif
 }
 
-std::string formatBytes(std::size_t bytes) {
-    constexpr std::array<const char*, 5> kUnits = {"B", "kB", "MB", "GB", "TB"};
-    double amount = static_cast<double>(bytes);
-    std::size_t unit = 0;
-    for (; amount >= 1000 && unit + 1 < kUnits.size(); ++unit) amount /= 1000;
-    return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{:.1f} {}", amount, kUnits[unit]);
-}
-
 }  // namespace espalier::cli

@@ -71,7 +71,4 @@ std::size_t peakMemory();
 /// process, and one in a build without oneTBB.
 int threadCount(int limit);
 
-/// 1536 → "1.5 kB".
-std::string formatBytes(std::size_t bytes);
-
 }  // namespace espalier::cli

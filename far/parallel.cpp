@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/loop_context.h>
+#include <espalier/far/memory.h>
 #include <espalier/far/parallel.h>
 
 #include <algorithm>
@@ -53,6 +54,7 @@ public:
                                       nullptr, outer_.isAwaited});
         try {
             if (outer_.progress != nullptr) outer_.progress->check();
+            checkMemory();
             const Offset first = range * grain_, last = std::min(first + grain_, count_);
             body_(first, last);
             if (outer_.progress != nullptr) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/memory.h>
 #include <espalier/far/refinement.h>
 
 #include "cell_corners.h"
@@ -83,6 +84,7 @@ Refinement::Refinement(const CellComplex& parent, const Kept* kept)
         throw TopologyError(TopologyCause::EmptyComplex, {dimension_, 0},
                             std::string("refined without boundary control, the complex has no ") +
                                 dimensionName(dimension_) + " left: it has no interior vertex");
+    requireMemory(leastBytes(), "the refined complex");
     CellComplex::Boundaries boundaries;
     boundaries[0] = childEdges();
     if (dimension_ > 1) {
@@ -120,6 +122,13 @@ void Refinement::numberChildren(const Kept* kept) {
         }
         childCounts_[static_cast<std::size_t>(d)] = static_cast<Index>(count);
     }
+}
+
+/// Bytes that the child takes at least.
+std::uint64_t Refinement::leastBytes() const {
+    constexpr std::uint64_t kSignedEntry = sizeof(Index) + sizeof(Signed::sign);
+    return kSignedEntry * (2 * static_cast<std::uint64_t>(childCounts_[1]) +
+                           4 * static_cast<std::uint64_t>(childCounts_[2]));
 }
 
 /// Leaves the entries with both ends marked.

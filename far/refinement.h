@@ -144,6 +144,7 @@ private:
     }
 
     void numberChildren(const Kept* kept);
+    std::uint64_t leastBytes() const;
     SignedIncidence childEdges() const;
     struct Quadrilaterals;
     void addCorners(Quadrilaterals& quadrilaterals) const;

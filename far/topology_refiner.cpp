@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/level_size.h>
+#include <espalier/far/memory.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <algorithm>
@@ -48,6 +50,9 @@ std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement
 }  // namespace
 
 void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
+    // Room first: what throws below leaves the levels as they are.
+    refinements_.reserve(refinements_.size() + 1);
+    levels_.reserve(levels_.size() + 1);
     const Level& parent = levels_.back();
     Refinement refinement(parent.complex, kept);
     Level next{
@@ -58,7 +63,26 @@ void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
     levels_.push_back(std::move(next));
 }
 
+namespace {
+
+/// Refuses a level that cannot be, before those below it are made.
+void checkSize(const CellComplex& complex, int levels, int level) {
+    const LevelSize size = levelSize(complex, levels);
+    const std::string name = "level " + std::to_string(level);
+    for (int d = 0; d <= complex.dimension(); ++d)
+        if (size.counts[static_cast<std::size_t>(d)] > kMaxIndex)
+            throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
+                                name + " would have more than " + std::to_string(kMaxIndex) +
+                                    " entities of one dimension");
+    requireMemory(static_cast<std::uint64_t>(size.bytes()), name);
+}
+
+}  // namespace
+
 void TopologyRefiner::refineUniform(int level) {
+    // Without boundary control levels are smaller, by how much is not known beforehand.
+    if (level > maxLevel() && isUniform() && boundary() != Boundary::Open)
+        checkSize(levels_.back().complex, level - maxLevel(), level);
     while (maxLevel() < level) {
         if (!isUniform())
             throw Error("level " + std::to_string(maxLevel()) +

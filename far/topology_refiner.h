@@ -49,8 +49,9 @@ public:
 
     /// Adds levels until maxLevel() is `level`; those already there stay.
     ///
-    /// \throws TopologyError (TooManyEntities; EmptyComplex under Boundary::Open). The levels made
-    ///         before stay.
+    /// \throws TopologyError (TooManyEntities; EmptyComplex under Boundary::Open); MemoryError. The
+    ///         levels made before stay. A level that is too large is refused before any is made,
+    ///         but under Boundary::Open, where its size is not known beforehand
     /// \throws Error after refineAround(): parts of the levels are not there
     /// \cost O(entries of the new levels)
     void refineUniform(int level);

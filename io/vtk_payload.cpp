@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/memory.h>
 #include <espalier/io/base64.h>
 #include <espalier/io/byte_order.h>
 #include <espalier/io/coding_error.h>
+#include <espalier/io/vtk_numbers.h>
 #include <espalier/io/vtk_payload.h>
 #include <zlib.h>
 
@@ -93,6 +95,9 @@ std::string decodeCompressed(PayloadReader& reader) {
                           " bytes are left");
     std::vector<std::uint64_t> compressedSizes(blockCount);
     for (std::uint64_t& size : compressedSizes) size = reader.readWord();
+    far::requireMemory(std::min(saturatingProduct(blockCount, blockSize),
+                                saturatingProduct(kMostInflation, reader.mostLeft())),
+                       "its data");
     std::string bytes;
     for (std::uint64_t block = 0; block < blockCount; ++block) {
         const bool isCut = block + 1 == blockCount && lastSize != 0;

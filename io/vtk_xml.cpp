@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/memory.h>
 #include <espalier/io/coding_error.h>
 #include <espalier/io/file.h>
 #include <espalier/io/vtk_xml.h>
@@ -65,6 +66,8 @@ std::string VtkXmlFile::payload(const VtkDataArray& array) const {
         return decodePayload(text, isAppended ? appendedForm_ : PayloadForm::Base64, coding_);
     } catch (const CodingError& error) {
         failIn(array, std::string("cannot be decoded: ") + error.what());
+    } catch (const far::MemoryError& error) {
+        throw far::MemoryError(nameOf(array) + ": " + error.what());
     }
 }
 
@@ -81,6 +84,7 @@ std::vector<Value> VtkXmlFile::values(const VtkDataArray& array) const {
         if (bytes.size() % byteSize(*array.type) != 0)
             failIn(array, "has " + std::to_string(bytes.size()) +
                               " bytes, which are not a whole number of " + xmlName(*array.type));
+        far::requireMemory(bytes.size() / byteSize(*array.type) * sizeof(Value), nameOf(array));
         values = decodeNumbers<Value>(bytes, *array.type, coding_.byteOrder);
     }
     if (values.size() % array.components != 0)
@@ -119,6 +123,11 @@ std::vector<std::int64_t> VtkXmlFile::integers(const VtkDataArray& array,
 
 void VtkXmlFile::fail(std::size_t line, const std::string& cause) const {
     throw FileError(path_, line, cause);
+}
+
+std::string VtkXmlFile::nameOf(const VtkDataArray& array) const {
+    return path_.string() + ":" + std::to_string(array.line) + ": the array " +
+           inQuotes(array.name);
 }
 
 void VtkXmlFile::failIn(const VtkDataArray& array, const std::string& cause) const {

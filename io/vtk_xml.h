@@ -106,6 +106,7 @@ private:
     std::vector<Value> inlineText(const VtkDataArray& array) const;
     std::string payload(const VtkDataArray& array) const;
     void checkTuples(const VtkDataArray& array, std::size_t got, std::size_t tuples) const;
+    std::string nameOf(const VtkDataArray& array) const;
     [[noreturn]] void failIn(const VtkDataArray& array, const std::string& cause) const;
 
     std::filesystem::path path_;

@@ -21,6 +21,6 @@ PYBIND11_MODULE(_core, module) {
     addDesignVariables(module);
     addValidity(module);
     addHolding(module);
-    addThreads(module);
+    addLimits(module);
     py::delattr(module, "__module__");
 }

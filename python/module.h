@@ -19,7 +19,7 @@ void addFit(py::module_& module);
 void addDesignVariables(py::module_& module);
 void addValidity(py::module_& module);
 void addHolding(py::module_& module);
-void addThreads(py::module_& module);
+void addLimits(py::module_& module);
 
 /// Makes ValueError of Error, with the same text, in what this shared object throws.
 void translateErrors();

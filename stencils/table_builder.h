@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/memory.h>
 #include <espalier/far/parallel.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -53,6 +56,8 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
     });
     for (std::size_t row = 1; row < offsets.size(); ++row) offsets[row] += offsets[row - 1];
 
+    far::requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(Real)),
+                       "a table of " + std::to_string(offsets.back()) + " weights");
     Array<Index> columns(static_cast<std::size_t>(offsets.back()));
     Array<Real> weights(columns.size());
     far::parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {

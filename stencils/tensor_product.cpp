@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/memory.h>
 #include <espalier/stencils/box_least_squares.h>
 #include <espalier/stencils/place_points.h>
 #include <espalier/stencils/tensor_product.h>
@@ -192,6 +193,14 @@ TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3
 template <class Real>
 StencilTable<Real> buildDeformationTable(const TensorLattice& lattice,
                                          const TensorEmbedding& embedding) {
+    // All rows are as long; those of a Bézier lattice name each of its vertices.
+    const auto& points = embedding.points;
+    const auto first = std::find_if(points.begin(), points.end(),
+                                    [](const auto& point) { return point.place.has_value(); });
+    if (first != points.end())
+        far::requireMemory(
+            points.size() * lattice.weights(*first->place).size() * (sizeof(Index) + sizeof(Real)),
+            "a table of " + std::to_string(points.size()) + " rows");
     return buildPlaceTable<Real>(embedding, lattice.complex().count(0),
                                  [&](const TensorPlace& place) { return lattice.weights(place); });
 }

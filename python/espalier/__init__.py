@@ -15,7 +15,8 @@ it. That makes one sparse matrix D: for a pose p' of the lattice the points are 
     D = binding.matrix                               # scipy.sparse.csr_matrix (N, V)
 
 Arrays of positions have shape (count, 3) and any unit of length; angles are in radians. What is
-wrong with an argument is said by a ValueError that names it.
+wrong with an argument is said by a ValueError that names it; what would take more memory than a
+MemoryLimit allows is a MemoryError.
 
 Other threads of Python run during long calls, but not while arguments and results become arrays and
 lists. Ctrl-C ends refining, binding, evaluating and checking before long; what one core does alone
@@ -37,6 +38,7 @@ from ._core import (
     LargestStep,
     Lattice,
     LatticeFit,
+    MemoryLimit,
     Model,
     PoseValidity,
     Refiner,
@@ -65,6 +67,7 @@ __all__ = [
     "LargestStep",
     "Lattice",
     "LatticeFit",
+    "MemoryLimit",
     "Model",
     "PointStatus",
     "PoseValidity",

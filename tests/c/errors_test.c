@@ -33,6 +33,7 @@ static void test_null_is_destroyed_in_peace(void) {
     espalier_progress_scope_destroy(NULL);
     espalier_executor_scope_destroy(NULL);
     espalier_thread_limit_destroy(NULL);
+    espalier_memory_limit_destroy(NULL);
     espalier_workspace_destroy(NULL);
     espalier_lattice_destroy(NULL);
     espalier_refiner_destroy(NULL);
@@ -75,6 +76,7 @@ static void test_null_is_refused(void) {
     REFUSED_INPUT(espalier_progress_scope_create(go_on, NULL, 20, NULL), "scope is null");
     REFUSED_INPUT(espalier_executor_scope_create(NULL, NULL, NULL), "scope is null");
     REFUSED_INPUT(espalier_thread_limit_create(1, NULL), "limit is null");
+    REFUSED_INPUT(espalier_memory_limit_create(1, NULL), "limit is null");
     REFUSED_INPUT(espalier_workspace_create(NULL), "workspace is null");
 
     REFUSED_INPUT(espalier_lattice_create(NULL, positions, &l), "cells is null");
@@ -315,6 +317,8 @@ static void test_bad_options(void) {
     REFUSED_INPUT(espalier_progress_scope_create(go_on, NULL, -1, &progress), "milliseconds is -1");
     espalier_thread_limit* limit = NULL;
     REFUSED_INPUT(espalier_thread_limit_create(0, &limit), "threads is 0");
+    espalier_memory_limit* memory = NULL;
+    REFUSED_INPUT(espalier_memory_limit_create(0, &memory), "bytes is 0");
     CHECK(b == NULL && limit == NULL && progress == NULL);
 }
 

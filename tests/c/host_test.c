@@ -47,6 +47,16 @@ static void test_thread_limit(void) {
     espalier_thread_limit_destroy(limit);
 }
 
+static void test_memory_limit(void) {
+    espalier_memory_limit* limit = NULL;
+    OK(espalier_memory_limit_create(1, &limit));
+    CHECK(deform(after) == ESPALIER_ERROR_MEMORY);
+    CHECK(strstr(espalier_last_error(), "the limit is 1 B") != NULL);
+    espalier_memory_limit_destroy(limit);
+    OK(deform(after));
+    CHECK(memcmp(before, after, sizeof before) == 0);
+}
+
 /* A host's loop, which happens to run backwards. */
 static void run_backwards(void* user, int64_t count, espalier_task task, void* work) {
     ++*(int*)user;
@@ -101,6 +111,7 @@ int main(void) {
     set_up();
     OK(deform(before));
     test_thread_limit();
+    test_memory_limit();
     test_executors();
     test_progress();
     espalier_refiner_destroy(refiner);

@@ -195,3 +195,14 @@ def test_results_do_not_depend_on_the_number_of_threads(rest, points, pose):
     np.testing.assert_array_equal(alone.deform(pose), together.deform(pose))
     with pytest.raises(ValueError, match="^threads: expected 0 or more, got -1$"):
         espalier.ThreadLimit(-1)
+
+
+def test_more_memory_than_a_limit_allows_is_a_memory_error(rest, points):
+    with espalier.MemoryLimit(1) as limit:
+        with pytest.raises(MemoryError, match="the limit is 1 B"):
+            espalier.bind(rest, points, level=3)
+        with pytest.raises(ValueError, match="in use"):
+            limit.__enter__()
+    espalier.bind(rest, points, level=3)
+    with pytest.raises(ValueError, match="^bytes: expected 1 or more, got 0$"):
+        espalier.MemoryLimit(0)

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/memory.h>
+#include <espalier/far/parallel.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "module.h"
+
+namespace espalier::python {
+
+namespace {
+
+/// A limit of the library for the length of a `with` block.
+template <class Limit, class Value>
+class LimitBlock {
+public:
+    explicit LimitBlock(Value value) : value_(value) {}
+    void enter() {
+        if (limit_) throw Error("this limit is in use already");
+        limit_ = std::make_unique<Limit>(value_);
+    }
+    void leave() { limit_.reset(); }
+
+private:
+    Value value_;
+    std::unique_ptr<Limit> limit_;
+};
+
+/// Adds the class of a limit.
+/// \param parameter what it is of, for messages
+/// \param least that it can be
+template <class Limit, class Value>
+void addLimit(py::module_& module, const char* name, const char* parameter, std::int64_t least,
+              const char* doc) {
+    using Block = LimitBlock<Limit, Value>;
+    py::class_<Block>(module, name, doc)
+        .def(py::init([parameter, least](std::int64_t value) {
+                 if (value < least || !std::in_range<Value>(value))
+                     throw Error(std::string(parameter) + ": expected " + std::to_string(least) +
+                                 " or more, got " + std::to_string(value));
+                 return Block(static_cast<Value>(value));
+             }),
+             py::arg(parameter))
+        .def("__enter__",
+             [](py::object self) {
+                 self.cast<Block&>().enter();
+                 return self;
+             })
+        .def("__exit__", [](Block& self, const py::args&) { self.leave(); });
+}
+
+}  // namespace
+
+void addLimits(py::module_& module) {
+    addLimit<far::ThreadLimit, int>(module, "ThreadLimit", "threads", 0, R"(
+Limits the threads that Espalier uses, in a with block: `with espalier.ThreadLimit(2): ...`. Results do
+not depend on their number, bit for bit.
+
+threads : at most so many, of the whole process; 0 is one a core
+)");
+    addLimit<far::MemoryLimit, std::uint64_t>(module, "MemoryLimit", "bytes", 1, R"(
+Limits the memory of the process, in a with block: `with espalier.MemoryLimit(4 * 10**9): ...`. What
+Espalier knows to take more raises MemoryError before memory is taken for it; what turns out to take
+more, soon after.
+
+bytes : at most so many, of the whole process, that of Python and of arrays included
+)");
+}
+
+}  // namespace espalier::python

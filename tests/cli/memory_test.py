@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the program on what would take more memory than there is to be."""
+
+import base64
+import struct
+import sys
+import unittest
+import zlib
+
+import program
+from program import CliTest
+
+TRILLION = 10**12
+
+
+def vtu(points, count, compressor=""):
+    return f"""<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64"{compressor}>
+<UnstructuredGrid><Piece NumberOfPoints="{count}" NumberOfCells="1">
+<Points>{points}</Points>
+<Cells></Cells>
+</Piece></UnstructuredGrid></VTKFile>
+"""
+
+
+class MemoryTest(CliTest):
+    def lattice(self, name="box.ovm", cells=(2, 2, 2)):
+        self.run_program("shape", "box", "--cells", *cells, "-o", name)
+        return name
+
+    def points(self, count):
+        lines = [f"v {(i % 10) / 10 + 0.05} {(i // 10 % 10) / 10 + 0.05} 0.5" for i in range(count)]
+        (self.path / "points.obj").write_text("\n".join(lines))
+        return "points.obj"
+
+    def test_a_level_that_cannot_be_is_refused_at_once(self):
+        self.lattice()
+        self.assertRegex(self.error_of("refine", "box.ovm", "-n", 15, "-o", "out.ovm"),
+                         r"^espalier: box.ovm: level 15 would have more than 2147483647 entities")
+        self.assertRegex(
+            self.error_of("refine", "box.ovm", "-n", 7, "-o", "out.ovm", "--max-memory", "1GB"),
+            r"^espalier: box.ovm: level 7 takes some 2.\d GB of memory; the limit is 1.0 GB")
+        self.assertFalse((self.path / "out.ovm").exists())
+
+    def test_the_option_is_of_every_command_and_takes_units(self):
+        self.lattice()
+        for size in ("500MB", "1GiB", "2000000000", "1g"):
+            self.run_program("info", "box.ovm", "--max-memory", size)
+        for size in ("0", "-1", "ten", "1XB"):
+            self.assertIn("--max-memory", self.error_of("info", "box.ovm", "--max-memory", size,
+                                                        code=2))
+        for command in (["info"], ["shape", "box"], ["shape", "merge"], ["refine"], ["stencils"],
+                        ["bind"], ["apply"], ["deform"], ["bench"], ["fit"], ["check"], ["compare"]):
+            self.assertIn("--max-memory", self.run_program(*command, "--help").stdout)
+
+    def test_claims_are_refused_before_memory_is_taken(self):
+        claims = {
+            "a.ovm": f"OVM ASCII\nVertices\n{TRILLION}\n0 0 0\n",
+            "b.ovm": "OVM ASCII\nVertices\n99999999999999999999999\n",
+            "a.vtk": "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                     f"POINTS {TRILLION} float\n0 0 0\n",
+            "b.vtk": "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\n"
+                     f"POINTS {2**63} double\n0 0 0\n",
+            "a.vtu": vtu('<DataArray type="Float32" NumberOfComponents="3" format="ascii">0 0 0'
+                         "</DataArray>", TRILLION),
+            "b.vtu": vtu('<DataArray type="Float32" NumberOfComponents="3" format="binary">'
+                         + base64.b64encode(struct.pack("<Q", TRILLION)).decode()
+                         + "</DataArray>", TRILLION),
+        }
+        for name, text in claims.items():
+            (self.path / name).write_text(text)
+            error = self.error_of("info", name, "--max-memory", "50MB")
+            self.assertTrue(error.startswith(f"espalier: {name}:"), error)
+            self.assertNotIn("out of memory", error)
+        models = {
+            "a.ply": f"ply\nformat ascii 1.0\nelement vertex {TRILLION}\nproperty float x\n"
+                     "property float y\nproperty float z\nend_header\n0 0 0\n",
+            "b.ply": f"ply\nformat binary_little_endian 1.0\nelement vertex {2**63}\n"
+                     "property double x\nproperty double y\nproperty double z\nend_header\n0",
+            "a.stl": b"binary".ljust(80) + struct.pack("<I", 2**32 - 1) + bytes(50),
+        }
+        self.lattice()
+        for name, content in models.items():
+            data = content if isinstance(content, bytes) else content.encode()
+            (self.path / name).write_bytes(data)
+            error = self.error_of("bind", name, "--rest", "box.ovm", "-o", "out.espb",
+                                  "--max-memory", "50MB")
+            self.assertTrue(error.startswith(f"espalier: {name}:"), error)
+            self.assertNotIn("out of memory", error)
+
+    def test_a_zlib_bomb(self):
+        size = 300_000_000
+        packed = zlib.compress(bytes(size), 9)
+        header = struct.pack("<4Q", 1, size, 0, len(packed))
+        array = ('<DataArray type="Float64" NumberOfComponents="3" format="binary">'
+                 + base64.b64encode(header).decode() + base64.b64encode(packed).decode()
+                 + "</DataArray>")
+        (self.path / "bomb.vtu").write_text(
+            vtu(array, size // 24, ' compressor="vtkZLibDataCompressor"'))
+        self.assertRegex(self.error_of("info", "bomb.vtu", "--max-memory", "100MB"),
+                         r"^espalier: bomb.vtu:4: the array '': its data takes some 300.0 MB")
+
+    def test_what_is_not_known_beforehand_is_stopped(self):
+        # So wide a tolerance that every point is in every cell of level 9.
+        self.lattice()
+        points = self.points(1000)
+        error = self.error_of("bind", points, "--rest", "box.ovm", "-n", 9, "--tolerance", 1,
+                              "-o", "out.espb", "--max-memory", "200MB")
+        self.assertRegex(error, r"memory")
+        self.assertFalse((self.path / "out.espb").exists())
+
+    def test_a_table_of_bezier_weights(self):
+        self.lattice(cells=(15, 15, 15))
+        points = self.points(10_000)  # 41 million weights
+        self.assertRegex(self.error_of("bind", points, "--rest", "box.ovm", "--basis", "bezier",
+                                       "-o", "out.espb", "--max-memory", "200MB"),
+                         r"a table of 10000 rows takes some 491.5 MB of memory")
+
+
+if __name__ == "__main__":
+    program.ESPALIER = sys.argv.pop(1)
+    unittest.main()

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/level_size.h>
+#include <espalier/far/topology_refiner.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/complexes.h"
+
+namespace espalier::far {
+namespace {
+
+double pairs(const CellComplex& complex, int from, int to) {
+    return from > complex.dimension()
+               ? 0
+               : static_cast<double>(complex.relation(from, to).values().size());
+}
+
+void expectSizesOfLevels(const CellComplex& base, int levels) {
+    TopologyRefiner refiner(base);
+    refiner.refineUniform(levels);
+    for (int level = 0; level <= levels; ++level) {
+        const CellComplex& complex = refiner.level(level).complex;
+        const LevelSize size = levelSize(base, level);
+        for (int d = 0; d <= kMaxDimension; ++d)
+            EXPECT_EQ(size.counts[static_cast<std::size_t>(d)],
+                      d <= base.dimension() ? complex.count(d) : 0)
+                << "level " << level << " dimension " << d;
+        EXPECT_EQ(size.faceEdges, pairs(complex, 2, 1)) << level;
+        EXPECT_EQ(size.cellFaces, pairs(complex, 3, 2)) << level;
+        EXPECT_EQ(size.cellEdges, pairs(complex, 3, 1)) << level;
+        EXPECT_EQ(size.cellVertices, pairs(complex, 3, 0)) << level;
+    }
+}
+
+TEST(LevelSize, IsThatOfTheLevelsThatAreMade) {
+    expectSizesOfLevels(test::mixedCells(), 3);
+    expectSizesOfLevels(test::bipyramid(7), 3);
+    expectSizesOfLevels(test::grid({3, 2, 1}), 3);
+    expectSizesOfLevels(buildMesh(5, {{{0, 1, 2, 3}, {3, 2, 4}}}), 3);
+    expectSizesOfLevels(buildCurve(5, true), 3);
+}
+
+// Of a level that no machine can hold: a cube has 8ⁿ cells.
+TEST(LevelSize, IsKnownOfLevelsThatCannotBe) {
+    const LevelSize size = levelSize(test::singleCell(StandardCell::Hexahedron), 30);
+    EXPECT_EQ(size.counts[3], std::ldexp(1, 90));
+    EXPECT_GT(size.bytes(), 10 * std::ldexp(1, 90));
+}
+
+}  // namespace
+}  // namespace espalier::far
