@@ -83,6 +83,15 @@ CellSolver::CellSolver(const far::CellComplex& complex, std::span<const Point3> 
       corners_(hexahedra(complex)),
       scale_(scale) {}
 
+std::optional<LocatedPoint> CellSolver::beyondReach(const Vector3d& point, bool seekNearest) {
+    // From there, distances to cells a millionth of the lattice across are the same but for
+    // rounding: all of them would be the nearest.
+    constexpr double kFarthest = 1e8;
+    if ((point.array().abs() <= kFarthest).all()) return std::nullopt;
+    const bool isOutside = point.allFinite() && !seekNearest;
+    return LocatedPoint{isOutside ? PointStatus::Outside : PointStatus::NotConverged, {}, 0, 0};
+}
+
 Eigen::AlignedBox3d CellSolver::boxOf(CellId cell) const {
     Eigen::AlignedBox3d box;
     if (const auto& corners = cornersOf(cell))

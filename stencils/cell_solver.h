@@ -15,7 +15,8 @@ namespace espalier::stencils {
 enum class PointStatus : std::uint8_t {
     Inside,       ///< in a cell, in the gap between two, or within the tolerance of the region
     Outside,      ///< of the region that the cells fill
-    NotConverged  ///< no place gives it back: a degenerate cell, or a coordinate not finite
+    NotConverged  ///< no place gives it back: a degenerate cell, or a coordinate not finite; or it
+                  ///< is to go with the nearest cell, and lies 1e8 sizes of the lattice away
 };
 
 /// Where a point lies in a lattice, whatever a place in it is.
@@ -44,7 +45,9 @@ using LocatedPoint = Located<CellPlace>;
 /// Finds points in given cells of a refined lattice. Which cells may hold a point is for others to
 /// say: those whose boxOf() contains it.
 ///
-/// Any number of threads may ask; answers depend on nothing but the point and the cells.
+/// Any number of threads may ask; answers depend on nothing but the point and the cells. Positions
+/// and points are squared: of a lattice whose size is not near 1, they must come in units of it
+/// (LengthUnit), as PointLocator and bindPoints() see to.
 ///
 /// \cite MacCracken & Joy 1996, sections 4 to 6
 class ESPALIER_API CellSolver {
@@ -65,6 +68,12 @@ public:
     ///         or are not finite
     /// \cost O(cells), in parallel: 0.08 s for 500,000 on one thread
     CellSolver(const far::CellComplex& complex, std::span<const Point3> positions, Scale scale);
+
+    /// What there is to say of a point that cannot be asked for: it is not finite, or so far off
+    /// that no cell is nearer than another, 1e8 sizes of the lattice. Nothing for all others.
+    ///
+    /// \param point in units of the lattice (LengthUnit)
+    static std::optional<LocatedPoint> beyondReach(const Eigen::Vector3d& point, bool seekNearest);
 
     /// Holds the points in a cell and, of those within the tolerance of it or in a gap beside it,
     /// all that are taken for inside.

@@ -4,6 +4,7 @@
 #include <espalier/stencils/cell_solver.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/continuity.h>
+#include <espalier/stencils/length_unit.h>
 #include <espalier/stencils/local_binding.h>
 #include <espalier/stencils/place_points.h>
 
@@ -107,7 +108,13 @@ public:
     HeldGroup search(std::span<const Point3> points) const {
         HeldGroup group;
         group.statuses.assign(points.size(), PointStatus::Outside);
-        const auto unsettled = searchInside(points, group);
+        auto unsettled = searchInside(points, group);
+        std::erase_if(unsettled, [&](Index i) {
+            const auto beyond =
+                CellSolver::beyondReach(Eigen::Vector3d(points[at(i)].data()), seekNearest_);
+            if (beyond) group.statuses[at(i)] = beyond->status;
+            return beyond.has_value();
+        });
         if (!unsettled.empty()) searchBeside(points, unsettled, group);
         return group;
     }
@@ -242,8 +249,11 @@ std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
     if (continuity == Continuity::C0)
         return verticesHoldingRows(
             bindPoints<double>(base, positions, level, rules, points, options).binding.table);
-    const HoldingSearch search(base, positions, level, rules, options);
-    const std::vector<Index> order = alongCurve(points);
+    const LengthUnit unit(positions);
+    const std::vector<Point3> restInUnits = unit.toUnits(positions);
+    const std::vector<Point3> inUnits = unit.toUnits(points);
+    const HoldingSearch search(base, restInUnits, level, rules, options);
+    const std::vector<Index> order = alongCurve(inUnits);
     constexpr Offset kGroupSize = 1 << 11;
     std::vector<std::vector<Index>> columns(
         static_cast<std::size_t>((std::ssize(points) + kGroupSize - 1) / kGroupSize));
@@ -251,7 +261,7 @@ std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
     far::parallelFor(std::ssize(points), kGroupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;
         for (Offset i = first; i < last; ++i)
-            own.push_back(points[at(order[static_cast<std::size_t>(i)])]);
+            own.push_back(inUnits[at(order[static_cast<std::size_t>(i)])]);
         HeldGroup group = search.search(own);
         for (std::size_t i = 0; i < own.size(); ++i)
             statuses[at(order[static_cast<std::size_t>(first) + i])] = group.statuses[i];

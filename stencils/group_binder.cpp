@@ -106,7 +106,8 @@ BoundPart<Table> PartBinder<Table>::bindInside(std::span<const Point3> points,
         return bindWith<Table>(
             points.size(), 0,
             [&](Index i) {
-                if (!at(points, i).allFinite()) return LocatedPoint{};
+                if (const auto beyond = CellSolver::beyondReach(at(points, i), seekNearest_))
+                    return *beyond;
                 if (seekNearest_) unsettled.push_back(i);
                 return LocatedPoint{PointStatus::Outside, {}, 0, 0};
             },
@@ -120,7 +121,7 @@ BoundPart<Table> PartBinder<Table>::bindInside(std::span<const Point3> points,
         points.size(), complex.count(0),
         [&](Index i) {
             const Vector3d point = at(points, i);
-            if (!point.allFinite()) return LocatedPoint{};
+            if (const auto beyond = CellSolver::beyondReach(point, seekNearest_)) return *beyond;
             if (auto inside = solver.locateIn(point, cells.of(i))) return *inside;
             // A gap lies in the boxes of the cells beside it: a point in no box is outside.
             if (seekNearest_ || !cells.of(i).empty()) unsettled.push_back(i);

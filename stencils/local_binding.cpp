@@ -2,6 +2,7 @@
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
 #include <espalier/far/topology_match.h>
+#include <espalier/stencils/length_unit.h>
 #include <espalier/stencils/local_binding.h>
 #include <espalier/stencils/place_points.h>
 
@@ -43,7 +44,9 @@ BoundModel<Real, Table> bind(const far::TopologyRefiner& base, std::span<const P
     checkBase(base, positions, level);
     checkPointCount(points);
     const Offset pointCount = std::ssize(points);
-    const auto binder = makeBinder<Table>(base, positions, level, rules, pointCount, options);
+    const LengthUnit unit(positions);
+    const std::vector<Point3> inUnits = unit.toUnits(positions);
+    const auto binder = makeBinder<Table>(base, inUnits, level, rules, pointCount, options);
     const std::vector<Index> order = alongCurve(points);
     // Larger groups share more of the cells around theirs; but their levels are held at once, some
     // 100 kB a level for a point that shares none, as most do on the fine levels.
@@ -54,7 +57,8 @@ BoundModel<Real, Table> bind(const far::TopologyRefiner& base, std::span<const P
     far::parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;
         for (Offset i = first; i < last; ++i)
-            own.push_back(points[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])]);
+            own.push_back(
+                unit.toUnits(points[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])]));
         auto& parts = groups[static_cast<std::size_t>(first / groupSize)];
         parts = binder->bind(own);
         for (BoundPart<Table>& part : parts)
@@ -69,7 +73,8 @@ BoundModel<Real, Table> bind(const far::TopologyRefiner& base, std::span<const P
         for (BoundPart<Table>& part : group) {
             for (std::size_t i = 0; i < part.points.size(); ++i)
                 model.statuses[static_cast<std::size_t>(part.points[i])] = part.statuses[i];
-            model.largestResidual = std::max(model.largestResidual, part.largestResidual);
+            model.largestResidual =
+                std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
             parts.push_back(std::move(part));
         }
     if (options.outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);

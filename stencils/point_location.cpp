@@ -31,11 +31,21 @@ PointLocator::PointLocator(const far::CellComplex& complex, std::span<const Poin
 
 PointLocator::PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
                            CellSolver::Scale scale)
-    : solver_(complex, positions, scale), tree_(cellBoxes(solver_, complex.count(3))) {}
+    : unit_(positions),
+      solver_(complex, unit_.toUnits(positions),
+              {unit_.toUnits(scale.size), unit_.toUnits(scale.tolerance)}),
+      tree_(cellBoxes(solver_, complex.count(3))) {}
 
 LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) const {
+    LocatedPoint located = locateInUnits(unit_.toUnits(position), seekNearest);
+    located.distance = unit_.fromUnits(located.distance);
+    located.residual = unit_.fromUnits(located.residual);
+    return located;
+}
+
+LocatedPoint PointLocator::locateInUnits(const Point3& position, bool seekNearest) const {
     const Vector3d point(position.data());
-    if (!point.allFinite()) return {};
+    if (const auto beyond = CellSolver::beyondReach(point, seekNearest)) return *beyond;
 
     std::vector<Index> candidates;
     tree_.findContaining(point, candidates);

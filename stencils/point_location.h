@@ -4,6 +4,7 @@
 #include <espalier/far/api.h>
 #include <espalier/stencils/box_tree.h>
 #include <espalier/stencils/cell_solver.h>
+#include <espalier/stencils/length_unit.h>
 
 #include <span>
 
@@ -38,7 +39,10 @@ public:
     LocatedPoint locate(const Point3& point, bool seekNearest) const;
 
 private:
-    CellSolver solver_;
+    LocatedPoint locateInUnits(const Point3& position, bool seekNearest) const;
+
+    LengthUnit unit_;
+    CellSolver solver_;  ///< of positions in units
     BoxTree tree_;
 };
 
