@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <support/complexes.h>
+#include <support/lattice_identity.h>
 #include <support/temporary_folder.h>
 
 #include <algorithm>
@@ -126,33 +127,6 @@ inline std::vector<Lattice> sampleLattices() {
             withMarksAndAttributes(boxLattice()),
             withMarksAndAttributes(mixedLattice()),
             withMarksAndAttributes(polyhedralLattice())};
-}
-
-/// The faces of each cell as loops anticlockwise from outside, wherever they start and in whatever
-/// order they come.
-inline std::vector<std::vector<std::vector<far::Index>>> orientedCells(
-    const far::CellComplex& complex) {
-    std::vector<std::vector<std::vector<far::Index>>> cells;
-    for (far::Index cell = 0; cell < complex.count(3); ++cell) {
-        auto loops = far::outwardLoops(complex, far::CellId(cell));
-        for (auto& loop : loops)
-            std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
-        std::sort(loops.begin(), loops.end());
-        cells.push_back(loops);
-    }
-    return cells;
-}
-
-inline std::vector<std::uint64_t> bitsOf(const std::vector<double>& values) {
-    std::vector<std::uint64_t> bits;
-    for (const double value : values) bits.push_back(std::bit_cast<std::uint64_t>(value));
-    return bits;
-}
-
-inline std::vector<std::uint64_t> bitsOf(const std::vector<Point3>& points) {
-    std::vector<double> values;
-    for (const Point3& point : points) values.insert(values.end(), point.begin(), point.end());
-    return bitsOf(values);
 }
 
 inline void expectSameLattice(const Lattice& got, const Lattice& expected) {

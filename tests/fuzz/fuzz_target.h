@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/error.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+/// The entry of a target: libFuzzer calls it with what it has made up, replay.cpp with files.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+// What the targets share. A target takes bytes, hands them to the library, and dies if that breaks
+// a promise; the sanitizers see to the rest.
+namespace espalier::fuzz {
+
+/// Dies if a promise is broken.
+inline void require(bool isKept, const char* promise, const std::string& detail = {}) {
+    if (isKept) return;
+    std::fprintf(stderr, "broken promise: %s%s%s\n", promise, detail.empty() ? "" : ": ",
+                 detail.c_str());
+    std::abort();
+}
+
+/// That a message is one line that a terminal can show.
+inline void requireOneLine(const std::string& message) {
+    for (const char c : message)
+        require(static_cast<unsigned char>(c) >= ' ' && c != '\x7f',
+                "a message is one line without control characters", message);
+    require(message.size() < 1000, "a message is short", message);
+}
+
+/// The result of work that may refuse what it is given: nothing, if it threw an Error. Any other
+/// exception ends the program, out of memory among them.
+template <class Work>
+auto resultOf(Work work) -> std::optional<decltype(work())> {
+    try {
+        return work();
+    } catch (const Error& error) {
+        requireOneLine(error.what());
+        return std::nullopt;
+    }
+}
+
+/// The same for what is read from a file of this name, which the message must begin with.
+template <class Read>
+auto readResult(const std::string& name, Read read) -> std::optional<decltype(read())> {
+    try {
+        return read();
+    } catch (const Error& error) {
+        requireOneLine(error.what());
+        require(std::string_view(error.what()).substr(0, name.size()) == name,
+                "a message names the file", error.what());
+        return std::nullopt;
+    }
+}
+
+inline std::string_view textOf(const std::uint8_t* data, std::size_t size) {
+    return {reinterpret_cast<const char*>(data), size};
+}
+
+/// Takes numbers off the bytes of an input; 0 where there are no more.
+class Input {
+public:
+    Input(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+
+    std::size_t left() const { return size_; }
+    std::uint8_t byte() { return take<std::uint8_t>(); }
+    bool flag() { return byte() % 2 != 0; }
+    /// 0 to count − 1.
+    int choice(int count) { return byte() % count; }
+    template <class Number>
+    Number take() {
+        Number number{};
+        const std::size_t count = size_ < sizeof number ? size_ : sizeof number;
+        std::memcpy(&number, data_, count);
+        data_ += count;
+        size_ -= count;
+        return number;
+    }
+
+private:
+    const std::uint8_t* data_;
+    std::size_t size_;
+};
+
+}  // namespace espalier::fuzz

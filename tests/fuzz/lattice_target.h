@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/topology_match.h>
+#include <espalier/io/lattice_file.h>
+
+#include <cmath>
+#include <limits>
+
+#include "fuzz_target.h"
+#include "support/lattice_identity.h"
+#include "written.h"
+
+namespace espalier::fuzz {
+
+/// The bits of numbers; those of the least NaN for any, as a text has no more to say of it.
+inline std::vector<std::uint64_t> bitsInText(std::vector<double> values) {
+    for (double& value : values)
+        if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
+    return test::bitsOf(values);
+}
+
+inline void requireSame(const Lattice& got, const Lattice& expected) {
+    const int dimension = expected.complex.dimension();
+    require(got.complex.dimension() == dimension, "the dimension comes back");
+    for (int d = 0; d <= dimension; ++d)
+        require(got.complex.count(d) == expected.complex.count(d), "all entities come back");
+    if (dimension == 3)
+        require(test::orientedCells(got.complex) == test::orientedCells(expected.complex),
+                "cells come back, turned as they were");
+    if (dimension == 2)
+        require(!far::topologyDifference(got.complex, expected.complex), "faces come back");
+    require(test::bitsOf(got.positions) == test::bitsOf(expected.positions),
+            "positions come back bit for bit");
+    require(got.marks == expected.marks, "marks come back");
+    require(got.tags == expected.tags, "tags come back");
+    require(got.attributes.size() == expected.attributes.size(), "attributes come back");
+    for (std::size_t i = 0; i < got.attributes.size(); ++i) {
+        const VertexAttribute &one = got.attributes[i], &other = expected.attributes[i];
+        require(one.name == other.name && one.components == other.components &&
+                    bitsInText(one.values) == bitsInText(other.values),
+                "an attribute comes back bit for bit", other.name);
+    }
+}
+
+/// That a file of a curve, a mesh or a lattice is refused, or gives one that is whole and that
+/// comes back from the file that it is written to.
+/// \param name gives the format
+inline void runLatticeTarget(const std::string& name, std::string_view bytes) {
+    const auto lattice = readResult(name, [&] { return io::readRefinable(name, bytes); });
+    if (!lattice) return;
+    far::validate(lattice->complex);
+    far::readMarks(lattice->complex, lattice->marks);
+    const auto vertexCount = static_cast<std::size_t>(lattice->complex.count(0));
+    require(lattice->positions.size() == vertexCount, "a position for each vertex");
+    for (const VertexAttribute& attribute : lattice->attributes)
+        require(
+            attribute.values.size() == vertexCount * static_cast<std::size_t>(attribute.components),
+            "an attribute has its values for each vertex", attribute.name);
+
+    // An OBJ does not keep positions that are not finite, nor some names of attributes.
+    const auto once = resultOf([&] {
+        return written(name, [&](const auto& path) { io::writeRefinable(path, *lattice); });
+    });
+    if (!once) return;
+    requireSame(io::readRefinable(name, *once), *lattice);
+}
+
+}  // namespace espalier::fuzz

@@ -1,0 +1,273 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the seeds of the fuzz targets: corpus/TARGET/seed-*.
+
+    tests/fuzz/make_seeds.py ESPALIER
+
+ESPALIER is the program, which writes the lattices and the bound model. The layout of the inputs of
+topology, embedding and payload is that of the targets' own code. Seeds of .vtu and .vtk are in
+tests/io/data besides, as VTK writes them.
+"""
+import base64
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+from pathlib import Path
+
+CORPUS = Path(__file__).resolve().parent / "corpus"
+
+
+def put(target, name, content):
+    folder = CORPUS / target
+    folder.mkdir(parents=True, exist_ok=True)
+    data = content if isinstance(content, bytes) else content.encode()
+    (folder / f"seed-{name}").write_bytes(data)
+
+
+def lattices(espalier, folder):
+    shapes = {
+        "box": ["box", "--cells", "2", "1", "1"],
+        "pyramid": ["pyramid", "--sides", "4"],
+        "prism": ["prism", "--sides", "5"],
+    }
+    for name, arguments in shapes.items():
+        for kind in ("ovm", "vtu", "vtk"):
+            path = folder / f"{name}.{kind}"
+            subprocess.run([espalier, "shape", *arguments, "-o", path], check=True,
+                           stdout=subprocess.DEVNULL)
+            put(kind, name, path.read_bytes())
+    put("vtu_model", "box", (folder / "box.vtu").read_bytes())
+
+
+def marked_lattice():
+    put("ovm", "marks", """OVM ASCII
+Vertices
+4
+0 0 0
+1 0 0
+0 1 0
+0 0 1
+Edges
+6
+0 1
+1 2
+2 0
+0 3
+1 3
+2 3
+Faces
+4
+3 0 2 4
+3 0 8 7
+3 2 10 9
+3 4 6 11
+Polyhedra
+1
+4 1 2 4 6
+VProp double "espalier:vertex_sharpness"
+-1
+10
+0
+2.5
+EProp double "espalier:edge_sharpness"
+-1
+10
+0
+2.5
+-1
+1
+VProp vec2f "uv"
+0 0
+0 1
+1 0
+1 1
+VProp string "name"
+a
+b
+c
+d
+""")
+
+
+def models():
+    put("obj", "triangles", """# a comment
+mtllib a.mtl
+o thing
+v 0 0 0
+v 1 0 0 1
+v 0 1.5e-3 0 0.1 0.2 0.3
+vt 0 0
+vn 0 0 1
+f 1/1/1 2/1/1 \\
+  -1//1
+""")
+    put("obj_mesh", "tags", """v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 2 0
+v 1 2 0
+f 1 2 3 4
+f 4 3 6 5
+t crease 2/1/0 3 2 1.5
+t crease 4/2/0 0 1 1 2 0.5 10
+t corner 1/1/0 4 2
+t hole 1/0/0 0
+t interpolateboundary 1/0/0 1
+t creasemethod 0/0/1 chaikin
+t smoothtriangles 0/0/1 smooth
+""")
+    put("obj_mesh", "triangle", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2//1 -1\n")
+    put("obj_mesh", "curve", "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3 1\n")
+    header = """ply
+format {} 1.0
+comment made by hand
+element vertex 3
+property float x
+property double y
+property float z
+property uchar red
+element face 1
+property list uchar int vertex_indices
+end_header
+"""
+    put("ply", "ascii", header.format("ascii") + "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n")
+    for order, name in (("<", "binary_little_endian"), (">", "binary_big_endian")):
+        rows = b"".join(struct.pack(order + "fdfB", i, 2 * i, 3 * i, i) for i in range(3))
+        rows += struct.pack(order + "B3i", 3, 0, 1, 2)
+        put("ply", name, header.format(name).encode() + rows)
+    put("stl", "ascii", """solid thing
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 1 0
+endloop
+endfacet
+endsolid thing
+""")
+    facet = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 7)
+    put("stl", "binary", b"binary".ljust(80) + struct.pack("<I", 2) + 2 * facet)
+    put("targets", "two", "# point x y z\n3 0 0 1\n99 1e-3 -2.5 7  # far\n")
+
+
+def bound_model(espalier, folder):
+    cube = folder / "cube.ovm"
+    subprocess.run([espalier, "shape", "cube", "-o", cube], check=True,
+                   stdout=subprocess.DEVNULL)
+    model = folder / "points.obj"
+    model.write_text("v 0.1 0.2 0.3\nv 5 5 5\nv 0 0 0\n")
+    bound = folder / "a.espb"
+    subprocess.run([espalier, "bind", model, "--rest", cube, "-n", "1", "-o", bound],
+                   check=True, stdout=subprocess.DEVNULL)
+    put("espb", "cube", bound.read_bytes())
+
+
+def matrices():
+    put("mtx", "real", "%%MatrixMarket matrix coordinate real general\n% two\n3 4 3\n"
+                       "1 1 0.5\n3 4 -1e-3\n1 2 0.5\n")
+    put("mtx", "integer", "%%MatrixMarket matrix coordinate integer general\n2 2 1\n2 1 -7\n")
+
+
+def payloads():
+    numbers = struct.pack("<6d", *range(6))
+    packed = zlib.compress(numbers)
+    blocks = struct.pack("<4Q", 1, 32768, len(numbers), len(packed))
+    put("payload", "raw", bytes([2]) + struct.pack("<Q", len(numbers)) + numbers)
+    put("payload", "raw-big-32", bytes([1]) + struct.pack(">I", len(numbers)) + numbers)
+    put("payload", "zlib", bytes([6]) + blocks + packed)
+    put("payload", "base64",
+        bytes([10]) + base64.b64encode(struct.pack("<Q", len(numbers)) + numbers))
+    put("payload", "base64-zlib", bytes([14]) + base64.b64encode(blocks) + base64.b64encode(packed))
+
+
+def topologies():
+    def options(dimension, built, rules=0, boundary=0, edges=(), vertices=(), holes=()):
+        head = [dimension - 1, built, rules, boundary, 0, 0, 0, len(edges)]
+        for tail, end, sharpness in edges:
+            head += [tail, end, sharpness]
+        head.append(len(vertices))
+        for vertex, sharpness in vertices:
+            head += [vertex, sharpness]
+        head.append(2 * len(holes))
+        return bytes([*head, *holes])
+
+    counts = (4, 5, 6, 8)
+    for kind, count in enumerate(counts):
+        put("topology", f"standard-{kind}",
+            options(3, 1, kind % 2) + bytes([count, kind, *range(count)]))
+    boxes = bytes([12, 3, *range(8), 3, *range(4, 12)])
+    put("topology", "boxes", options(3, 1) + boxes)
+    put("topology", "boxes-open", options(3, 1, boundary=2) + boxes)
+    put("topology", "boxes-edge-only", options(3, 1, boundary=1) + boxes)
+    put("topology", "boxes-marked",
+        options(3, 1, edges=[(0, 1, 5), (4, 5, 0), (8, 9, 3)], vertices=[(0, 0), (4, 5)]) + boxes)
+    # A prism over a pentagon: seven loops.
+    loops = [(4, 3, 2, 1, 0), (5, 6, 7, 8, 9), (0, 1, 6, 5), (1, 2, 7, 6), (2, 3, 8, 7),
+             (3, 4, 9, 8), (4, 0, 5, 9)]
+    prism = bytes([10, len(loops)]) + b"".join(bytes([len(loop), *loop]) for loop in loops)
+    put("topology", "prism", options(3, 1) + prism)
+    quads = bytes([6, 4, 0, 1, 2, 3, 4, 3, 2, 5, 4])
+    for rules in range(3):
+        put("topology", f"mesh-{rules}",
+            options(2, 1, rules, edges=[(3, 2, 1)], vertices=[(0, 2)], holes=[0]) + quads)
+    put("topology", "curve", options(1, 1) + bytes([3, 0, 0, 1, 0, 1, 2, 0, 2, 0]))
+    # A triangle as relations: three edges of two vertices, one face of three edges.
+    edges = b"".join(bytes([2, a, 0, b, 1]) for a, b in ((0, 1), (1, 2), (2, 0)))
+    put("topology", "relations", options(2, 0) + bytes([3, 3]) + edges + bytes([1, 3, 0, 1, 1, 1, 2, 1]))
+
+
+def embeddings():
+    cube = [(0, 0, 0), (4, 0, 0), (4, 4, 0), (0, 4, 0), (0, 0, 4), (4, 0, 4), (4, 4, 4), (0, 4, 4)]
+    points = [(2, 2, 2), (1, 2, 3), (0, 0, 0), (9, 0, 0)]
+
+    def integers(places):
+        return b"".join(struct.pack("3b", *place) for place in places)
+
+    def doubles(places):
+        return b"".join(struct.pack("<3d", *place) for place in places)
+
+    grid, anywhere = bytes([3, 0]), bytes([0, 0])
+    for outside in range(3):
+        head = bytes([3, 0, outside, 0])
+        put("embedding", f"cube-{outside}", head + grid + integers(cube) + grid + integers(points))
+    put("embedding", "cube-doubles", bytes([3, 0, 1, 0]) + anywhere + doubles(cube) + anywhere +
+        doubles([(1, 2, 3), (float("nan"), 0, 0), (float("inf"), 1, 1), (1e308, 1e308, -1e308)]))
+    put("embedding", "huge", bytes([3, 0, 1, 0, 3, 1]) + integers(cube) + bytes([3, 1]) +
+        integers(points))
+    put("embedding", "tiny", bytes([3, 0, 1, 0, 3, 3]) + integers(cube) + bytes([3, 3]) +
+        integers(points))
+    turned = [(x, y, -z) for x, y, z in cube]
+    put("embedding", "inside-out", bytes([3, 0, 1, 0]) + grid + integers(turned) + grid +
+        integers(points))
+    folded = cube[:6] + [cube[7], cube[6]]
+    put("embedding", "folded", bytes([3, 0, 1, 0]) + grid + integers(folded) + grid +
+        integers(points))
+    flat = [(x, y, 0) for x, y, z in cube]
+    put("embedding", "flat", bytes([3, 0, 1, 0]) + grid + integers(flat) + grid +
+        integers(points))
+    pyramid = cube[:4] + [(2, 2, 4)]
+    put("embedding", "pyramid", bytes([1, 1, 1, 0]) + grid + integers(pyramid) + grid +
+        integers(points))
+    tower = cube + [(x, y, z + 4) for x, y, z in cube[4:]]
+    put("embedding", "tower", bytes([4, 0, 1, 1]) + struct.pack("<f", 0.01) + grid +
+        integers(tower) + grid + integers(points))
+
+
+def main():
+    espalier = sys.argv[1]
+    with tempfile.TemporaryDirectory() as folder:
+        lattices(espalier, Path(folder))
+        bound_model(espalier, Path(folder))
+    marked_lattice()
+    models()
+    matrices()
+    payloads()
+    topologies()
+    embeddings()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/matrix_file.h>
+#include <espalier/io/matrix_market.h>
+
+#include "fuzz_target.h"
+#include "written.h"
+
+namespace espalier::fuzz {
+
+/// That a matrix is refused, or comes back from the file that it is written to.
+/// \param name gives the format
+inline void runMatrixTarget(const std::string& name, std::string_view bytes) {
+    const auto table = readResult(name, [&] { return io::readMatrix(name, bytes); });
+    if (!table) return;
+    const std::string once =
+        written(name, [&](const auto& path) { io::writeMatrix(path, *table); });
+    require(io::readMatrix(name, once) == *table, "a matrix comes back");
+}
+
+}  // namespace espalier::fuzz

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/file.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include "fuzz_target.h"
+
+/// Stands in for libFuzzer where there is none: runs the target on every file of the folders named.
+int main(int argumentCount, char** arguments) {
+    namespace fs = std::filesystem;
+    std::vector<fs::path> files;
+    for (int i = 1; i < argumentCount; ++i)
+        for (const auto& entry : fs::recursive_directory_iterator(arguments[i]))
+            if (entry.is_regular_file()) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    for (const fs::path& file : files) {
+        std::printf("%s\n", file.c_str());
+        std::fflush(stdout);  // Shows at which one it died.
+        const std::string bytes = espalier::io::readFile(file);
+        LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    }
+    std::printf("%zu inputs\n", files.size());
+    return files.empty() ? 1 : 0;  // An empty corpus tests nothing.
+}
