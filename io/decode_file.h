@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/coding_error.h>
+#include <espalier/io/file.h>
+
+#include <filesystem>
+
+namespace espalier::io {
+
+/// Returns what `decode` does; a CodingError of it becomes a FileError of this file.
+template <class Decode>
+auto decodeFile(const std::filesystem::path& path, Decode decode) {
+    try {
+        return decode();
+    } catch (const CodingError& error) {
+        throw FileError(path, error.what());
+    }
+}
+
+}  // namespace espalier::io
