@@ -6,6 +6,26 @@
 
 namespace espalier::io {
 
+using stencils::StencilTable;
+
+namespace {
+
+using Reader = StencilTable<double> (*)(const std::filesystem::path&, std::string_view bytes);
+
+Reader readerOf(const std::filesystem::path& path) {
+    const std::string extension = path.extension().string();
+    if (extension == ".mtx") return readMatrixMarket;
+    if (extension == ".npz") return readNpz;
+    if (extension == ".petsc") return readPetscBinary;
+    if (extension == ".npy")
+        throw FileError(path,
+                        "cannot be read as a matrix: arrays in .npy files do not have its "
+                        "number of columns; expected .mtx, .npz or .petsc");
+    throw FileError(path, "is not a matrix format that is read; expected .mtx, .npz or .petsc");
+}
+
+}  // namespace
+
 std::vector<std::string> matrixExtensions() {
     return {".mtx", ".npz", ".npy", ".petsc"};
 }
@@ -17,7 +37,7 @@ std::vector<std::filesystem::path> matrixPaths(const std::filesystem::path& path
 }
 
 template <class Real>
-void writeMatrix(const std::filesystem::path& path, const stencils::StencilTable<Real>& table,
+void writeMatrix(const std::filesystem::path& path, const StencilTable<Real>& table,
                  const MatrixFileOptions& options) {
     const std::string extension = path.extension().string();
     if (extension == ".mtx") return writeMatrixMarket(path, table, options.comments);
@@ -27,9 +47,18 @@ void writeMatrix(const std::filesystem::path& path, const stencils::StencilTable
     throw FileError(path, "is not a matrix format; expected .mtx, .npz, .npy or .petsc");
 }
 
-template void writeMatrix(const std::filesystem::path&, const stencils::StencilTable<float>&,
+StencilTable<double> readMatrix(const std::filesystem::path& path) {
+    const Reader read = readerOf(path);
+    return read(path, readFile(path));
+}
+
+StencilTable<double> readMatrix(const std::filesystem::path& path, std::string_view bytes) {
+    return readerOf(path)(path, bytes);
+}
+
+template void writeMatrix(const std::filesystem::path&, const StencilTable<float>&,
                           const MatrixFileOptions&);
-template void writeMatrix(const std::filesystem::path&, const stencils::StencilTable<double>&,
+template void writeMatrix(const std::filesystem::path&, const StencilTable<double>&,
                           const MatrixFileOptions&);
 
 }  // namespace espalier::io

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace espalier::io {
@@ -31,5 +32,17 @@ template <class Real>
 ESPALIER_API void writeMatrix(const std::filesystem::path& path,
                               const stencils::StencilTable<Real>& table,
                               const MatrixFileOptions& options = {});
+
+/// Reads a table in the format of the path's extension: .mtx, .npz or .petsc. Not .npy: none of the
+/// three files has the number of columns (see readNpyArrays).
+///
+/// \throws FileError for another extension, .npy among them; what the readers throw
+ESPALIER_API stencils::StencilTable<double> readMatrix(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path names the format, and the file in messages
+/// \param bytes the whole file
+ESPALIER_API stencils::StencilTable<double> readMatrix(const std::filesystem::path& path,
+                                                       std::string_view bytes);
 
 }  // namespace espalier::io

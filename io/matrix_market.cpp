@@ -238,8 +238,11 @@ template void writeMatrixMarket(const std::filesystem::path&, const StencilTable
                                 std::span<const std::string>);
 
 StencilTable<double> readMatrixMarket(const std::filesystem::path& path) {
-    const std::string text = readFile(path);
-    return MatrixReader(path, text).read();
+    return readMatrixMarket(path, readFile(path));
+}
+
+StencilTable<double> readMatrixMarket(const std::filesystem::path& path, std::string_view bytes) {
+    return MatrixReader(path, bytes).read();
 }
 
 }  // namespace espalier::io

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace espalier::io {
 
@@ -39,5 +40,11 @@ extern template void writeMatrixMarket(const std::filesystem::path&,
 /// it claims rows by the million where it has not as many bytes
 /// \cost   24 bytes an entry while reading; O(entries · log entries) where they are not in order
 ESPALIER_API stencils::StencilTable<double> readMatrixMarket(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path for messages
+/// \param bytes the whole file
+ESPALIER_API stencils::StencilTable<double> readMatrixMarket(const std::filesystem::path& path,
+                                                             std::string_view bytes);
 
 }  // namespace espalier::io

@@ -11,6 +11,9 @@
 
 namespace espalier::io {
 
+/// What a .npy file begins with.
+inline constexpr std::string_view kNpyMagic = "\x93NUMPY";
+
 /// Writes the head of a .npy file, NumPy's format for an array (version 1.0), little-endian; the
 /// numbers follow, in C order.
 /// \param type as NumPy names it: "<f8", "<i4", "|S3" ...

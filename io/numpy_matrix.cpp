@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/io/decode_file.h>
 #include <espalier/io/file.h>
 #include <espalier/io/finite.h>
+#include <espalier/io/matrix_rows.h>
 #include <espalier/io/npy.h>
+#include <espalier/io/npy_reader.h>
 #include <espalier/io/numpy_matrix.h>
+#include <espalier/io/zip_reader.h>
 #include <espalier/io/zip_writer.h>
 
 #include <array>
@@ -10,11 +15,17 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 
 namespace espalier::io {
 namespace {
 
+using stencils::Index;
+using stencils::Offset;
 using stencils::StencilTable;
+
+/// SciPy's name for compressed sparse rows.
+constexpr std::string_view kFormat = "csr";
 
 /// An array, by the name that SciPy gives it.
 struct NamedArray {
@@ -37,6 +48,42 @@ std::array<NamedArray, 3> arraysOf(const StencilTable<Real>& table) {
                : arraysWith<std::int64_t>(table);
 }
 
+/// Reads an array of an archive by `use`.
+template <class Use>
+auto readArray(const ZipReader& zip, const std::string& name, Use use) {
+    const std::string member = name + ".npy";
+    try {
+        std::string room;
+        return use(readNpy(zip.read(member, room)));
+    } catch (const CodingError& error) {
+        throw CodingError(member + ": " + error.what());
+    }
+}
+
+void checkFormat(const ZipReader& zip) {
+    const std::string format = readArray(zip, "format", npyText);
+    if (format != kFormat)
+        throw CodingError("the matrix is in the format " + inQuotes(format) + "; expected '" +
+                          std::string(kFormat) + "' (in SciPy: matrix.tocsr())");
+}
+
+StencilTable<double> readArchive(const ZipReader& zip) {
+    checkFormat(zip);
+    const auto shape = readArray(zip, "shape", npyNumbers<Offset>);
+    if (shape.size() != 2)
+        throw CodingError("the matrix has " + std::to_string(shape.size()) +
+                          " axes; expected rows and columns");
+    const Index rowCount = matrixSize(shape[0], "rows");
+    const Index columnCount = matrixSize(shape[1], "columns");
+    auto offsets = readArray(zip, "indptr", npyNumbers<Offset>);
+    if (offsets.size() != static_cast<std::size_t>(rowCount) + 1)
+        throw CodingError("indptr.npy: has " + std::to_string(offsets.size()) + " numbers for " +
+                          std::to_string(rowCount) + " rows; expected one more than rows");
+    auto columns = readArray(zip, "indices", npyNumbers<Index>);
+    auto weights = readArray(zip, "data", npyNumbers<double>);
+    return tableOfRows(columnCount, std::move(offsets), std::move(columns), std::move(weights));
+}
+
 }  // namespace
 
 template <class Real>
@@ -51,7 +98,7 @@ void writeNpz(const std::filesystem::path& path, const StencilTable<Real>& table
         });
         zip.add("format.npy", [](ByteOutput& out) {
             writeNpyHead(out, "|S3", {});
-            out.bytes("csr");
+            out.bytes(kFormat);
         });
         zip.finish();
     });
@@ -63,6 +110,37 @@ std::array<std::filesystem::path, 3> npyPaths(const std::filesystem::path& path)
         return result.replace_extension(std::string(".") + name + path.extension().string());
     };
     return {named("indptr"), named("indices"), named("data")};
+}
+
+StencilTable<double> readNpz(const std::filesystem::path& path) {
+    return readNpz(path, readFile(path));
+}
+
+StencilTable<double> readNpz(const std::filesystem::path& path, std::string_view bytes) {
+    return decodeFile(path, [&] { return readArchive(ZipReader(bytes)); });
+}
+
+StencilTable<double> readNpyArrays(const std::filesystem::path& path, Index columnCount) {
+    std::array<std::string, 3> files;
+    std::array<std::string_view, 3> bytes;
+    const auto paths = npyPaths(path);
+    for (std::size_t i = 0; i < paths.size(); ++i) bytes[i] = files[i] = readFile(paths[i]);
+    return readNpyArrays(path, columnCount, bytes);
+}
+
+StencilTable<double> readNpyArrays(const std::filesystem::path& path, Index columnCount,
+                                   const std::array<std::string_view, 3>& bytes) {
+    const auto paths = npyPaths(path);
+    const auto read = [&](std::size_t i, auto numbers) {
+        return decodeFile(paths[i], [&] { return numbers(readNpy(bytes[i])); });
+    };
+    auto offsets = read(0, npyNumbers<Offset>);
+    auto columns = read(1, npyNumbers<Index>);
+    auto weights = read(2, npyNumbers<double>);
+    return decodeFile(path, [&] {
+        return tableOfRows(matrixSize(columnCount, "columns"), std::move(offsets),
+                           std::move(columns), std::move(weights));
+    });
 }
 
 template <class Real>

@@ -5,6 +5,7 @@
 #include <espalier/stencils/stencil_table.h>
 
 #include <filesystem>
+#include <string_view>
 
 namespace espalier::io {
 
@@ -20,5 +21,22 @@ template <class Real>
 ESPALIER_API void writePetscBinary(const std::filesystem::path& path,
                                    const stencils::StencilTable<Real>& table,
                                    PetscInt integers = PetscInt::Bits32);
+
+/// Reads a sparse matrix that PETSc's MatView wrote to a binary viewer, with integers of either
+/// kind: the first number of the file, which is the same in all, tells which. The columns of a row
+/// may come in any order; one that comes twice is an error. A file of several objects, of a dense
+/// matrix, or by a PETSc of other scalars than double, is refused.
+///
+/// \throws FileError if the file is malformed or of another kind, if it is not as long as it says
+///         (before memory is taken for what it claims), or if a weight is not finite; it names the
+///         row, counted from 0
+/// \cost   the file and the table in memory
+ESPALIER_API stencils::StencilTable<double> readPetscBinary(const std::filesystem::path& path);
+
+/// The same for a file that is in memory already.
+/// \param path for messages
+/// \param bytes the whole file
+ESPALIER_API stencils::StencilTable<double> readPetscBinary(const std::filesystem::path& path,
+                                                            std::string_view bytes);
 
 }  // namespace espalier::io

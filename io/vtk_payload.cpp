@@ -3,6 +3,7 @@
 #include <espalier/io/base64.h>
 #include <espalier/io/byte_order.h>
 #include <espalier/io/coding_error.h>
+#include <espalier/io/inflate.h>
 #include <espalier/io/vtk_numbers.h>
 #include <espalier/io/vtk_payload.h>
 #include <zlib.h>
@@ -15,9 +16,6 @@
 
 namespace espalier::io {
 namespace {
-
-/// zlib makes at most so many bytes of one (a deflate symbol of 2 bits stands for up to 258 bytes).
-constexpr std::uint64_t kMostInflation = 1032;
 
 /// As VTK's own writer.
 constexpr std::size_t kBlockSize = 32768;
@@ -67,23 +65,6 @@ private:
     std::variant<RawReader, Base64Reader> reader_;
 };
 
-void appendInflated(std::string_view block, std::uint64_t size, std::string& bytes) {
-    if (size / kMostInflation > block.size())
-        throw CodingError("a block of " + std::to_string(block.size()) +
-                          " compressed bytes claims to hold " + std::to_string(size));
-    const std::size_t before = bytes.size();
-    bytes.resize(before + size);
-    uLongf got = size;
-    // zlib refuses a null destination, which an empty block could give it.
-    Bytef none = 0;
-    Bytef* to = size == 0 ? &none : reinterpret_cast<Bytef*>(bytes.data() + before);
-    const int status =
-        ::uncompress(to, &got, reinterpret_cast<const Bytef*>(block.data()), block.size());
-    if (status != Z_OK || got != size)
-        throw CodingError("a compressed block of " + std::to_string(block.size()) +
-                          " bytes is damaged (zlib)");
-}
-
 std::string decodeCompressed(PayloadReader& reader) {
     const std::uint64_t blockCount = reader.readWord();
     if (blockCount == 0) return {};
@@ -101,7 +82,8 @@ std::string decodeCompressed(PayloadReader& reader) {
     std::string bytes;
     for (std::uint64_t block = 0; block < blockCount; ++block) {
         const bool isCut = block + 1 == blockCount && lastSize != 0;
-        appendInflated(reader.read(compressedSizes[block]), isCut ? lastSize : blockSize, bytes);
+        appendInflated(reader.read(compressedSizes[block]), isCut ? lastSize : blockSize,
+                       DeflateForm::Zlib, bytes);
     }
     return bytes;
 }

@@ -5,16 +5,19 @@
     tests/fuzz/make_seeds.py ESPALIER
 
 ESPALIER is the program, which writes the lattices and the bound model. The layout of the inputs of
-topology, embedding and payload is that of the targets' own code. Seeds of .vtu and .vtk are in
-tests/io/data besides, as VTK writes them.
+topology, embedding, payload and npz is that of the targets' own code. There are more seeds in tests/io:
+files that VTK, NumPy and SciPy have written.
 """
 import base64
+import io
 import struct
 import subprocess
 import sys
 import tempfile
 import zlib
 from pathlib import Path
+
+import numpy as np
 
 CORPUS = Path(__file__).resolve().parent / "corpus"
 
@@ -171,6 +174,27 @@ def matrices():
     put("mtx", "integer", "%%MatrixMarket matrix coordinate integer general\n2 2 1\n2 1 -7\n")
 
 
+def arrays():
+    """The arrays of a matrix as in npz_fuzz.cpp, and the same as PETSc writes it."""
+    matrix = {
+        "indptr": np.array([0, 2, 2, 3], dtype="<i4"),
+        "indices": np.array([0, 1, 3], dtype="<i4"),
+        "data": np.array([0.5, 0.25, -1]),
+        "shape": np.array([3, 4]),
+        "format": np.array(b"csr"),
+    }
+    parts = []
+    for array in matrix.values():
+        part = io.BytesIO()
+        np.save(part, array)
+        parts.append(part.getvalue())
+    put("npz", "arrays", b"<>".join(parts))
+    for bits, code in ((32, "i"), (64, "q")):
+        head = struct.pack(f">4{code}", 1211216, 3, 4, 3)
+        rows = struct.pack(f">3{code}", 2, 0, 1) + struct.pack(f">3{code}", 0, 1, 3)
+        put("petsc", f"{bits}-bit", head + rows + struct.pack(">3d", 0.5, 0.25, -1))
+
+
 def payloads():
     numbers = struct.pack("<6d", *range(6))
     packed = zlib.compress(numbers)
@@ -264,6 +288,7 @@ def main():
     marked_lattice()
     models()
     matrices()
+    arrays()
     payloads()
     topologies()
     embeddings()

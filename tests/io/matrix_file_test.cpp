@@ -2,6 +2,8 @@
 #include <espalier/io/matrix_file.h>
 #include <espalier/io/npy.h>
 #include <espalier/io/numpy_matrix.h>
+#include <espalier/io/zip_writer.h>
+#include <io/matrix_samples.h>
 #include <io/model_files.h>
 
 #include <limits>
@@ -63,6 +65,45 @@ TEST(MatrixFile, NpyIsAHeadOfMultiplesOf64BytesAndTheNumbers) {
               bytesOf(1.5, std::endian::little) + bytesOf(-2.0, std::endian::little));
 }
 
+/// An archive of a matrix in rows, of these arrays.
+std::string npzOf(const std::vector<std::int64_t>& shape, const std::vector<std::int64_t>& offsets,
+                  const std::string& format = "csr") {
+    std::ostringstream stream;
+    ZipWriter zip(stream);
+    const auto add = [&](const char* name, const std::vector<std::int64_t>& numbers) {
+        zip.add(name, [&](ByteOutput& out) {
+            writeNpy<std::int64_t>(out, std::span<const std::int64_t>(numbers));
+        });
+    };
+    add("shape.npy", shape);
+    add("indptr.npy", offsets);
+    add("indices.npy", {0, 1});
+    add("data.npy", {7, 8});
+    zip.add("format.npy", [&](ByteOutput& out) {
+        writeNpyHead(out, "|S" + std::to_string(format.size()), {});
+        out.bytes(format);
+    });
+    zip.finish();
+    return stream.str();
+}
+
+TEST(MatrixFile, NpzSaysWhatOfItDoesNotFit) {
+    EXPECT_EQ(readNpz("a.npz", npzOf({2, 2}, {0, 2, 2})),
+              StencilTable<double>(2, {0, 2, 2}, {0, 1}, {7, 8}));
+    const auto refused = [](const std::string& bytes, const std::string& why) {
+        EXPECT_THAT([&] { readNpz("a.npz", bytes); },
+                    ThrowsMessage<FileError>(HasSubstr("a.npz: " + why)));
+    };
+    refused(npzOf({2, 2}, {0, 2, 2}, "csc"), "the matrix is in the format 'csc'; expected 'csr'");
+    refused(npzOf({2}, {0, 2, 2}), "the matrix has 1 axes; expected rows and columns");
+    refused(npzOf({2, 2, 2}, {0, 2, 2}), "the matrix has 3 axes");
+    refused(npzOf({1, 2}, {0, 2, 2}), "indptr.npy: has 3 numbers for 1 rows; expected one more");
+    refused(npzOf({3, 2}, {0, 2, 2}), "indptr.npy: has 3 numbers for 3 rows");
+    refused(npzOf({-1, 2}, {}), "claims -1 rows");
+    refused(npzOf({2, std::int64_t{1} << 31}, {0, 2, 2}), "claims 2147483648 columns");
+    refused(npzOf({2, 1}, {0, 2, 2}), "row 0 names column 1 of 1");
+}
+
 TEST(MatrixFile, ArraysOfAnyLengthComeInBlocks) {
     // More numbers than are turned round at once.
     std::vector<std::int32_t> numbers(10'000);
@@ -89,6 +130,31 @@ TEST(MatrixFile, FormatsGoByTheExtension) {
     EXPECT_THAT(
         [&] { writeMatrix(folder / "a.mat", sample<float>()); },
         ThrowsMessage<FileError>(HasSubstr("a.mat: is not a matrix format; expected .mtx")));
+}
+
+TEST(MatrixFile, WhatIsWrittenIsReadByTheExtension) {
+    const test::TemporaryFolder folder;
+    const auto table = test::sampleTable<double>();
+    for (const std::string extension : {".mtx", ".npz", ".petsc"}) {
+        const auto path = folder / ("a" + extension);
+        writeMatrix(path, table);
+        EXPECT_EQ(readMatrix(path), table) << extension;
+        // A name that is no file: the bytes are what is read.
+        EXPECT_EQ(readMatrix("none" + extension, readFile(path)), table) << extension;
+        EXPECT_THAT([&] { readMatrix("none" + extension, "no matrix"); },
+                    ThrowsMessage<FileError>(testing::StartsWith("none" + extension + ":")));
+        EXPECT_THAT([&] { readMatrix("none" + extension); },
+                    ThrowsMessage<FileError>(HasSubstr("cannot open")));
+    }
+    // Whatever integers PETSc has.
+    writeMatrix(folder / "b.petsc", table, {.petscIntegers = PetscInt::Bits64});
+    EXPECT_EQ(readMatrix(folder / "b.petsc"), table);
+    const auto refused = [](const std::string& name, const std::string& why) {
+        EXPECT_THAT([&] { readMatrix(name); }, ThrowsMessage<FileError>(HasSubstr(why)));
+        EXPECT_THAT([&] { readMatrix(name, ""); }, ThrowsMessage<FileError>(HasSubstr(why)));
+    };
+    refused("D.npy", "D.npy: cannot be read as a matrix");
+    refused("D.mat", "D.mat: is not a matrix format that is read; expected .mtx, .npz or .petsc");
 }
 
 TEST(MatrixFile, RefusesWeightsThatAreNotFiniteAndLeavesTheOldFile) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/matrix_market.h>
 #include <espalier/stencils/sparse_matrix.h>
+#include <io/matrix_samples.h>
 #include <io/model_files.h>
 
 #include <cmath>
-#include <limits>
 #include <unsupported/Eigen/SparseExtra>
 
 namespace espalier::io {
@@ -13,14 +13,12 @@ namespace {
 using stencils::Index;
 using stencils::Offset;
 using stencils::StencilTable;
-using test::putFile;
+using test::sampleTable;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 StencilTable<double> tableOf(const std::string& text) {
-    const test::TemporaryFolder folder;
-    putFile(folder / "a.mtx", text);
-    return readMatrixMarket(folder / "a.mtx");
+    return readMatrixMarket("a.mtx", text);
 }
 
 template <class Real>
@@ -28,16 +26,6 @@ std::string textOf(const StencilTable<Real>& table, std::span<const std::string>
     const test::TemporaryFolder folder;
     writeMatrixMarket(folder / "a.mtx", table, comments);
     return readFile(folder / "a.mtx");
-}
-
-/// Rows of 3, 0 and 2 entries over 4 columns.
-template <class Real>
-StencilTable<Real> sample() {
-    const Real third = Real{1} / 3;
-    return {4,
-            {0, 3, 3, 5},
-            {0, 1, 3, 2, 3},
-            {Real{0.25}, third, -std::numeric_limits<Real>::denorm_min(), Real{1}, third / 1024}};
 }
 
 TEST(MatrixMarket, WritesCoordinatesFromOneInTheOrderOfTheTable) {
@@ -66,13 +54,14 @@ TEST(MatrixMarket, EigenReadsItToTheLastBit) {
 }
 
 TEST(MatrixMarket, ComesBackToTheLastBit) {
-    EXPECT_EQ(tableOf(textOf(sample<double>())), sample<double>());
+    EXPECT_EQ(tableOf(textOf(sampleTable<double>())), sampleTable<double>());
     const std::vector<std::string> comments = {"a", "1 1 1"};
-    EXPECT_EQ(tableOf(textOf(sample<double>(), comments)), sample<double>());
+    EXPECT_EQ(tableOf(textOf(sampleTable<double>(), comments)), sampleTable<double>());
 }
 
 TEST(MatrixMarket, FloatsComeBackAsTheSameDoubles) {
-    EXPECT_EQ(tableOf(textOf(sample<float>())), stencils::convertTable<double>(sample<float>()));
+    EXPECT_EQ(tableOf(textOf(sampleTable<float>())),
+              stencils::convertTable<double>(sampleTable<float>()));
 }
 
 TEST(MatrixMarket, ComesBackWithoutEntriesOrRows) {
@@ -148,13 +137,10 @@ TEST(MatrixMarket, ChecksClaimedSizesBeforeTakingMemory) {
 }
 
 TEST(MatrixMarket, RefusesEveryPart) {
-    const std::string text = textOf(sample<double>());
+    const std::string text = textOf(sampleTable<double>());
     // A cut within the last weight leaves a matrix.
-    const test::TemporaryFolder folder;
-    for (std::size_t size = 0; size <= text.rfind(' '); ++size) {
-        putFile(folder / "a.mtx", text.substr(0, size));
-        EXPECT_THROW(readMatrixMarket(folder / "a.mtx"), FileError) << size;
-    }
+    for (std::size_t size = 0; size <= text.rfind(' '); ++size)
+        EXPECT_THROW(tableOf(text.substr(0, size)), FileError) << size;
 }
 
 TEST(MatrixMarket, RefusesToWriteAWeightThatIsNotFinite) {

@@ -14,7 +14,7 @@
 #include "ranks.h"
 #include "support/temporary_folder.h"
 
-// Files that io writes, read by PETSc itself.
+// Files that io writes, read by PETSc itself; and the other way round.
 namespace espalier::petsc {
 namespace {
 
@@ -46,15 +46,21 @@ protected:
         MPI_Barrier(MPI_COMM_WORLD);
     }
 
-    void load() {
+    /// Calls `use` with the file.
+    template <class Use>
+    void withViewer(PetscFileMode mode, Use use) {
         const ErrorCapture errors;
         PetscViewer viewer = nullptr;
-        errors.check(PetscViewerBinaryOpen(MPI_COMM_WORLD, path_.c_str(), FILE_MODE_READ, &viewer));
-        errors.check(MatCreate(MPI_COMM_WORLD, &matrix_));
-        errors.check(MatSetType(matrix_, MATAIJ));
-        const PetscErrorCode loaded = MatLoad(matrix_, viewer);
+        errors.check(PetscViewerBinaryOpen(MPI_COMM_WORLD, path_.c_str(), mode, &viewer));
+        const PetscErrorCode used = use(viewer);
         PetscViewerDestroy(&viewer);
-        errors.check(loaded);
+        errors.check(used);
+    }
+
+    void load() {
+        ASSERT_EQ(MatCreate(MPI_COMM_WORLD, &matrix_), 0);
+        ASSERT_EQ(MatSetType(matrix_, MATAIJ), 0);
+        withViewer(FILE_MODE_READ, [&](PetscViewer viewer) { return MatLoad(matrix_, viewer); });
     }
 
     std::optional<test::TemporaryFolder> folder_;
@@ -89,6 +95,17 @@ TEST_F(MatrixLoad, GivesEveryWeightToTheLastBit) {
                       std::bit_cast<std::uint64_t>(weights[k]));
         }
         ASSERT_EQ(MatRestoreRow(matrix_, row, &count, &at, &values), 0);
+    }
+}
+
+TEST_F(MatrixLoad, WhatPetscWritesComesBackToTheLastBit) {
+    const auto table = test::randomTable(203, 31, 9);
+    write(table, kOwnIntegers);
+    load();
+    withViewer(FILE_MODE_WRITE, [&](PetscViewer viewer) { return MatView(matrix_, viewer); });
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (test::rank() == 0) {
+        EXPECT_EQ(io::readPetscBinary(path_), table);
     }
 }
 

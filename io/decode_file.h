@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/memory.h>
+#include <espalier/io/coding_error.h>
+#include <espalier/io/file.h>
+
+#include <filesystem>
+
+namespace espalier::io {
+
+/// Returns what `decode` does; a CodingError of it becomes a FileError of this file, and a
+/// MemoryError names it.
+template <class Decode>
+auto decodeFile(const std::filesystem::path& path, Decode decode) {
+    try {
+        return decode();
+    } catch (const CodingError& error) {
+        throw FileError(path, error.what());
+    } catch (const far::MemoryError& error) {
+        throw far::MemoryError(path.string() + ": " + error.what());
+    }
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/coding_error.h>
+#include <espalier/io/inflate.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace espalier::io {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+// "aaaaaaaaaa" by zlib: a head, a block of fixed codes, and Adler's checksum, big-endian. Its sums
+// are 1 + 10 · 97 = 0x3cb, and 10 + 97 · (1 + ... + 10) = 0x14e1.
+const std::string kRaw("\x4b\x4c\x84\x01\x00", 5);
+const std::string kZlib = "\x78\x9c" + kRaw + "\x14\xe1\x03\xcb";
+const std::string kPlain(10, 'a');
+
+std::string inflated(std::string_view stream, std::uint64_t size, DeflateForm form) {
+    std::string bytes = "before";
+    appendInflated(stream, size, form, bytes);
+    EXPECT_TRUE(bytes.starts_with("before"));
+    return bytes.substr(6);
+}
+
+TEST(Inflate, TakesStreamsWithAndWithoutZlibsHead) {
+    EXPECT_EQ(inflated(kZlib, 10, DeflateForm::Zlib), kPlain);
+    EXPECT_EQ(inflated(kRaw, 10, DeflateForm::Raw), kPlain);
+    EXPECT_EQ(inflated(kRaw + "more", 10, DeflateForm::Raw), kPlain);
+    // A last block of fixed codes, of which the first ends it.
+    EXPECT_EQ(inflated(std::string_view("\x03\x00", 2), 0, DeflateForm::Raw), "");
+    EXPECT_THROW(inflated(kRaw, 10, DeflateForm::Zlib), CodingError);
+    EXPECT_THROW(inflated(kZlib, 10, DeflateForm::Raw), CodingError);
+}
+
+TEST(Inflate, RefusesParts) {
+    for (std::size_t size = 0; size < kZlib.size(); ++size)
+        EXPECT_THROW(inflated(kZlib.substr(0, size), 10, DeflateForm::Zlib), CodingError) << size;
+    for (std::size_t size = 0; size < kRaw.size(); ++size)
+        EXPECT_THROW(inflated(kRaw.substr(0, size), 10, DeflateForm::Raw), CodingError) << size;
+    EXPECT_THROW(inflated("", 0, DeflateForm::Raw), CodingError);
+}
+
+TEST(Inflate, RefusesAnotherSize) {
+    for (const std::uint64_t size : {0u, 1u, 9u, 11u, 1000u})
+        EXPECT_THAT([&] { inflated(kRaw, size, DeflateForm::Raw); },
+                    ThrowsMessage<CodingError>(HasSubstr("is damaged")))
+            << size;
+    // 5 bytes make at most 5160.
+    for (const std::uint64_t size :
+         {std::uint64_t{10'000}, std::numeric_limits<std::uint64_t>::max()})
+        EXPECT_THAT([&] { inflated(kRaw, size, DeflateForm::Raw); },
+                    ThrowsMessage<CodingError>(
+                        HasSubstr("5 compressed bytes claims to hold " + std::to_string(size))));
+}
+
+}  // namespace
+}  // namespace espalier::io

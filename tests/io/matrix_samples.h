@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/file.h>
+#include <espalier/stencils/stencil_table.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace espalier::test {
+
+using Table = stencils::StencilTable<double>;
+
+/// Rows of 3, 0 and 2 entries, in numbers that a text or a float would change.
+template <class Real>
+stencils::StencilTable<Real> sampleTable() {
+    const Real third = Real{1} / 3;
+    return {4,
+            {0, 3, 3, 5},
+            {0, 1, 3, 2, 3},
+            {Real{0.25}, third, -std::numeric_limits<Real>::denorm_min(),
+             std::numeric_limits<Real>::max(), third / 1024}};
+}
+
+/// No rows, no columns, no entries; and as many columns as there can be.
+inline std::vector<Table> edgeTables() {
+    std::vector<Table> tables;
+    tables.emplace_back();
+    tables.emplace_back(3, far::Array<far::Offset>{0}, far::Array<far::Index>{},
+                        far::Array<double>{});
+    tables.emplace_back(0, far::Array<far::Offset>{0, 0, 0}, far::Array<far::Index>{},
+                        far::Array<double>{});
+    tables.emplace_back(far::kMaxIndex, far::Array<far::Offset>{0, 0, 2, 2},
+                        far::Array<far::Index>{0, far::kMaxIndex - 1}, far::Array<double>{1, -2});
+    return tables;
+}
+
+/// The folder of what NumPy and SciPy wrote.
+inline std::filesystem::path matrixFolder() {
+    return std::filesystem::path(ESPALIER_SOURCE_DIR) / "tests/io/matrices";
+}
+
+/// What those files have in them.
+inline Table othersTable() {
+    return {100'000, {0, 2, 2, 5, 5}, {0, 2, 0, 1, 3}, {0.25, -1.5, std::ldexp(1.0, -100), 7, 1}};
+}
+
+/// That a table is one, as the constructor that checks has it, of finite weights.
+inline void expectWhole(const Table& table) {
+    EXPECT_NO_THROW(Table(table.columnCount(), {table.offsets().begin(), table.offsets().end()},
+                          {table.columns().begin(), table.columns().end()},
+                          {table.weights().begin(), table.weights().end()}));
+    for (const double weight : table.weights()) EXPECT_TRUE(std::isfinite(weight));
+}
+
+/// That a file which is cut off at any byte is refused.
+/// \param read takes bytes
+template <class Read>
+void expectPartsOfMatrixRefused(const std::string& bytes, Read read) {
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+        EXPECT_THROW(read(bytes.substr(0, size)), io::FileError) << "cut after byte " << size;
+}
+
+/// That a file with any one byte changed is refused, or gives a table that `check` finds right.
+template <class Read, class Check>
+void expectFlipsRefusedOr(const std::string& bytes, Read read, Check check) {
+    for (std::size_t at = 0; at < bytes.size(); ++at)
+        for (const int flip : {0x01, 0x10, 0x80, 0xff}) {
+            SCOPED_TRACE("byte " + std::to_string(at) + " flipped by " + std::to_string(flip));
+            std::string changed = bytes;
+            changed[at] = static_cast<char>(changed[at] ^ flip);
+            try {
+                check(read(changed));
+            } catch (const io::FileError&) {
+                continue;
+            }
+        }
+}
+
+}  // namespace espalier::test

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/numpy_matrix.h>
+#include <io/matrix_samples.h>
+#include <io/model_files.h>
+
+// Reading; that NumPy and SciPy read what is written is tested in tests/cli/export_test.py.
+namespace espalier::io {
+namespace {
+
+using test::Table;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+Table tableOf(const std::string& bytes) {
+    return readNpz("a.npz", bytes);
+}
+
+template <class Real>
+std::string bytesOf(const stencils::StencilTable<Real>& table) {
+    const test::TemporaryFolder folder;
+    writeNpz(folder / "a.npz", table);
+    return readFile(folder / "a.npz");
+}
+
+/// The three files of a table.
+struct Arrays {
+    std::array<std::string, 3> files;
+
+    explicit Arrays(const Table& table) {
+        const test::TemporaryFolder folder;
+        writeNpyArrays(folder / "D.npy", table);
+        const auto paths = npyPaths(folder / "D.npy");
+        for (std::size_t i = 0; i < files.size(); ++i) files[i] = readFile(paths[i]);
+    }
+
+    Table read(stencils::Index columnCount) const {
+        return readNpyArrays("D.npy", columnCount, {files[0], files[1], files[2]});
+    }
+};
+
+TEST(Npz, ComesBackToTheLastBit) {
+    const auto table = test::sampleTable<double>();
+    EXPECT_EQ(tableOf(bytesOf(table)), table);
+    const auto single = test::sampleTable<float>();
+    EXPECT_EQ(tableOf(bytesOf(single)), stencils::convertTable<double>(single));
+    for (const Table& edge : test::edgeTables()) EXPECT_EQ(tableOf(bytesOf(edge)), edge);
+    const test::TemporaryFolder folder;
+    writeNpz(folder / "a.npz", table);
+    EXPECT_EQ(readNpz(folder / "a.npz"), table);
+    EXPECT_THROW(readNpz(folder / "none.npz"), FileError);
+}
+
+/// See tests/io/matrices/README.md.
+TEST(Npz, OfScipyAndNumpyIsRead) {
+    const auto folder = test::matrixFolder();
+    for (const char* name :
+         {"scipy-compressed.npz", "scipy-array-unsorted-stored.npz", "numpy-2-big-endian.npz"})
+        EXPECT_EQ(readNpz(folder / name), test::othersTable()) << name;
+    constexpr double kLargest = std::int64_t{1} << 53;
+    EXPECT_EQ(readNpz(folder / "numpy-3-integers.npz"),
+              Table(100'000, {0, 2, 2, 5, 5}, {0, 2, 0, 1, 3}, {1, -2, kLargest, -kLargest, 0}));
+    EXPECT_EQ(readNpz(folder / "scipy-no-rows.npz"), Table(3, {0}, {}, {}));
+    EXPECT_THAT([&] { readNpz(folder / "scipy-csc.npz"); },
+                ThrowsMessage<FileError>(
+                    HasSubstr("scipy-csc.npz: the matrix is in the format 'csc'; expected 'csr'")));
+}
+
+TEST(Npz, IsRefusedInPartsAndWhenChanged) {
+    const std::string own = bytesOf(test::sampleTable<double>());
+    test::expectPartsOfMatrixRefused(own, tableOf);
+    // What no checksum covers, such as times, is of no meaning.
+    test::expectFlipsRefusedOr(
+        own, tableOf, [](const Table& table) { EXPECT_EQ(table, test::sampleTable<double>()); });
+    const std::string others = readFile(test::matrixFolder() / "scipy-compressed.npz");
+    test::expectPartsOfMatrixRefused(others, tableOf);
+    test::expectFlipsRefusedOr(others, tableOf,
+                               [](const Table& table) { EXPECT_EQ(table, test::othersTable()); });
+}
+
+TEST(Npz, NamesTheArrayThatIsWrong) {
+    std::string bytes = bytesOf(test::sampleTable<double>());
+    EXPECT_THAT([&] { tableOf("PK"); },
+                ThrowsMessage<FileError>(HasSubstr("a.npz: is not a ZIP archive")));
+    // In the directory, whose entries are last.
+    bytes[bytes.rfind("data.npy")] = 'D';
+    EXPECT_THAT([&] { tableOf(bytes); },
+                ThrowsMessage<FileError>(HasSubstr("a.npz: data.npy: is not in the archive")));
+}
+
+TEST(NpyArrays, ComeBackToTheLastBit) {
+    const auto table = test::sampleTable<double>();
+    EXPECT_EQ(Arrays(table).read(4), table);
+    for (const Table& edge : test::edgeTables())
+        EXPECT_EQ(Arrays(edge).read(edge.columnCount()), edge);
+    const test::TemporaryFolder folder;
+    writeNpyArrays(folder / "D.npy", table);
+    EXPECT_EQ(readNpyArrays(folder / "D.npy", 4), table);
+    std::filesystem::remove(folder / "D.indices.npy");
+    EXPECT_THAT([&] { readNpyArrays(folder / "D.npy", 4); },
+                ThrowsMessage<FileError>(HasSubstr("D.indices.npy: cannot open")));
+}
+
+TEST(NpyArrays, OfNumpyAreRead) {
+    EXPECT_EQ(readNpyArrays(test::matrixFolder() / "numpy.npy", 100'000), test::othersTable());
+}
+
+TEST(NpyArrays, AreRefusedInPartsAndWholeWhenChanged) {
+    const Arrays whole(test::sampleTable<double>());
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto read = [&](const std::string& bytes) {
+            Arrays arrays = whole;
+            arrays.files[i] = bytes;
+            return arrays.read(4);
+        };
+        test::expectPartsOfMatrixRefused(whole.files[i], read);
+        // They have no checksum: another matrix may come out.
+        test::expectFlipsRefusedOr(whole.files[i], read, test::expectWhole);
+    }
+}
+
+TEST(NpyArrays, AreRefusedWhereTheyDoNotFit) {
+    const Arrays whole(test::sampleTable<double>()), other(Table(4, {0, 1}, {3}, {1}));
+    const auto refused = [](const Arrays& arrays, stencils::Index columnCount,
+                            const std::string& why) {
+        EXPECT_THAT([&] { arrays.read(columnCount); }, ThrowsMessage<FileError>(HasSubstr(why)));
+    };
+    refused(whole, 3, "D.npy: row 0 names column 3 of 3");
+    refused(whole, -1, "D.npy: claims -1 columns");
+    const auto with = [&](std::size_t i, const std::string& file) {
+        Arrays arrays = whole;
+        arrays.files[i] = file;
+        return arrays;
+    };
+    refused(with(0, other.files[0]), 4, "D.npy: has rows from entry 0 to 1; expected 0 to 5");
+    refused(with(1, other.files[1]), 4, "D.npy: has 1 columns and 5 weights");
+    refused(with(2, other.files[2]), 4, "D.npy: has 5 columns and 1 weights");
+    // The columns are integers, and could be offsets; weights could not.
+    refused(with(0, whole.files[1]), 4, "D.npy: has rows from entry 0 to 3");
+    refused(with(1, whole.files[2]), 4, "D.indices.npy: is of type '<f8'; expected integers");
+    refused(with(0, Arrays(Table()).files[1]), 4, "D.npy: has no offsets of rows");
+}
+
+}  // namespace
+}  // namespace espalier::io

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/petsc_binary.h>
+#include <io/matrix_samples.h>
+#include <io/model_files.h>
+
+#include <cstdint>
+
+// That PETSc writes such files is tested in tests/petsc/matrix_load_test.cpp.
+namespace espalier::io {
+namespace {
+
+using test::bytesOf;
+using test::Table;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr PetscInt kBoth[] = {PetscInt::Bits32, PetscInt::Bits64};
+
+Table tableOf(const std::string& bytes) {
+    return readPetscBinary("a.petsc", bytes);
+}
+
+template <class Real>
+std::string bytesOfTable(const stencils::StencilTable<Real>& table, PetscInt integers) {
+    const test::TemporaryFolder folder;
+    writePetscBinary(folder / "a.petsc", table, integers);
+    return readFile(folder / "a.petsc");
+}
+
+/// A file of these numbers, in 32 or 64 bits.
+template <class Integer>
+std::string file(const std::vector<std::int64_t>& integers, const std::vector<double>& weights) {
+    std::string bytes;
+    for (const std::int64_t number : integers)
+        bytes += bytesOf(static_cast<Integer>(number), std::endian::big);
+    for (const double weight : weights) bytes += bytesOf(weight, std::endian::big);
+    return bytes;
+}
+
+TEST(PetscBinary, ComesBackToTheLastBit) {
+    for (const PetscInt integers : kBoth) {
+        const auto table = test::sampleTable<double>();
+        EXPECT_EQ(tableOf(bytesOfTable(table, integers)), table);
+        const auto single = test::sampleTable<float>();
+        EXPECT_EQ(tableOf(bytesOfTable(single, integers)), stencils::convertTable<double>(single));
+        for (const Table& edge : test::edgeTables())
+            EXPECT_EQ(tableOf(bytesOfTable(edge, integers)), edge);
+    }
+    const test::TemporaryFolder folder;
+    writePetscBinary(folder / "a.petsc", test::sampleTable<double>());
+    EXPECT_EQ(readPetscBinary(folder / "a.petsc"), test::sampleTable<double>());
+}
+
+TEST(PetscBinary, SortsColumns) {
+    EXPECT_EQ(tableOf(file<std::int32_t>({1211216, 2, 4, 4, 3, 1, 3, 0, 1, 2}, {3, 0.5, -1, 2})),
+              Table(4, {0, 3, 4}, {0, 1, 3, 2}, {0.5, -1, 3, 2}));
+}
+
+TEST(PetscBinary, RefusesAnotherKind) {
+    const auto refused = [](const std::string& bytes, const std::string& why) {
+        EXPECT_THAT([&] { tableOf(bytes); },
+                    ThrowsMessage<FileError>(AllOf(HasSubstr("a.petsc: "), HasSubstr(why))));
+    };
+    refused("", "ends too early");
+    // VEC_FILE_CLASSID
+    refused(file<std::int32_t>({1211214, 1}, {1}), "is not a matrix of PETSc");
+    refused(file<std::int32_t>({1211216, 1, 1, -1}, {1}), "dense");
+    refused(file<std::int64_t>({1211216, 1, 1, -1}, {1}), "dense");
+    const std::string whole = file<std::int32_t>({1211216, 1, 1, 1, 1, 0}, {1});
+    EXPECT_EQ(tableOf(whole), Table(1, {0, 1}, {0}, {1}));
+    // Complex weights, or a vector behind the matrix.
+    refused(whole + bytesOf(0.0, std::endian::big), "double precision");
+    EXPECT_THROW(readPetscBinary("/no/such/file.petsc"), FileError);
+}
+
+TEST(PetscBinary, RefusesWhatIsNoMatrix) {
+    const auto refused = [](const std::vector<std::int64_t>& integers,
+                            const std::vector<double>& weights, const std::string& why) {
+        for (const std::string& bytes :
+             {file<std::int32_t>(integers, weights), file<std::int64_t>(integers, weights)})
+            EXPECT_THAT([&] { tableOf(bytes); }, ThrowsMessage<FileError>(HasSubstr(why)));
+    };
+    refused({1211216, -1, 1, 0}, {}, "claims -1 rows");
+    refused({1211216, 0, -2, 0}, {}, "claims -2 columns");
+    refused({1211216, 0, 1, -2}, {}, "-2 entries");
+    refused({1211216, 2, 1, 1, 2, -1, 0}, {1}, "row 0 claims 2 of the 1 entries");
+    refused({1211216, 2, 1, 1, 1, 1, 0}, {1}, "row 1 claims 1 of the 1 entries, of which 0");
+    refused({1211216, 2, 1, 1, 1, -1, 0}, {1}, "row 1 claims -1");
+    refused({1211216, 2, 1, 1, 0, 0, 0}, {1}, "rows from entry 0 to 0; expected 0 to 1");
+    refused({1211216, 1, 1, 1, 1, 1}, {1}, "row 0 names column 1 of 1");
+    refused({1211216, 1, 1, 1, 1, -1}, {1}, "row 0 names column -1 of 1");
+    refused({1211216, 1, 3, 3, 3, 2, 1, 2}, {1, 2, 3}, "row 0 has column 2 twice");
+    refused({1211216, 2, 1, 1, 0, 1, 0}, {std::nan("")}, "row 1 has a weight of nan");
+}
+
+TEST(PetscBinary, ChecksClaimedSizesBeforeTakingMemory) {
+    constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
+    constexpr std::int64_t kRows = far::kMaxIndex;
+    const auto refused = [](const std::vector<std::int64_t>& integers, const std::string& why) {
+        EXPECT_THAT([&] { tableOf(file<std::int64_t>(integers, {})); },
+                    ThrowsMessage<FileError>(HasSubstr(why)));
+    };
+    refused({1211216, kRows, 1, 0}, "claims 2147483647 rows and 0 entries, but 0 bytes follow");
+    refused({1211216, 0, 1, kLargest}, "9223372036854775807 entries, but 0 bytes");
+    // 2^60 entries of 16 bytes are 2^64, which is 0 of 64 bits.
+    refused({1211216, 0, 1, std::int64_t{1} << 60}, "1152921504606846976 entries, but 0 bytes");
+    // 2^60 − 1 of them are −16 bytes of 64 bits, as two rows too many are.
+    refused({1211216, 2, 1, (std::int64_t{1} << 60) - 1}, "2 rows and 1152921504606846975 entries");
+    refused({1211216, kRows + 1, 1, 0}, "claims 2147483648 rows; expected 0 to 2147483647");
+    refused({1211216, 0, kLargest, 0}, "claims 9223372036854775807 columns");
+    refused({1211216, 1, 1, 1, 1, kRows + 1, 0}, "beyond what can be held");
+}
+
+TEST(PetscBinary, IsRefusedInPartsAndWholeWhenChanged) {
+    for (const PetscInt integers : kBoth) {
+        const std::string bytes = bytesOfTable(test::sampleTable<double>(), integers);
+        test::expectPartsOfMatrixRefused(bytes, tableOf);
+        // It has no checksum: another matrix may come out.
+        test::expectFlipsRefusedOr(bytes, tableOf, test::expectWhole);
+    }
+}
+
+}  // namespace
+}  // namespace espalier::io
