@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -15,21 +16,27 @@ namespace espalier::stencils {
 /// results are the same to the last bit.
 class LengthUnit {
 public:
-    /// \param positions of a lattice; where the largest coordinate is 0 or not finite, the unit is
-    /// 1
+    /// \param positions of a lattice; where a coordinate is not finite, the unit is 1
     explicit LengthUnit(std::span<const Point3> positions) {
         double largest = 0;
         for (const Point3& position : positions)
             for (const double coordinate : position)
                 largest = std::max(largest, std::abs(coordinate));
+        // Any point is far from vertices that are all at the origin.
+        if (largest == 0) largest = std::numeric_limits<double>::denorm_min();
         int exponent = 0;
-        if (largest > 0 && std::isfinite(largest)) std::frexp(largest, &exponent);
+        if (std::isfinite(largest)) std::frexp(largest, &exponent);
         // In two steps: the inverse of the smallest number is none.
         half_ = std::ldexp(1, exponent / 2);
         rest_ = std::ldexp(1, exponent - exponent / 2);
     }
 
-    double toUnits(double length) const { return length / half_ / rest_; }
+    /// What is finite stays so.
+    double toUnits(double length) const {
+        const double units = length / half_ / rest_;
+        if (!std::isinf(units) || !std::isfinite(length)) return units;
+        return std::copysign(std::numeric_limits<double>::max(), length);
+    }
     double fromUnits(double length) const { return length * half_ * rest_; }
     Point3 toUnits(const Point3& point) const {
         return {toUnits(point[0]), toUnits(point[1]), toUnits(point[2])};

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <vector>
 
 #include "fuzz_target.h"
@@ -76,6 +77,12 @@ double errorAt(const stencils::StencilTable<double>& table, Index row,
     return lengthOf(difference);
 }
 
+std::string formatted(double number) {
+    std::ostringstream text;
+    text << number;
+    return text.str();
+}
+
 /// That points wherever they lie, in cells however they lie, are bound where they are, or get a
 /// status that says that they are not.
 void run(Input input) {
@@ -125,7 +132,7 @@ void run(Input input) {
         const double bound_ = bound->largestResidual + 1e-11 * (size + lengthOf(point));
         const double error = errorAt(table, row, rest, point);
         require(!std::isfinite(bound_) || error <= bound_ + 1e-320, "a bound point is where it was",
-                std::to_string(error) + " of " + std::to_string(size));
+                formatted(error) + " of " + formatted(size));
     }
 }
 

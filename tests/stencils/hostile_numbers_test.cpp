@@ -99,6 +99,17 @@ TEST_P(HostileNumbers, DenormalsAreLengths) {
         EXPECT_LE(errorOf(model, cube, points, i), 4 * std::numeric_limits<double>::denorm_min());
 }
 
+// There is no length to measure by: what is not at the one place is outside, however near.
+TEST_P(HostileNumbers, ALatticeOfNoSize) {
+    Lattice lattice = test::mixedLattice();
+    for (Point3& position : lattice.positions) position = {0, 0, 0};
+    const auto model =
+        bind(lattice, {{0, 0, 0}, {7.9e-309, 0, 0}, {1, 2, 3}}, {.outside = GetParam()}, 1);
+    const PointStatus elsewhere =
+        GetParam() == OutsidePolicy::Keep ? PointStatus::Outside : PointStatus::NotConverged;
+    EXPECT_EQ(model.statuses, (std::vector{PointStatus::Inside, elsewhere, elsewhere}));
+}
+
 TEST_P(HostileNumbers, PointsThatAreNoneOrFarAway) {
     const Lattice cube = shapes::box();
     const std::vector<Point3> none = {{kNan, 0, 0}, {0, kInfinity, 0}, {0, 0, -kInfinity}};

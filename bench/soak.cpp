@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/memory.h>
+#include <espalier/io/binding_file.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/local_binding.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+// Lattices bound, applied from several threads, saved, loaded and freed, one after the other, as a
+// host does in a long session: results must stay right, and memory flat.
+//
+//     soak [LATTICES] [THREADS]     1000 and 8
+
+namespace {
+
+using namespace espalier;
+
+/// One of 24 lattices, so that large and small ones take turns.
+Lattice latticeOf(int number) {
+    const int size = 1 + number / 4 % 6;
+    switch (number % 4) {
+        case 0:
+            return shapes::box({.cells = {size, 2, 3}});
+        case 1:
+            return shapes::cylinder({.sectors = 3 + size, .layers = 2});
+        case 2:
+            return shapes::torus();
+        default:
+            return shapes::arm({.sides = 4 + size});
+    }
+}
+
+std::vector<Point3> pointsAround(const Lattice& lattice, int number) {
+    Point3 low = lattice.positions[0], high = low;
+    for (const Point3& position : lattice.positions)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], position[axis]);
+            high[axis] = std::max(high[axis], position[axis]);
+        }
+    std::mt19937_64 random(static_cast<std::uint64_t>(number));
+    std::uniform_real_distribution<double> share(-0.1, 1.1);
+    std::vector<Point3> points(3000);
+    for (Point3& point : points)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            point[axis] = low[axis] + share(random) * (high[axis] - low[axis]);
+    return points;
+}
+
+void require(bool isSo, const std::string& what) {
+    if (!isSo) throw Error(what);
+}
+
+/// Everything that is done with one lattice.
+void runOne(int number, const std::filesystem::path& folder) {
+    const Lattice lattice = latticeOf(number);
+    const std::vector<Point3> points = pointsAround(lattice, number);
+    const far::TopologyRefiner refiner(lattice.complex);
+    io::BoundModel model;
+    model.binding = stencils::bindPoints<double>(refiner, lattice.positions, 2 + number % 2,
+                                                 stencils::Rules::Siggraph96, points)
+                        .binding;
+    model.modelName = "points";
+
+    const auto path = folder / (std::to_string(number) + ".espb");
+    io::writeBoundModel(path, model);
+    const io::BoundModel loaded = io::readBoundModel(path);
+    std::filesystem::remove(path);
+    require(loaded.binding == model.binding, "a binding came back changed");
+
+    const osd::CompiledTable<double> compiled(loaded.binding.table);
+    const auto xyz = osd::BufferDescriptor::packed(3);
+    std::vector<double> result(3 * points.size());
+    osd::Workspace workspace = compiled.workspace(3);
+    for (int pose = 0; pose < 5; ++pose) {
+        std::vector<Point3> moved = lattice.positions;
+        for (Point3& position : moved) position[2] += pose + 0.1 * position[0];
+        const std::vector<Point3> expected = osd::evaluateBinding(model.binding, moved);
+        const std::span<const double> source(moved.data()->data(), 3 * moved.size());
+        compiled.evaluate(source, xyz, result, xyz, {0, compiled.rowCount()}, workspace);
+        osd::writeKept<double>(loaded.binding, result, xyz);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                // A few ulp of numbers up to 10.
+                require(std::abs(result[3 * i + axis] - expected[i][axis]) < 1e-12,
+                        "a result is wrong");
+    }
+}
+
+/// What the process holds, each time that so many lattices are done.
+class MemoryRecord {
+public:
+    void add() {
+        const std::lock_guard lock(mutex_);
+        bytes_.push_back(far::residentMemory());
+    }
+    /// The most in a part of the record.
+    std::uint64_t most(double from, double to) const {
+        const auto at = [&](double share) {
+            return bytes_.begin() +
+                   static_cast<std::ptrdiff_t>(share * static_cast<double>(bytes_.size()));
+        };
+        return *std::max_element(at(from), std::max(at(to), at(from) + 1));
+    }
+
+private:
+    std::mutex mutex_;
+    std::vector<std::uint64_t> bytes_;
+};
+
+class Folder {
+public:
+    Folder() {
+        std::string name = (std::filesystem::temp_directory_path() / "soak-XXXXXX").string();
+        if (::mkdtemp(name.data()) == nullptr) throw Error("no temporary folder");
+        path_ = name;
+    }
+    ~Folder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+/// \return whether memory stayed flat
+bool soak(int latticeCount, int threadCount) {
+    const Folder folder;
+    MemoryRecord record;
+    std::atomic<int> next = 0;
+    std::exception_ptr failure;
+    std::mutex failureMutex;
+    const auto work = [&] {
+        try {
+            for (int number = next++; number < latticeCount; number = next++) {
+                runOne(number, folder.path());
+                record.add();
+            }
+        } catch (...) {
+            const std::lock_guard lock(failureMutex);
+            failure = std::current_exception();
+            next = latticeCount;
+        }
+    };
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<std::thread> threads;
+    for (int i = 0; i < threadCount; ++i) threads.emplace_back(work);
+    for (std::thread& thread : threads) thread.join();
+    if (failure) std::rethrow_exception(failure);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+
+    // The first quarter warms up: allocators keep what threads give back.
+    const std::uint64_t early = record.most(0.25, 0.5), late = record.most(0.75, 1);
+    std::printf(
+        "%d lattices on %d threads in %.1f s; most memory %s in the second quarter, %s in "
+        "the last\n",
+        latticeCount, threadCount, seconds.count(), far::formatBytes(early).c_str(),
+        far::formatBytes(late).c_str());
+    // What lattices are at work at once is chance. A leak of one table in each would be ten times
+    // as much.
+    return static_cast<double>(late) < 1.1 * static_cast<double>(early);
+}
+
+}  // namespace
+
+int main(int argumentCount, char** arguments) {
+    try {
+        const int latticeCount = argumentCount > 1 ? std::stoi(arguments[1]) : 1000;
+        const int threadCount = argumentCount > 2 ? std::stoi(arguments[2]) : 8;
+        if (soak(latticeCount, threadCount)) return EXIT_SUCCESS;
+        std::fprintf(stderr, "soak: memory grew\n");
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "soak: %s\n", error.what());
+    }
+    return EXIT_FAILURE;
+}
