@@ -37,6 +37,8 @@ function(espalier_library name)
     target_link_libraries(${target} PUBLIC espalier::${dependency})
   endforeach()
   espalier_compile_options(${target})
+  # The same results on processors that fuse products. The kernels of osd say otherwise for themselves.
+  target_compile_options(${target} PRIVATE -ffp-contract=off)
   set_property(GLOBAL APPEND PROPERTY ESPALIER_COMPONENTS ${name})
   set_property(GLOBAL PROPERTY ESPALIER_${name}_DEPENDS ${arg_DEPENDS})
 endfunction()

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/reference_evaluator.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <span>
+
+#include "support/threads.h"
+#include "support/zoo.h"
+
+// Tables, bindings and what the reference evaluator makes of them are the same bits wherever they
+// are made: by any compiler, on any number of threads, with whatever instructions the processor
+// has. The numbers here are hashes of those bits, as this code gave them when it was written. There
+// is nothing to derive by hand: a change of rounding is what they are to show.
+
+namespace espalier::osd {
+namespace {
+
+using far::Index;
+
+/// FNV-1a of numbers, byte by byte from the lowest.
+class Hash {
+public:
+    template <class Number>
+    void add(std::span<const Number> numbers) {
+        for (const Number number : numbers) addNumber(number);
+    }
+    std::uint64_t value() const { return value_; }
+
+private:
+    void addNumber(double number) { addNumber(std::bit_cast<std::int64_t>(number)); }
+    void addNumber(float number) { addNumber(std::bit_cast<std::int32_t>(number)); }
+    template <class Integer>
+    requires std::is_integral_v<Integer>
+    void addNumber(Integer number) {
+        for (unsigned byte = 0; byte < sizeof number; ++byte) {
+            value_ ^= static_cast<std::uint64_t>(number) >> 8 * byte & 0xFF;
+            value_ *= 0x100000001B3;
+        }
+    }
+
+    std::uint64_t value_ = 0xCBF29CE484222325;
+};
+
+template <class Real>
+void add(const stencils::StencilTable<Real>& table, Hash& hash) {
+    hash.add(table.offsets());
+    hash.add(table.columns());
+    hash.add(table.weights());
+}
+
+/// Of coordinates that no library function has rounded.
+std::vector<Lattice> exactLattices() {
+    Lattice marked = shapes::box({.cells = {2, 2, 2}});
+    marked.marks = {.edges = {{{0, 1}, far::kSmooth}, {{1, 4}, 2.3}, {{4, 13}, 0.7}},
+                    .vertices = {{26, far::kInfinitelySharp}, {13, 1.4}}};
+    return {test::mixedLattice(), shapes::box({.cells = {3, 2, 1}}), marked};
+}
+
+/// A grid through the box of all of them and beyond.
+std::vector<Point3> exactPoints() {
+    std::vector<Point3> points;
+    for (int i = -1; i < 9; ++i)
+        for (int j = -1; j < 5; ++j)
+            for (int k = -1; k < 5; ++k) points.push_back({i / 3.5, j / 4.0, k / 3.75});
+    return points;
+}
+
+template <class Real>
+void addResults(const far::TopologyRefiner& refiner, const Lattice& lattice, stencils::Rules rules,
+                Hash& hash) {
+    add(stencils::buildStencils<Real>(refiner, refiner.maxLevel(), rules), hash);
+    const auto points = exactPoints();
+    const auto bound = stencils::bindPoints<Real>(
+        far::TopologyRefiner(lattice.complex, refiner.options()), lattice.positions, 3, rules,
+        points, {.outside = stencils::OutsidePolicy::Nearest});
+    const auto& table = bound.binding.table;
+    add(table, hash);
+    std::vector<Real> source;
+    for (const Point3& position : lattice.positions)
+        for (const double coordinate : position)
+            source.push_back(static_cast<Real>(1.25 * coordinate - 0.3));
+    std::vector<Real> result(static_cast<std::size_t>(3 * table.rowCount()));
+    const BufferDescriptor points3{0, 3, 3};
+    ReferenceEvaluator::evaluate<Real>(table, source, points3, result, points3,
+                                       {0, table.rowCount()});
+    hash.add(std::span<const Real>(result));
+}
+
+std::uint64_t hashOfAll(far::Boundary boundary, stencils::Rules rules) {
+    Hash hash;
+    for (const Lattice& lattice : exactLattices()) {
+        far::TopologyRefiner refiner(lattice.complex,
+                                     {.boundary = boundary, .marks = lattice.marks});
+        refiner.refineUniform(2);
+        addResults<double>(refiner, lattice, rules, hash);
+        addResults<float>(refiner, lattice, rules, hash);
+    }
+    return hash.value();
+}
+
+TEST(GoldenBits, AreTheSameEverywhere) {
+    using far::Boundary;
+    using stencils::Rules;
+    for (const int threads : {1, 7})
+        test::withThreads(threads, [] {
+            EXPECT_EQ(hashOfAll(Boundary::Sharp, Rules::Siggraph96), 0u);
+            EXPECT_EQ(hashOfAll(Boundary::Sharp, Rules::Cse96), 0u);
+            EXPECT_EQ(hashOfAll(Boundary::EdgeOnly, Rules::Siggraph96), 0u);
+        });
+}
+
+}  // namespace
+}  // namespace espalier::osd
