@@ -27,7 +27,8 @@ public:
 /// is changed meanwhile: parts of two files would be no file
 ESPALIER_API std::string readFile(const std::filesystem::path& path);
 
-/// Calls `write` on a new file, and puts that in the place of `path` when all is on disk.
+/// Calls `write` on a new file, and puts that in the place of `path` when all is on disk. The
+/// stream cannot go back: it may be that of a pipe.
 ///
 /// Whole: if anything fails, what throws or what the system refuses, the old file is as it was, and
 /// there is no other. The new file has no name until it is complete, and the system drops it when

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <new>
 #include <variant>
 #include <vector>
 
@@ -77,6 +78,7 @@ void appendInflated(std::string_view block, std::uint64_t size, std::string& byt
     Bytef* to = size == 0 ? &none : reinterpret_cast<Bytef*>(bytes.data() + before);
     const int status =
         ::uncompress(to, &got, reinterpret_cast<const Bytef*>(block.data()), block.size());
+    if (status == Z_MEM_ERROR) throw std::bad_alloc();
     if (status != Z_OK || got != size)
         throw CodingError("a compressed block of " + std::to_string(block.size()) +
                           " bytes is damaged (zlib)");
@@ -126,9 +128,10 @@ std::string encodeCompressed(std::string_view bytes, const VtkCoding& coding) {
         const std::size_t before = blocks.size();
         uLongf size = ::compressBound(plain.size());
         blocks.resize(before + size);
+        // For want of nothing but memory, as there is room for the worst case.
         if (::compress(reinterpret_cast<Bytef*>(blocks.data() + before), &size,
                        reinterpret_cast<const Bytef*>(plain.data()), plain.size()) != Z_OK)
-            throw CodingError("zlib cannot compress a block: out of memory");
+            throw std::bad_alloc();
         blocks.resize(before + size);
         appendWord(header, size, coding);
     }
