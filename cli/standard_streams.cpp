@@ -6,9 +6,40 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <exception>
+#include <new>
 
 namespace espalier::cli {
+namespace {
+
+/// Out of memory where no exception can go: before main(), or in a destructor of a library that we
+/// use (nlohmann's of JSON allocates).
+class EndsWithoutMemory {
+public:
+    EndsWithoutMemory() { previous_ = std::set_terminate(end); }
+
+private:
+    [[noreturn]] static void end() {
+        try {
+            if (std::current_exception()) throw;
+        } catch (const std::bad_alloc&) {
+            printError("out of memory");
+            std::_Exit(1);
+        } catch (...) {
+        }
+        previous_();
+        std::abort();
+    }
+
+    static inline std::terminate_handler previous_ = nullptr;
+};
+
+// Before what else is made before main().
+[[gnu::init_priority(101)]] EndsWithoutMemory endsWithoutMemory;
+
+}  // namespace
 
 void holdStandardStreams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
