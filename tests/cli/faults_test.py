@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What becomes of files when a run is stopped, or the system refuses something in the middle.
 
-    faults_test.py PATH_OF_ESPALIER
+    faults_test.py PATH_OF_ESPALIER [LIBRARY_THAT_LETS_ALLOCATIONS_FAIL]
 """
 
 import os
@@ -19,6 +19,7 @@ from program import CliTest, icosphere_points
 
 CLEAR_LINE = "\r\x1b[K"
 NOBODY = 65534
+FAILING_PRELOAD = ""
 
 
 class FaultsTest(CliTest):
@@ -278,7 +279,56 @@ class Memory(FaultsTest):
                               "-o", "r.vtu",
                               preexec_fn=lambda: resource.setrlimit(kind, (size, size)))
 
+    def test_allocations_that_fail(self):
+        if not FAILING_PRELOAD:
+            self.skipTest("without the library for it")
+        self.run_program("shape", "box", "-o", "one.vtu", "--quiet")
+        self.write_model(icosphere_points(5))
+        (self.path / "out.obj").write_text("old")
+        deform = ["deform", "model.obj", "--rest", "one.vtu", "--to", "one.vtu", "-n", 1, "-o",
+                  "out.obj", "--threads", 1]
+        count = self.allocations_of(*deform)
+        # Those before main() among them.
+        for number in range(1, count + 1, 251):
+            self.assert_survives("one", number, *deform)
+            self.assert_survives("all", number, *deform)
+        # The report comes last.
+        info = ["info", "one.vtu", "-n", 0, "--json"]
+        count = self.allocations_of(*info)
+        for number in range(count - 300, count + 1, 4):
+            self.assert_survives("one", number, *info)
+
+    def run_with(self, failing, number, *arguments):
+        """Exit code and error of a run in which that allocation fails, or all from there on."""
+        process = self.start(*arguments, text=True, stdout=subprocess.DEVNULL,
+                             stderr=subprocess.PIPE,
+                             env={**os.environ, "LD_PRELOAD": FAILING_PRELOAD,
+                                  "ESPALIER_TEST_FAILING": f"{failing}:{number}"})
+        error = process.communicate(timeout=120)[1]
+        return process.returncode, error
+
+    def allocations_of(self, *arguments):
+        low, high = 1, 1_000_000
+        while low < high:
+            middle = (low + high) // 2
+            if self.run_with("all", middle, *arguments)[0] == 0:
+                high = middle
+            else:
+                low = middle + 1
+        return low - 1
+
+    def assert_survives(self, failing, number, *arguments):
+        """And leaves files whole."""
+        before = self.contents()
+        result = self.run_with(failing, number, *arguments)
+        self.assertIn(result, [(1, "espalier: out of memory\n"), (0, "")], (failing, number))
+        after = self.contents()
+        output = self.path / "out.obj"
+        self.assertIn(after[output].count(b"\nv "), [0, 5])
+        self.assertEqual({**after, output: b""}, {**before, output: b""})
+
 
 if __name__ == "__main__":
+    FAILING_PRELOAD = os.path.abspath(sys.argv.pop(2)) if len(sys.argv) > 2 else ""
     program.ESPALIER = os.path.abspath(sys.argv.pop(1))
     unittest.main()
