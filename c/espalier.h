@@ -70,9 +70,9 @@ enum {
     ESPALIER_ERROR_INTERNAL = 5  ///< not foreseen: please report it
 };
 
-/// Why the last call of this thread that failed did so: one line, in UTF-8, that names the
-/// offender;
-/// "" if none has failed. Stays as it is until another call of this thread fails.
+/// Why the last call of this thread that failed did so: one line, in UTF-8, that names the offender,
+/// or says that there was no memory to do so; "" if none has failed. Stays as it is until another
+/// call of this thread fails.
 ESPALIER_C_API const char* espalier_last_error(void);
 
 // ---- In a host ------------------------------------------------------------------------------

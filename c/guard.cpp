@@ -5,7 +5,9 @@
 #include <espalier/far/memory.h>
 #include <espalier/far/progress.h>
 #include <espalier/io/file.h>
+#include <pthread.h>
 
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -14,17 +16,51 @@ namespace espalier::c {
 namespace {
 
 constexpr const char* kNoMemory = "there is not enough memory";
+constexpr const char* kNotTold = "there is not enough memory to say what is wrong";
 
-thread_local std::string lastText;
-/// Text of lastText, or one that needs no memory.
-thread_local const char* lastError = "";
+/// The text of each thread's last error, deleted when the thread ends. Not a thread_local string:
+/// to make one on a thread takes memory, and the C library ends the program if there is none.
+class LastTexts {
+public:
+    LastTexts() : isThere_(::pthread_key_create(&key_, erase) == 0) {}
+    ~LastTexts() {
+        if (!isThere_) return;
+        // Of the thread that unloads the library; for the others none is left who could.
+        erase(::pthread_getspecific(key_));
+        ::pthread_key_delete(key_);
+    }
+    LastTexts(const LastTexts&) = delete;
+    LastTexts& operator=(const LastTexts&) = delete;
+
+    /// That of the calling thread.
+    std::string& own() {
+        if (!isThere_) throw std::bad_alloc();
+        if (void* known = ::pthread_getspecific(key_)) return *static_cast<std::string*>(known);
+        auto text = std::make_unique<std::string>();
+        if (::pthread_setspecific(key_, text.get()) != 0) throw std::bad_alloc();
+        return *text.release();
+    }
+
+private:
+    static void erase(void* text) { delete static_cast<std::string*>(text); }
+
+    ::pthread_key_t key_{};
+    bool isThere_;
+};
+
+LastTexts lastTexts;
+
+/// One of these, or one that needs no memory. Of the block that each thread is born with (see
+/// far::loopContext()).
+[[gnu::tls_model("initial-exec")]] thread_local constinit const char* lastError = "";
 
 espalier_status report(espalier_status status, const char* text) noexcept {
     try {
-        lastText = text;
-        lastError = lastText.c_str();
+        std::string& own = lastTexts.own();
+        own = text;
+        lastError = own.c_str();
     } catch (...) {
-        lastError = kNoMemory;
+        lastError = kNotTold;
     }
     return status;
 }

@@ -28,10 +28,12 @@ nlohmann::json toJson(const Histogram& histogram) {
 }
 
 nlohmann::json toJson(const LevelReport& level) {
-    nlohmann::json counts, strata;
+    // Null is left broken if there is no memory to make it an object.
+    nlohmann::json counts = nlohmann::json::object(), strata = nlohmann::json::object();
     for (std::size_t d = 0; d < 4; ++d) {
         counts[kDimensions[d]] = level.counts[d];
-        for (std::size_t s = 0; s < 4; ++s) strata[kDimensions[d]][kStrata[s]] = level.strata[d][s];
+        nlohmann::json& own = strata[kDimensions[d]] = nlohmann::json::object();
+        for (std::size_t s = 0; s < 4; ++s) own[kStrata[s]] = level.strata[d][s];
     }
     return {{"counts", counts},
             {"euler_characteristic", level.eulerCharacteristic},

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
 #include <new>
+#include <stdexcept>
+#include <system_error>
 
 #include "commands.h"
 #include "memory_option.h"
+#include "standard_streams.h"
 
 namespace {
 
@@ -37,7 +37,7 @@ int run(int argumentCount, char** arguments) {
     } catch (const CLI::Success& helpOrVersion) {
         program.exit(helpOrVersion);
     } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "espalier: {}\n", error.what());
+        printError(error.what());
         return kUsage;
     }
     return kSuccess;
@@ -46,14 +46,21 @@ int run(int argumentCount, char** arguments) {
 }  // namespace
 
 int main(int argumentCount, char** arguments) {
+    using namespace espalier::cli;
+    holdStandardStreams();
     try {
         const int code = run(argumentCount, arguments);
-        if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-        fmt::print(stderr, "espalier: cannot write to standard output\n");
+        flushOutput();
+        return code;
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "espalier: out of memory\n");
+        printError("out of memory");
+    } catch (const std::length_error&) {
+        // Of a container that would hold more than memory could.
+        printError("out of memory");
+    } catch (const std::system_error& error) {
+        printError(error);
     } catch (const std::exception& error) {
-        fmt::print(stderr, "espalier: {}\n", error.what());
+        printError(error.what());
     }
     return kBadInput;
 }

@@ -37,6 +37,7 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
     const std::filesystem::path folder = output.parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
         throw io::FileError(output, "cannot be written: there is no folder " + folder.string());
+    io::checkWritable(output);
     const bool isSpecial = std::filesystem::exists(output, ignored) &&
                            !std::filesystem::is_regular_file(output, ignored);
     if (extensions.empty() || isSpecial ||

@@ -21,10 +21,9 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 
-/// Refuses an output that would replace one of the inputs, or whose folder does not exist, before
-/// any work is done. With `extensions` (".mtx"), also one of another extension; devices and pipes
-/// may have any.
-/// \throws FileError
+/// Refuses an output that would replace one of the inputs, whose folder does not exist, or that
+/// must not be written to, before any work is done. With `extensions` (".mtx"), also one of another
+/// extension; devices and pipes may have any. \throws FileError
 void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,
                  const std::vector<std::string>& extensions = {});
 

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <system_error>
 
@@ -16,32 +18,68 @@
 
 namespace espalier::cli {
 
-Stages::Stages(bool quiet) : isShown_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
+namespace {
+
+constexpr char kClearLine[] = "\r\033[K";
+constexpr std::array<int, 3> kEndingSignals = {SIGINT, SIGTERM, SIGHUP};
+
+/// Of those that it is set for, the default comes next: the program ends by the signal.
+extern "C" void clearLineAndEnd(int signal) {
+    const int before = errno;
+    if (::write(STDERR_FILENO, kClearLine, sizeof kClearLine - 1) < 0) errno = before;
+    ::raise(signal);
+}
+
+/// Does so for those that are handled by `from` now, and no others: some may be ignored.
+void exchangeHandlers(void (*from)(int), void (*to)(int)) {
+    for (const int signal : kEndingSignals) {
+        struct sigaction action {};
+        ::sigaction(signal, nullptr, &action);
+        if (action.sa_handler != from) continue;
+        action.sa_handler = to;
+        action.sa_flags = static_cast<int>(SA_RESETHAND);
+        ::sigaction(signal, &action, nullptr);
+    }
+}
+
+}  // namespace
+
+LineOnTerminal::LineOnTerminal() {
+    exchangeHandlers(SIG_DFL, clearLineAndEnd);
+}
+
+LineOnTerminal::~LineOnTerminal() {
+    exchangeHandlers(clearLineAndEnd, SIG_DFL);
+}
+
+// What is shown goes to the terminal by functions that throw nothing: stages end in destructors.
+
+Stages::Stages(bool quiet) : isShown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
+    if (isShown_) line_.emplace();
+}
 
 Stages::~Stages() {
     clearLine();
 }
 
 void Stages::begin(const std::string& name) {
-    name_ = name;
+    const auto same = std::find_if(finished_.begin(), finished_.end(),
+                                   [&](const Finished& stage) { return stage.name == name; });
+    current_ = static_cast<std::size_t>(same - finished_.begin());
+    if (same == finished_.end()) finished_.push_back({name, 0, 0});
     bytes_.reset();
     start_ = std::chrono::steady_clock::now();
-    if (isShown_) fmt::print(stderr, "\r\033[K{} ...", name_);
+    if (isShown_) std::fprintf(stderr, "%s%s ...", kClearLine, name.c_str());
 }
 
-void Stages::end() {
+void Stages::end() noexcept {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-    const auto same = std::find_if(finished_.begin(), finished_.end(),
-                                   [&](const Finished& stage) { return stage.name == name_; });
-    if (same == finished_.end()) {
-        finished_.push_back({name_, elapsed.count(), bytes_});
-    } else {
-        same->seconds += elapsed.count();
-        if (same->bytes && bytes_)
-            *same->bytes += *bytes_;
-        else
-            same->bytes.reset();
-    }
+    Finished& stage = finished_[current_];
+    stage.seconds += elapsed.count();
+    if (stage.bytes && bytes_)
+        *stage.bytes += *bytes_;
+    else
+        stage.bytes.reset();
     clearLine();
 }
 
@@ -56,12 +94,14 @@ void Stages::addFile(const std::filesystem::path& path) {
     if (!failure) addBytes(static_cast<std::size_t>(size));
 }
 
-void Stages::showProgress(std::size_t done, std::size_t total) {
-    if (isShown_ && total > 0) fmt::print(stderr, "\r\033[K{} ... {} %", name_, 100 * done / total);
+void Stages::showProgress(std::size_t done, std::size_t total) const noexcept {
+    if (isShown_ && total > 0)
+        std::fprintf(stderr, "%s%s ... %zu %%", kClearLine, finished_[current_].name.c_str(),
+                     100 * done / total);
 }
 
-void Stages::clearLine() const {
-    if (isShown_) fmt::print(stderr, "\r\033[K");
+void Stages::clearLine() const noexcept {
+    if (isShown_) std::fputs(kClearLine, stderr);
 }
 
 std::size_t peakMemory() {

@@ -11,8 +11,18 @@
 
 namespace espalier::cli {
 
+/// While this lives, a signal that ends the program clears the last line of the terminal first.
+class LineOnTerminal {
+public:
+    LineOnTerminal();
+    ~LineOnTerminal();
+    LineOnTerminal(const LineOnTerminal&) = delete;
+    LineOnTerminal& operator=(const LineOnTerminal&) = delete;
+};
+
 /// The stages of a run: times each, and shows on a terminal which one is at work and how far it is.
-/// Nothing is shown if the run is quiet or standard error is not a terminal.
+/// Nothing is shown if the run is quiet or standard error is not a terminal, and the line is empty
+/// in the end, though it be a signal's. That it cannot be shown is no error.
 class Stages {
 public:
     explicit Stages(bool quiet);
@@ -47,21 +57,22 @@ public:
     void addFile(const std::filesystem::path& path);
 
     /// Shows how much of the current stage is done; from any thread.
-    void showProgress(std::size_t done, std::size_t total);
+    void showProgress(std::size_t done, std::size_t total) const noexcept;
 
-    /// In the order in which they first ended.
+    /// In the order in which they first began.
     const std::vector<Finished>& finished() const { return finished_; }
 
 private:
     void begin(const std::string& name);
-    void end();
-    void clearLine() const;
+    void end() noexcept;
+    void clearLine() const noexcept;
 
     bool isShown_;
-    std::string name_;
+    std::size_t current_ = 0;  ///< the one of finished_ that is at work
     std::chrono::steady_clock::time_point start_;
     std::optional<std::size_t> bytes_;  ///< of the current stage
     std::vector<Finished> finished_;
+    std::optional<LineOnTerminal> line_;
 };
 
 /// The most memory that this process has had, in bytes.

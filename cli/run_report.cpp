@@ -62,7 +62,7 @@ void addReportOption(CLI::App& command, ReportFormat& format) {
 
 Json toJson(const RunReport& report) {
     const auto& table = report.binding.table;
-    Json json;
+    Json json = Json::object();  // null is left broken if there is no memory to make it one
     if (report.points) {
         json["points"] = {{"inside", report.points->inside},
                           {"outside", report.points->outside},

@@ -11,6 +11,7 @@
 
 #ifdef ESPALIER_WITH_TBB
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #endif
@@ -160,8 +161,12 @@ void parallelFor(Offset count, Offset grain, FunctionRef<void(Offset, Offset)> b
 #ifdef ESPALIER_WITH_TBB
 
 struct ThreadLimit::Control {
+    // What the limit goes back to is asked for now: oneTBB's first look at the machine takes
+    // memory, and ends the program if that is short when a limit ends.
     explicit Control(int threads)
-        : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {}
+        : unlimited(tbb::info::default_concurrency()),
+          limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {}
+    int unlimited;
     tbb::global_control limit;
 };
 

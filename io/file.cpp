@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/descriptor.h>
+#include <espalier/io/descriptor_buffer.h>
+#include <espalier/io/destination.h>
 #include <espalier/io/file.h>
-
+#include <espalier/io/new_file.h>
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <deque>
-#include <fstream>
+#include <ostream>
 #include <system_error>
 
 namespace espalier::io {
@@ -22,62 +25,104 @@ FileError::FileError(const fs::path& path, std::size_t line, const std::string& 
 
 namespace {
 
-std::string systemMessage() {
-    return std::strerror(errno);
+[[noreturn]] void fail(const fs::path& path, const std::string& what, int error) {
+    throw FileError(path, what + ": " + systemMessage(error));
 }
 
-/// A file beside the target, removed unless it has become the target.
-class TemporaryFile {
-public:
-    explicit TemporaryFile(const fs::path& target) : target_(target) {
-        // Not mkstemp: it makes private files, and a new file's mode should follow the umask.
-        for (int attempt = 0; descriptor_ < 0; ++attempt) {
-            name_ = target.string() + ".tmp" + std::to_string(::getpid()) + "-" +
-                    std::to_string(attempt);
-            descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-            if (descriptor_ < 0 && errno != EEXIST)
-                throw FileError(target, "cannot create a file beside it: " + systemMessage());
+struct ::stat statusOf(const fs::path& path, const Descriptor& file) {
+    struct ::stat status {};
+    if (::fstat(file.number(), &status) != 0) fail(path, "cannot read", errno);
+    return status;
+}
+
+bool isSame(const ::timespec& a, const ::timespec& b) {
+    return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
+}
+
+/// Hands `write` a stream to the file, and sees that all has gone there.
+void writeTo(int descriptor, const FileToWrite& toWrite) {
+    DescriptorBuffer buffer(descriptor);
+    std::ostream out(&buffer);
+    toWrite.write(out);
+    out.flush();
+    if (buffer.error() != 0) fail(toWrite.path, "cannot write", buffer.error());
+    if (!out) throw FileError(toWrite.path, "cannot write: the stream has failed");
+}
+
+/// Errors of the system that a step has name the file.
+template <class Step>
+void ofFile(const fs::path& path, const std::string& what, Step step) {
+    try {
+        step();
+    } catch (const std::system_error& error) {
+        throw FileError(path, what + ": " + error.code().message());
+    }
+}
+
+void writeInPlace(const Destination& to, const FileToWrite& toWrite) {
+    const Descriptor file(uninterrupted([&] {
+        return to.kind == Destination::Kind::Descriptor
+                   ? ::fcntl(to.descriptor, F_DUPFD_CLOEXEC, 0)
+                   : ::open(to.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    }));
+    if (!file) fail(toWrite.path, "cannot write", errno);
+    writeTo(file.number(), toWrite);
+}
+
+/// A new file, and what it is called.
+struct Written {
+    Written(const FileToWrite& what, const fs::path& target) : toWrite(what), file(target) {}
+
+    const FileToWrite& toWrite;
+    NewFile file;
+};
+
+void moveToTargets(std::deque<Written>& written) {
+    for (std::size_t i = 0; i < written.size(); ++i) {
+        try {
+            written[i].file.moveToTarget();
+        } catch (const std::system_error& error) {
+            std::string replaced;
+            for (std::size_t j = 0; j < i; ++j)
+                replaced +=
+                    (j == 0 ? "; replaced before it: " : ", ") + written[j].toWrite.path.string();
+            throw FileError(written[i].toWrite.path,
+                            "cannot write: " + error.code().message() + replaced);
         }
     }
-    TemporaryFile(const TemporaryFile&) = delete;
-    TemporaryFile& operator=(const TemporaryFile&) = delete;
-    ~TemporaryFile() {
-        ::close(descriptor_);
-        if (!isInPlace_) ::unlink(name_.c_str());
-    }
-
-    const std::string& name() const { return name_; }
-
-    void moveToTarget() {
-        if (::fsync(descriptor_) != 0) throw FileError(target_, "cannot write: " + systemMessage());
-        std::error_code error;
-        const fs::file_status old = fs::status(target_, error);
-        if (fs::exists(old)) fs::permissions(name_, old.permissions(), error);
-        fs::rename(name_, target_, error);
-        if (error) throw FileError(target_, "cannot write: " + error.message());
-        isInPlace_ = true;
-    }
-
-private:
-    fs::path target_;
-    std::string name_;
-    int descriptor_ = -1;
-    bool isInPlace_ = false;
-};
+}
 
 }  // namespace
 
 std::string readFile(const fs::path& path) {
-    std::error_code error;
-    if (fs::is_directory(path, error)) throw FileError(path, "is a directory");
-    std::ifstream in(path, std::ios::binary);
-    if (!in) throw FileError(path, "cannot open: " + systemMessage());
-    std::string bytes;
-    char block[1 << 16];
-    while (in.read(block, sizeof block) || in.gcount() > 0)
-        bytes.append(block, static_cast<std::size_t>(in.gcount()));
-    if (in.bad()) throw FileError(path, "cannot read: " + systemMessage());
+    const Descriptor file(
+        uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY); }));
+    if (!file) fail(path, "cannot open", errno);
+    const struct ::stat before = statusOf(path, file);
+    if (S_ISDIR(before.st_mode)) throw FileError(path, "is a directory");
+    // One more than there are, to see the end. Pipes and the files of /proc do not say.
+    constexpr std::size_t kBlock = 1 << 16;
+    const auto expected = static_cast<std::size_t>(before.st_size);
+    std::string bytes(expected > 0 ? expected + 1 : kBlock, '\0');
+    std::size_t size = 0;
+    while (true) {
+        if (size == bytes.size()) bytes.resize(2 * size);
+        const ssize_t got = uninterrupted(
+            [&] { return ::read(file.number(), bytes.data() + size, bytes.size() - size); });
+        if (got < 0) fail(path, "cannot read", errno);
+        if (got == 0) break;
+        size += static_cast<std::size_t>(got);
+    }
+    bytes.resize(size);
+    const struct ::stat after = statusOf(path, file);
+    if (S_ISREG(before.st_mode) &&
+        (after.st_size != before.st_size || !isSame(after.st_mtim, before.st_mtim)))
+        throw FileError(path, "has changed while it was read");
     return bytes;
+}
+
+void checkWritable(const fs::path& path) {
+    destinationOf(path);
 }
 
 void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& write) {
@@ -85,27 +130,24 @@ void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& w
 }
 
 void writeFiles(const std::vector<FileToWrite>& files) {
-    std::error_code ignored;
-    const auto writeTo = [](const fs::path& name, const FileToWrite& file) {
-        std::ofstream out(name, std::ios::binary | std::ios::trunc);
-        if (out) file.write(out);
-        out.close();
-        if (!out) throw FileError(file.path, "cannot write: " + systemMessage());
-    };
-    std::deque<TemporaryFile> written;
-    for (const FileToWrite& file : files) {
-        // A device or a pipe is written to, not replaced.
-        if (fs::exists(file.path, ignored) && !fs::is_regular_file(file.path, ignored)) {
-            if (fs::is_directory(file.path, ignored)) throw FileError(file.path, "is a directory");
-            writeTo(file.path, file);
+    std::vector<Destination> destinations;
+    for (const FileToWrite& file : files) destinations.push_back(destinationOf(file.path));
+    std::deque<Written> written;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        if (destinations[i].kind != Destination::Kind::File) {
+            writeInPlace(destinations[i], files[i]);
             continue;
         }
-        // A link stays one; what it names is replaced.
-        written.emplace_back(fs::is_symlink(file.path, ignored) ? fs::weakly_canonical(file.path)
-                                                                : file.path);
-        writeTo(written.back().name(), file);
+        ofFile(files[i].path, "cannot create a file beside it",
+               [&] { written.emplace_back(files[i], destinations[i].path); });
+        writeTo(written.back().file.descriptor(), files[i]);
     }
-    for (TemporaryFile& file : written) file.moveToTarget();
+    for (Written& each : written)
+        ofFile(each.toWrite.path, "cannot write", [&] { each.file.complete(); });
+    moveToTargets(written);
+    for (const Written& each : written)
+        ofFile(each.toWrite.path, "is written, but may not outlast a loss of power",
+               [&] { each.file.syncFolder(); });
 }
 
 }  // namespace espalier::io

@@ -43,6 +43,7 @@ public:
             // An error, where it has neither anything to read nor room to write to.
             status = ::inflate(&state_, Z_NO_FLUSH);
         }
+        if (status == Z_MEM_ERROR) throw std::bad_alloc();
         return status == Z_STREAM_END && outLeft == 0 && state_.avail_out == 0;
     }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <new>
 #include <variant>
 #include <vector>
 
@@ -113,9 +114,10 @@ std::string encodeCompressed(std::string_view bytes, const VtkCoding& coding) {
         const std::size_t before = blocks.size();
         uLongf size = ::compressBound(plain.size());
         blocks.resize(before + size);
+        // For want of nothing but memory, as there is room for the worst case.
         if (::compress(reinterpret_cast<Bytef*>(blocks.data() + before), &size,
                        reinterpret_cast<const Bytef*>(plain.data()), plain.size()) != Z_OK)
-            throw CodingError("zlib cannot compress a block: out of memory");
+            throw std::bad_alloc();
         blocks.resize(before + size);
         appendWord(header, size, coding);
     }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <pugixml.hpp>
 #include <utility>
 
@@ -54,6 +55,7 @@ public:
         pugi::xml_document document;
         const pugi::xml_parse_result result = document.load_buffer_inplace(
             head.data(), head.size(), pugi::parse_default, pugi::encoding_utf8);
+        if (result.status == pugi::status_out_of_memory) throw std::bad_alloc();
         if (!result)
             failAt(placeInFile(static_cast<std::size_t>(result.offset)),
                    std::string("is not well-formed XML: ") + result.description());

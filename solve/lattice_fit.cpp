@@ -17,6 +17,15 @@ using Matrix = Eigen::SparseMatrix<double>;
 using Columns = Eigen::MatrixX3d;
 using stencils::StencilTable;
 
+/// The matrix that an expression stands for. Not by a constructor: Eigen's lose memory if they throw
+/// for want of it, and copy what could be moved.
+template <class Expression>
+Matrix evaluated(const Expression& expression) {
+    Matrix result;
+    result = expression;
+    return result;
+}
+
 /// Directions in which the square of the matrix is below this part of its largest count as open.
 constexpr double kOpen = 1e-10;
 
@@ -73,7 +82,7 @@ struct FreeVertices {
         Matrix selection(matrix.cols(), count());
         selection.reserve(Eigen::VectorXi::Constant(count(), 1));
         for (Index i = 0; i < count(); ++i) selection.insert(vertices[at(i)], i) = 1;
-        return matrix * selection;
+        return evaluated(matrix * selection);
     }
 };
 
@@ -94,23 +103,25 @@ Matrix smoothing(const far::CellComplex& base, Smoothing kind) {
     }
     Matrix neighbours(count, count);
     neighbours.setFromTriplets(entries.begin(), entries.end());
-    return result + neighbours;
+    return evaluated(result + neighbours);
 }
 
 /// The normal equations of the free vertices, with a little of the identity added so that they can
 /// be factored whatever is open.
 class NormalEquations {
 public:
-    NormalEquations(Matrix matrix, Matrix smooth, double strength)
-        : matrix_(std::move(matrix)), smooth_(std::move(smooth)) {
+    /// \param matrix, smooth are taken
+    NormalEquations(Matrix&& matrix, Matrix&& smooth, double strength) {
+        matrix_.swap(matrix);
+        smooth_.swap(smooth);
         square_ = matrix_.transpose() * matrix_;
         smooth_ *= strength * std::sqrt(square_.diagonal().mean());
-        square_ += Matrix(smooth_.transpose() * smooth_);
+        square_ += evaluated(smooth_.transpose() * smooth_);
         largest_ = largestEigenvalue();
         if (!(largest_ > 0)) throw Error("no target depends on a vertex that may move");
         Matrix identity(square_.rows(), square_.cols());
         identity.setIdentity();
-        factor_.compute(Matrix(square_ + kOpen * largest_ * identity));
+        factor_.compute(evaluated(square_ + kOpen * largest_ * identity));
         if (factor_.info() != Eigen::Success)
             throw Error("the normal equations of the fit cannot be factored");
     }
@@ -180,7 +191,7 @@ LatticeFit fitLattice(const StencilTable<double>& deformation, std::span<const P
     check(deformation, misses, base, options);
     const FreeVertices free(base.count(0), options.frozen);
     const stencils::SparseView<double> view(deformation);
-    const NormalEquations equations(free.columnsOf(Matrix(view.matrix())),
+    const NormalEquations equations(free.columnsOf(evaluated(view.matrix())),
                                     free.columnsOf(smoothing(base, options.smoothing)),
                                     options.strength);
     LatticeFit fit;

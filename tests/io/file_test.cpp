@@ -3,9 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <fstream>
 #include <ostream>
+#include <thread>
 
+#include "support/folder_contents.h"
 #include "support/temporary_folder.h"
 
 namespace espalier::io {
@@ -13,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 std::size_t fileCount(const fs::path& folder) {
     return static_cast<std::size_t>(
@@ -27,6 +34,7 @@ TEST(WriteFile, ReplacesTheFileWhenAllIsWritten) {
         out << "new";
         out.flush();
         EXPECT_EQ(readFile(path), "old") << "until the end";
+        EXPECT_EQ(fileCount(folder.path()), 1u) << "the new one has no name until then";
     });
     EXPECT_EQ(readFile(path), "new");
     EXPECT_EQ(fileCount(folder.path()), 1u);
@@ -60,6 +68,129 @@ TEST(WriteFile, KeepsLinksAndModes) {
               fs::perms::owner_read | fs::perms::owner_write);
 }
 
+TEST(WriteFile, LinksThatLeadNowhereLeadToTheNewFile) {
+    const test::TemporaryFolder folder;
+    fs::create_directory(folder / "sub");
+    fs::create_symlink("sub/second", folder / "first");
+    fs::create_symlink("a.txt", folder / "sub/second");
+    writeFile(folder / "first", [](std::ostream& out) { out << "new"; });
+    EXPECT_TRUE(fs::is_symlink(folder / "first"));
+    EXPECT_TRUE(fs::is_symlink(folder / "sub/second"));
+    EXPECT_EQ(readFile(folder / "sub/a.txt"), "new");
+
+    fs::create_symlink("loop", folder / "loop");
+    EXPECT_THAT([&] { writeFile(folder / "loop", [](std::ostream&) {}); },
+                ThrowsMessage<FileError>(HasSubstr("loop: cannot write: Too many levels")));
+}
+
+TEST(WriteFile, NewFilesHaveTheModeOfTheProcess) {
+    const test::TemporaryFolder folder;
+    const ::mode_t old = ::umask(027);
+    writeFile(folder / "a.txt", [](std::ostream& out) { out << "new"; });
+    ::umask(old);
+    EXPECT_EQ(static_cast<int>(fs::status(folder / "a.txt").permissions()), 0640);
+}
+
+TEST(WriteFile, NamesMayBeAsLongAsTheFileSystemHasThem) {
+    const test::TemporaryFolder folder;
+    const fs::path path = folder / std::string(255, 'n');
+    writeFile(path, [](std::ostream& out) { out << "new"; });
+    EXPECT_EQ(readFile(path), "new");
+}
+
+/// Is somebody who may not do all, if this process may, while it lives.
+class AsNobody {
+public:
+    AsNobody() {
+        if (::geteuid() != 0) return;
+        EXPECT_EQ(::setegid(65534), 0);
+        EXPECT_EQ(::seteuid(65534), 0);
+    }
+    ~AsNobody() {
+        if (::getuid() != 0) return;
+        EXPECT_EQ(::seteuid(0), 0);
+        EXPECT_EQ(::setegid(::getgid()), 0);
+    }
+    AsNobody(const AsNobody&) = delete;
+    AsNobody& operator=(const AsNobody&) = delete;
+};
+
+TEST(WriteFile, KeepsTheOwnerWhereTheProcessMay) {
+    if (::getuid() != 0) GTEST_SKIP() << "only root may give files away";
+    const test::TemporaryFolder folder;
+    writeFile(folder / "a.txt", [](std::ostream& out) { out << "old"; });
+    ASSERT_EQ(::chown((folder / "a.txt").c_str(), 65534, 65533), 0);
+    fs::permissions(folder / "a.txt", fs::perms::owner_read | fs::perms::set_uid);
+    writeFile(folder / "a.txt", [](std::ostream& out) { out << "new"; });
+    struct stat status {};
+    ASSERT_EQ(::stat((folder / "a.txt").c_str(), &status), 0);
+    EXPECT_EQ(status.st_uid, 65534u);
+    EXPECT_EQ(status.st_gid, 65533u);
+    EXPECT_EQ(status.st_mode & 07777, 04400u);
+    EXPECT_EQ(readFile(folder / "a.txt"), "new");
+}
+
+// What runs with the rights of its owner must not do so for another.
+TEST(WriteFile, RightsOfAnOwnerAreNotGivenToAnother) {
+    if (::getuid() != 0) GTEST_SKIP() << "only root has files of others";
+    const test::TemporaryFolder folder;
+    fs::permissions(folder.path(), fs::perms::all);
+    writeFile(folder / "a.txt", [](std::ostream& out) { out << "old"; });
+    ASSERT_EQ(::chown((folder / "a.txt").c_str(), 0, 65533), 0);
+    fs::permissions(folder / "a.txt", static_cast<fs::perms>(06776));
+    const AsNobody nobody;
+    writeFile(folder / "a.txt", [](std::ostream& out) { out << "new"; });
+    struct stat status {};
+    ASSERT_EQ(::stat((folder / "a.txt").c_str(), &status), 0);
+    EXPECT_EQ(status.st_uid, 65534u);
+    EXPECT_EQ(status.st_mode & 07777, 0766u) << "to the group what is for all";
+}
+
+TEST(WriteFile, ReadOnlyFilesAndFoldersAreRefusedBeforeAnythingIsDone) {
+    const test::TemporaryFolder folder;
+    fs::permissions(folder.path(), fs::perms::all);
+    writeFile(folder / "a.txt", [](std::ostream& out) { out << "old"; });
+    fs::permissions(folder / "a.txt", static_cast<fs::perms>(0444));
+    fs::create_symlink("a.txt", folder / "link");
+    fs::create_directory(folder / "sub");
+    fs::permissions(folder / "sub", static_cast<fs::perms>(0555));
+    const auto before = test::contentsOf(folder.path());
+    const auto expectRefused = [&](const std::string& name, const std::string& cause) {
+        const fs::path path = folder / name;
+        const AsNobody nobody;
+        const auto message = path.string() + ": " + cause + ": Permission denied";
+        EXPECT_THAT([&] { checkWritable(path); }, ThrowsMessage<FileError>(message));
+        EXPECT_THAT(
+            [&] { writeFile(path, [](std::ostream&) { ADD_FAILURE() << "is asked to write"; }); },
+            ThrowsMessage<FileError>(message));
+        EXPECT_THAT(
+            [&] {
+                writeFiles({{"/dev/null", [](std::ostream&) { ADD_FAILURE() << "the first is"; }},
+                            {path, [](std::ostream&) {}}});
+            },
+            ThrowsMessage<FileError>(message));
+    };
+    expectRefused("a.txt", "cannot write");
+    expectRefused("link", "cannot write");
+    expectRefused("sub/a.txt", "cannot create a file beside it");
+    EXPECT_EQ(test::contentsOf(folder.path()), before);
+    EXPECT_EQ(static_cast<int>(fs::status(folder / "a.txt").permissions()), 0444);
+}
+
+TEST(WriteFile, OpenDescriptorsAreContinued) {
+    const test::TemporaryFolder folder;
+    const fs::path path = folder / "log.txt";
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666);
+    ASSERT_GE(file, 0);
+    EXPECT_EQ(::write(file, "before ", 7), 7);
+    const std::string name = "/dev/fd/" + std::to_string(file);
+    checkWritable(name);
+    writeFile(name, [](std::ostream& out) { out << "new "; });
+    EXPECT_EQ(::write(file, "after", 5), 5);
+    ::close(file);
+    EXPECT_EQ(readFile(path), "before new after");
+}
+
 TEST(WriteFile, DevicesStayDevices) {
     writeFile("/dev/null", [](std::ostream& out) { out << "gone"; });
     EXPECT_TRUE(fs::is_character_file("/dev/null"));
@@ -80,6 +211,7 @@ TEST(WriteFile, PlacesThatCannotBeWrittenAreNamed) {
         } catch (const FileError& error) {
             EXPECT_THAT(error.what(), HasSubstr(path.string() + ": " + why));
         }
+        EXPECT_THROW(checkWritable(path), FileError);
     };
     expectRefused(folder / "none/a.txt", "cannot create a file beside it: No such file");
     expectRefused(folder.path(), "is a directory");
@@ -91,6 +223,38 @@ TEST(ReadFile, NamesWhatCannotBeRead) {
     EXPECT_THROW(readFile(folder.path()), FileError);
     std::ofstream(folder / "zero", std::ios::binary) << std::string(100000, '\0');
     EXPECT_EQ(readFile(folder / "zero"), std::string(100000, '\0'));
+}
+
+TEST(ReadFile, SaysWhyItCannot) {
+    const test::TemporaryFolder folder;
+    const auto expectRefused = [](const fs::path& path, const std::string& cause) {
+        EXPECT_THAT([&] { readFile(path); },
+                    ThrowsMessage<FileError>(path.string() + ": " + cause));
+    };
+    expectRefused(folder / "none", "cannot open: No such file or directory");
+    expectRefused(folder / "none/a.txt", "cannot open: No such file or directory");
+    expectRefused(folder.path(), "is a directory");
+    expectRefused("/proc/self/mem", "cannot read: Input/output error");
+    writeFile(folder / "a.txt", [](std::ostream& out) { out << "secret"; });
+    fs::permissions(folder / "a.txt", fs::perms::none);
+    fs::permissions(folder.path(), fs::perms::all);
+    const AsNobody nobody;
+    expectRefused(folder / "a.txt", "cannot open: Permission denied");
+}
+
+TEST(ReadFile, ReadsWhatDoesNotSayHowLongItIs) {
+    EXPECT_THAT(readFile("/proc/self/status"), HasSubstr("VmPeak"));
+    const test::TemporaryFolder folder;
+    const fs::path pipe = folder / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    // Parts that come one by one, and more than a pipe holds.
+    std::thread writer([&] {
+        writeFile(pipe, [](std::ostream& out) {
+            for (int i = 0; i < 100; ++i) out << std::string(3000, 'p') << std::flush;
+        });
+    });
+    EXPECT_EQ(readFile(pipe), std::string(300'000, 'p'));
+    writer.join();
 }
 
 }  // namespace

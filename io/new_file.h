@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/descriptor.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace espalier::io {
+
+/// A file that is to take the place of another when it is complete, in one step. Until then the
+/// system knows it without a name, and drops it when the process ends, however that comes; where
+/// the file system has no such files it has a name of its own from the start.
+///
+///     NewFile file(target);
+///     …                      // write to file.descriptor()
+///     file.complete();       // all is on disk
+///     file.moveToTarget();   // the old file is gone
+///     file.syncFolder();     // that is on disk, too
+///
+/// Whatever fails is a std::system_error, and up to moveToTarget() the old file is as it was. What
+/// has not become the target by the end is removed.
+class NewFile {
+public:
+    explicit NewFile(const std::filesystem::path& target);
+    NewFile(const NewFile&) = delete;
+    NewFile& operator=(const NewFile&) = delete;
+    ~NewFile();
+
+    int descriptor() const { return descriptor_.number(); }
+
+    /// Puts all on disk, with the mode of the old file, and gives it a name beside that.
+    void complete();
+    void moveToTarget();
+
+    /// An error of this one leaves the new file in its place.
+    void syncFolder() const;
+
+private:
+    bool openNameless();
+    void openNamed();
+    void takeModeOfOldFile() const;
+    std::string freshName() const;
+
+    std::filesystem::path target_, folder_;
+    std::optional<struct ::stat> old_;
+    Descriptor descriptor_;
+    std::optional<std::string> name_;  ///< its own, as long as it has one
+};
+
+}  // namespace espalier::io

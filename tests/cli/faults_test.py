@@ -1,0 +1,334 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What becomes of files when a run is stopped, or the system refuses something in the middle.
+
+    faults_test.py PATH_OF_ESPALIER [LIBRARY_THAT_LETS_ALLOCATIONS_FAIL]
+"""
+
+import os
+import pty
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import unittest
+
+import program
+from program import CliTest, icosphere_points
+
+CLEAR_LINE = "\r\x1b[K"
+NOBODY = 65534
+FAILING_PRELOAD = ""
+
+
+class FaultsTest(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.run_program("shape", "box", "--cells", 4, 4, 4, "-o", "rest.vtu", "--quiet")
+
+    def contents(self):
+        """What is in the folder, by path; of folders and what may not be read, that it is there."""
+        return {path: path.read_bytes() if path.is_file() and os.access(path, os.R_OK) else None
+                for path in self.path.rglob("*")}
+
+    def start(self, *arguments, **options):
+        return subprocess.Popen([program.ESPALIER, *map(str, arguments)], cwd=self.path,
+                                **options)
+
+    def assert_fails(self, cause, *arguments, **options):
+        """With exit code 1 and one line that is this, and no file other than before."""
+        before = self.contents()
+        options = {"stdout": subprocess.PIPE, **options}
+        process = self.start(*arguments, stderr=subprocess.PIPE, text=True, **options)
+        _, error = process.communicate(timeout=120)
+        self.assertEqual((process.returncode, error), (1, f"espalier: {cause}\n"))
+        self.assertEqual(self.contents(), before)
+
+
+class OnATerminal(FaultsTest):
+    """Where it says which stage it is at."""
+
+    def setUp(self):
+        super().setUp()
+        self.write_model(icosphere_points(20000))
+        (self.path / "m.espb").write_text("old")
+        # A test that runs in the background may have been told to ignore some.
+        for number in [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]:
+            self.handle(number, signal.SIG_DFL)
+
+    def handle(self, number, handler):
+        """Here, and in what is started from here, until the test ends."""
+        self.addCleanup(signal.signal, number, signal.signal(number, handler))
+
+    def bind_until(self, stage, then, output="m.espb", level=4):
+        """What the program is killed by, or its exit code, and what is on the terminal."""
+        master, slave = pty.openpty()
+        process = self.start("bind", "model.obj", "--rest", "rest.vtu", "-n", level, "-o", output,
+                             stdout=subprocess.DEVNULL, stderr=slave)
+        os.close(slave)
+        screen = ""
+        try:
+            while data := os.read(master, 4096):
+                screen += data.decode()
+                if stage and f"{stage} ..." in screen:
+                    then(process)
+                    stage = None
+        except OSError:
+            pass  # the other end is closed
+        finally:
+            os.close(master)
+        return process.wait(timeout=120), screen
+
+    def test_a_signal_while_binding_leaves_nothing_behind(self):
+        before = self.contents()
+        for number in [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL]:
+            code, screen = self.bind_until("binding", lambda it: it.send_signal(number))
+            self.assertEqual(code, -number)
+            self.assertEqual(self.contents(), before)
+            if number != signal.SIGKILL:
+                self.assertTrue(screen.endswith(CLEAR_LINE), repr(screen))
+
+    def test_a_signal_while_writing_leaves_the_old_file_or_the_new_one(self):
+        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-n", 2, "-o", "whole.espb")
+        whole = (self.path / "whole.espb").read_bytes()
+        before = self.contents()
+        for number in [signal.SIGINT, signal.SIGTERM, signal.SIGKILL]:
+            (self.path / "m.espb").write_text("old")
+            code, _ = self.bind_until("writing", lambda it: it.send_signal(number), level=2)
+            self.assertIn(code, [-number, 0])
+            after = self.contents()
+            self.assertEqual(after.keys(), before.keys())
+            self.assertIn(after[self.path / "m.espb"], [b"old", whole])
+            if code == 0:
+                self.assertEqual(after[self.path / "m.espb"], whole)
+
+    def test_a_folder_that_is_removed_while_binding(self):
+        (self.path / "out").mkdir()
+        code, screen = self.bind_until("binding", lambda _: shutil.rmtree(self.path / "out"),
+                                       output="out/m.espb")
+        self.assertEqual(code, 1)
+        self.assertTrue(screen.endswith(
+            CLEAR_LINE + "espalier: out/m.espb: cannot create a file beside it: "
+            "No such file or directory\r\n"), repr(screen))
+
+    def test_signals_that_are_ignored_stay_so(self):
+        self.handle(signal.SIGHUP, signal.SIG_IGN)
+        code, _ = self.bind_until("binding", lambda it: it.send_signal(signal.SIGHUP))
+        self.assertEqual(code, 0)
+
+    def test_a_terminal_that_goes_away(self):
+        master, slave = pty.openpty()
+        self.handle(signal.SIGHUP, signal.SIG_IGN)  # as nohup has it
+        process = self.start("bind", "model.obj", "--rest", "rest.vtu", "-n", 2, "-o", "m.espb",
+                             stdout=subprocess.DEVNULL, stderr=slave)
+        os.close(slave)
+        os.read(master, 1)
+        os.close(master)
+        self.assertEqual(process.wait(timeout=120), 0)
+        self.assertNotEqual((self.path / "m.espb").read_bytes(), b"old")
+
+
+class Files(FaultsTest):
+    def setUp(self):
+        super().setUp()
+        self.write_model(icosphere_points(500))
+        (self.path / "m.espb").write_text("old")
+
+    def bind(self, output="m.espb"):
+        return ["bind", "model.obj", "--rest", "rest.vtu", "-n", 2, "-o", output]
+
+    def as_nobody(self):
+        """How to start the program as somebody who may not do all."""
+        if os.geteuid() != 0:
+            return {}
+        who = {"user": NOBODY, "group": NOBODY, "extra_groups": []}
+        try:
+            subprocess.run([program.ESPALIER, "--version"], check=True, capture_output=True, **who)
+        except (OSError, subprocess.CalledProcessError):
+            self.skipTest("nobody may run the program where it is")
+        return who
+
+    def test_what_is_read_only_is_refused_before_any_work(self):
+        who = self.as_nobody()
+        self.path.chmod(0o777)
+        (self.path / "m.espb").chmod(0o444)
+        (self.path / "out").mkdir(mode=0o555)
+        # The model is none: nothing is read before.
+        (self.path / "model.obj").write_text("nonsense")
+        self.assert_fails("m.espb: cannot write: Permission denied", *self.bind(), **who)
+        self.assert_fails("out/m.espb: cannot create a file beside it: Permission denied",
+                          *self.bind("out/m.espb"), **who)
+        for command in [["refine", "rest.vtu"], ["stencils", "rest.vtu"]]:
+            output = "out/a.vtu" if command[0] == "refine" else "out/a.mtx"
+            self.assert_fails(f"{output}: cannot create a file beside it: Permission denied",
+                              *command, "-n", 1, "-o", output, **who)
+
+    def test_what_may_not_be_read_is_named(self):
+        who = self.as_nobody()
+        self.path.chmod(0o777)
+        (self.path / "rest.vtu").chmod(0)
+        self.assert_fails("rest.vtu: cannot open: Permission denied", *self.bind("new.espb"),
+                          **who)
+
+    def test_an_input_that_goes_while_another_is_read(self):
+        os.mkfifo(self.path / "slow.obj")
+        text = (self.path / "model.obj").read_text()
+        rest = (self.path / "rest.vtu").read_bytes()
+
+        def with_model_after(change):
+            process = self.start("bind", "slow.obj", "--rest", "rest.vtu", "-o", "m.espb",
+                                 stderr=subprocess.PIPE, text=True)
+            with open(self.path / "slow.obj", "w") as model:  # the program has begun to read it
+                change()
+                model.write(text)
+            _, error = process.communicate(timeout=120)
+            self.assertEqual(process.returncode, 1)
+            self.assertEqual((self.path / "m.espb").read_text(), "old")
+            return error
+
+        self.assertEqual(with_model_after((self.path / "rest.vtu").unlink),
+                         "espalier: rest.vtu: cannot open: No such file or directory\n")
+        (self.path / "rest.vtu").write_bytes(rest)
+        error = with_model_after(lambda: os.truncate(self.path / "rest.vtu", len(rest) // 2))
+        self.assertRegex(error, r"^espalier: rest.vtu:\d+: [^\n]*\n$")
+
+    def test_a_full_device(self):
+        (self.path / "full.espb").symlink_to("/dev/full")
+        self.assert_fails("full.espb: cannot write: No space left on device",
+                          *self.bind("full.espb"))
+        self.assert_fails("/dev/full: cannot write: No space left on device",
+                          "deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu",
+                          "-n", 2, "-o", "/dev/full")
+
+    def test_a_full_disk(self):
+        self.assert_nothing_is_lost_on_a_full_disk(*self.bind()[:-2], output="m.espb")
+
+    def test_a_pipe_that_nobody_reads(self):
+        reader, writer = os.pipe()
+        os.close(reader)
+        name = f"/dev/fd/{writer}"
+        self.assert_fails(f"{name}: cannot write: Broken pipe", "stencils", "rest.vtu", "-n", 2,
+                          "-o", name, pass_fds=[writer])
+        os.close(writer)
+
+    def test_standard_output_as_a_file_goes_on_where_that_is(self):
+        with open(self.path / "log", "w") as log:
+            print("before", file=log, flush=True)
+            self.start("deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "-n", 2,
+                       "-o", "/dev/stdout", stdout=log).wait(timeout=120)
+            print("after", file=log)
+        text = (self.path / "log").read_text()
+        self.assertTrue(text.startswith("before\n# a comment\nv "), text[:50])
+        self.assertEqual(text.count("\nv "), 500)
+        self.assertIn("\npeak memory", text)
+        self.assertTrue(text.endswith("after\n"))
+
+
+class StandardStreams(FaultsTest):
+    def shell(self, command, code):
+        """Standard error of a command in which $E is the program."""
+        result = subprocess.run(["bash", "-c", command], cwd=self.path, text=True,
+                                capture_output=True, timeout=120,
+                                env={**os.environ, "E": program.ESPALIER})
+        self.assertEqual(result.returncode, code, result.stderr)
+        return result.stderr
+
+    def test_standard_output_that_cannot_be_written(self):
+        error = "espalier: cannot write to standard output: "
+        for to, cause in [(">/dev/full", "No space left on device"),
+                          (">&-", "Bad file descriptor")]:
+            # Less than is kept back, and more.
+            for command in ["info rest.vtu -n 1", "info rest.vtu -n 3 --json", "--help"]:
+                self.assertEqual(self.shell(f'"$E" {command} {to}', 1), error + cause + "\n")
+        self.assertEqual(self.shell('"$E" refine rest.vtu -n 1 -o r.vtu --quiet >&-', 0), "")
+
+    def test_a_reader_that_has_enough(self):
+        reader, writer = os.pipe()
+        os.close(reader)
+        self.addCleanup(os.close, writer)
+        # As other filters: whoever ends the pipe wants no message.
+        process = self.start("info", "rest.vtu", stdout=writer, stderr=subprocess.PIPE)
+        self.assertEqual(process.communicate(timeout=120), (None, b""))
+        self.assertEqual(process.returncode, -signal.SIGPIPE)
+        # Python ignores the signal: its children do then.
+        self.assert_fails("cannot write to standard output: Broken pipe", "info", "rest.vtu",
+                          stdout=writer, restore_signals=False)
+
+    def test_standard_error_that_cannot_be_written(self):
+        for to in ["2>/dev/full", "2>&-"]:
+            self.assertEqual(self.shell(f'"$E" info none.vtu {to}', 1), "")
+            self.assertEqual(self.shell(f'"$E" info {to}', 2), "")
+            self.assertEqual(self.shell(f'"$E" info rest.vtu >/dev/full {to}', 1), "")
+
+    def test_closed_streams_are_not_taken_for_files(self):
+        self.run_program("refine", "rest.vtu", "-n", 1, "-o", "expected.vtu")
+        for closed in [">&-", "2>&-", "<&- >&- 2>&-"]:
+            self.shell(f'"$E" refine rest.vtu -n 1 -o r.vtu --quiet {closed}', 0)
+            self.assertEqual((self.path / "r.vtu").read_bytes(),
+                             (self.path / "expected.vtu").read_bytes())
+
+
+class Memory(FaultsTest):
+    def test_too_little_of_it_is_one_line(self):
+        (self.path / "r.vtu").write_text("old")
+        for kind, megabytes in [(resource.RLIMIT_AS, 150), (resource.RLIMIT_DATA, 20),
+                                (resource.RLIMIT_DATA, 100)]:
+            size = megabytes << 20
+            self.assert_fails("out of memory", "refine", "rest.vtu", "-n", 6, "--threads", 1,
+                              "-o", "r.vtu",
+                              preexec_fn=lambda: resource.setrlimit(kind, (size, size)))
+
+    def test_allocations_that_fail(self):
+        if not FAILING_PRELOAD:
+            self.skipTest("without the library for it")
+        self.run_program("shape", "box", "-o", "one.vtu", "--quiet")
+        self.write_model(icosphere_points(5))
+        (self.path / "out.obj").write_text("old")
+        deform = ["deform", "model.obj", "--rest", "one.vtu", "--to", "one.vtu", "-n", 1, "-o",
+                  "out.obj", "--threads", 1]
+        count = self.allocations_of(*deform)
+        # Those before main() among them.
+        for number in range(1, count + 1, 251):
+            self.assert_survives("one", number, *deform)
+            self.assert_survives("all", number, *deform)
+        # The report comes last.
+        info = ["info", "one.vtu", "-n", 0, "--json"]
+        count = self.allocations_of(*info)
+        for number in range(count - 300, count + 1, 4):
+            self.assert_survives("one", number, *info)
+
+    def run_with(self, failing, number, *arguments):
+        """Exit code and error of a run in which that allocation fails, or all from there on."""
+        process = self.start(*arguments, text=True, stdout=subprocess.DEVNULL,
+                             stderr=subprocess.PIPE,
+                             env={**os.environ, "LD_PRELOAD": FAILING_PRELOAD,
+                                  "ESPALIER_TEST_FAILING": f"{failing}:{number}"})
+        error = process.communicate(timeout=120)[1]
+        return process.returncode, error
+
+    def allocations_of(self, *arguments):
+        low, high = 1, 1_000_000
+        while low < high:
+            middle = (low + high) // 2
+            if self.run_with("all", middle, *arguments)[0] == 0:
+                high = middle
+            else:
+                low = middle + 1
+        return low - 1
+
+    def assert_survives(self, failing, number, *arguments):
+        """And leaves files whole."""
+        before = self.contents()
+        result = self.run_with(failing, number, *arguments)
+        self.assertIn(result, [(1, "espalier: out of memory\n"), (0, "")], (failing, number))
+        after = self.contents()
+        output = self.path / "out.obj"
+        self.assertIn(after[output].count(b"\nv "), [0, 5])
+        self.assertEqual({**after, output: b""}, {**before, output: b""})
+
+
+if __name__ == "__main__":
+    FAILING_PRELOAD = os.path.abspath(sys.argv.pop(2)) if len(sys.argv) > 2 else ""
+    program.ESPALIER = os.path.abspath(sys.argv.pop(1))
+    unittest.main()

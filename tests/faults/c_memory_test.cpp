@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier.h>
+
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <new>
+#include <string>
+#include <thread>
+#include <tuple>
+#include <vector>
+
+#include "exhaustion.h"
+#include "support/temporary_folder.h"
+
+// Memory that is short under the C API: a status and a message, and no object.
+namespace espalier {
+namespace {
+
+/// Throws std::bad_alloc for the status that says the same.
+void check(espalier_status status) {
+    if (status == ESPALIER_OK) return;
+    if (status == ESPALIER_ERROR_MEMORY &&
+        std::strcmp(espalier_last_error(), "there is not enough memory") == 0)
+        throw std::bad_alloc();
+    throw std::runtime_error(espalier_last_error());
+}
+
+template <class Object>
+using Owned = std::unique_ptr<Object, void (*)(Object*)>;
+
+/// Has a function make an object; where it fails there is none.
+template <class Object, class Create>
+Owned<Object> make(void (*destroy)(Object*), Create create) {
+    Object* object = nullptr;
+    const espalier_status status = create(&object);
+    Owned<Object> owned(object, destroy);
+    if (status != ESPALIER_OK && owned) throw std::logic_error("an object in spite of an error");
+    check(status);
+    return owned;
+}
+
+const std::vector<double> kCorners = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0,
+                                      0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+const std::vector<std::int32_t> kCell = {0, 1, 2, 3, 4, 5, 6, 7};
+const std::vector<double> kPoints = {0.5, 0.5, 0.5, 0.25, 0.75, 0.1, 7, 7, 7};
+
+auto makeLattice() {
+    return make<espalier_lattice>(espalier_lattice_destroy, [](auto** out) {
+        return espalier_lattice_create_hexahedra(8, kCorners.data(), 1, kCell.data(), out);
+    });
+}
+
+auto makeRefiner(const espalier_lattice* lattice) {
+    return make<espalier_refiner>(espalier_refiner_destroy, [&](auto** out) {
+        return espalier_refiner_create(lattice, nullptr, out);
+    });
+}
+
+auto makeBinding(const espalier_refiner* refiner) {
+    auto options = espalier_default_bind_options();
+    options.level = 1;
+    return make<espalier_binding>(espalier_binding_destroy, [&](auto** out) {
+        return espalier_binding_create(refiner, 8, kCorners.data(), 3, kPoints.data(), &options,
+                                       out);
+    });
+}
+
+class CMemory : public testing::Test {
+protected:
+    const Owned<espalier_executor_scope> serial = make<espalier_executor_scope>(
+        espalier_executor_scope_destroy,
+        [](auto** out) { return espalier_executor_scope_create(nullptr, nullptr, out); });
+    const test::TemporaryFolder folder;
+    const std::string lattice = (folder / "a.vtu").string();
+    const std::string binding = (folder / "a.espb").string();
+};
+
+TEST_F(CMemory, Lattices) {
+    test::failEachAllocation([&] {
+        const auto own = makeLattice();
+        const std::int32_t edge[] = {0, 1}, vertex = 3;
+        const double sharpness = 2.5;
+        check(espalier_lattice_mark_edges(own.get(), 1, edge, &sharpness));
+        check(espalier_lattice_mark_vertices(own.get(), 1, &vertex, &sharpness));
+        check(espalier_lattice_set_positions(own.get(), 8, kCorners.data()));
+        check(espalier_lattice_write(own.get(), lattice.c_str()));
+        std::uint64_t hash = 0;
+        check(espalier_lattice_topology_hash(own.get(), &hash));
+        return hash;
+    });
+    test::failEachAllocation([&] {
+        const auto own = make<espalier_lattice>(espalier_lattice_destroy, [&](auto** out) {
+            return espalier_lattice_read(lattice.c_str(), out);
+        });
+        std::int32_t counts[4] = {};
+        check(espalier_lattice_counts(own.get(), counts));
+        return counts[3];
+    });
+}
+
+TEST_F(CMemory, Refiners) {
+    const auto own = makeLattice();
+    test::failEachAllocation([&] {
+        const auto refiner = makeRefiner(own.get());
+        check(espalier_refiner_refine(refiner.get(), 1));
+        espalier_cells cells = {};
+        check(espalier_refiner_cells(refiner.get(), 1, &cells));
+        std::vector<double> carried(3 * static_cast<std::size_t>(cells.vertex_count));
+        check(espalier_refiner_carry_values(refiner.get(), 1, 3, kCorners.data(), 24,
+                                            carried.data(),
+                                            static_cast<std::int64_t>(carried.size())));
+        return carried;
+    });
+}
+
+TEST_F(CMemory, BindingsAndEvaluators) {
+    const auto own = makeLattice();
+    const auto refiner = makeRefiner(own.get());
+    test::failEachAllocation([&] {
+        const auto bound = makeBinding(refiner.get());
+        check(espalier_binding_save(bound.get(), binding.c_str()));
+        return true;
+    });
+    test::failEachAllocation([&] {
+        const auto bound = make<espalier_binding>(espalier_binding_destroy, [&](auto** out) {
+            return espalier_binding_load(binding.c_str(), out);
+        });
+        std::vector<double> points(9);
+        check(espalier_binding_apply(bound.get(), 8, kCorners.data(), 3, points.data()));
+        return points;
+    });
+    const auto bound = makeBinding(refiner.get());
+    test::failEachAllocation([&] {
+        const auto table = make<espalier_table>(espalier_table_destroy, [&](auto** out) {
+            return espalier_binding_table(bound.get(), out);
+        });
+        const auto evaluator = make<espalier_evaluator_f32>(
+            espalier_evaluator_f32_destroy,
+            [&](auto** out) { return espalier_evaluator_f32_create(table.get(), out); });
+        const auto changes = make<espalier_change_evaluator_f32>(
+            espalier_change_evaluator_f32_destroy,
+            [&](auto** out) { return espalier_change_evaluator_f32_create(evaluator.get(), out); });
+        const std::vector<float> pose(kCorners.begin(), kCorners.end());
+        std::vector<float> points(9);
+        const auto xyz = espalier_packed_layout(3);
+        check(espalier_evaluator_f32_evaluate(evaluator.get(), pose.data(), 24, xyz, points.data(),
+                                              9, xyz, 0, 3, nullptr));
+        const std::int32_t changed = 3;
+        check(espalier_change_evaluator_f32_evaluate(changes.get(), pose.data(), 24, xyz,
+                                                     points.data(), 9, xyz, 1, &changed, nullptr));
+        return points;
+    });
+}
+
+TEST_F(CMemory, Scopes) {
+    test::failEachAllocation([] {
+        const auto limit = make<espalier_thread_limit>(
+            espalier_thread_limit_destroy,
+            [](auto** out) { return espalier_thread_limit_create(1, out); });
+        const auto workspace =
+            make<espalier_workspace>(espalier_workspace_destroy, espalier_workspace_create);
+        const auto executor = make<espalier_executor_scope>(
+            espalier_executor_scope_destroy,
+            [](auto** out) { return espalier_executor_scope_create(nullptr, nullptr, out); });
+        const auto progress =
+            make<espalier_progress_scope>(espalier_progress_scope_destroy, [](auto** out) {
+                return espalier_progress_scope_create(
+                    [](void*, const espalier_progress*) { return 1; }, nullptr, 0, out);
+            });
+        return true;
+    });
+}
+
+/// Errors that need memory to be told, on a thread that has not called before: the status is right
+/// or that of memory, and the message is there.
+void expectErrorsToldOnANewThread(espalier_status expected, const char* message,
+                                  const std::function<espalier_status()>& call) {
+    for (long n = 1;; ++n) {
+        bool isDone = false, isTold = false, isWhole = false;
+        std::thread([&] {
+            const test::AllocationFault fault(test::Failing::AllFrom, n);
+            const espalier_status status = call();
+            isWhole = status == expected && std::strcmp(espalier_last_error(), message) == 0;
+            isTold = isWhole || std::strstr(espalier_last_error(), "not enough memory") != nullptr;
+            isDone = !fault.hasHappened();
+        }).join();
+        EXPECT_TRUE(isTold) << n;
+        if (!isDone) continue;
+        EXPECT_TRUE(isWhole);
+        break;
+    }
+}
+
+TEST_F(CMemory, ErrorsAreToldOnThreadsThatHaveNotCalledBefore) {
+    espalier_lattice* none = nullptr;
+    const std::string missing = (folder / "none.vtu").string();
+    expectErrorsToldOnANewThread(ESPALIER_ERROR_FILE,
+                                 (missing + ": cannot open: No such file or directory").c_str(),
+                                 [&] { return espalier_lattice_read(missing.c_str(), &none); });
+    expectErrorsToldOnANewThread(ESPALIER_ERROR_INPUT, "path is null",
+                                 [&] { return espalier_lattice_read(nullptr, &none); });
+    EXPECT_EQ(none, nullptr);
+}
+
+}  // namespace
+}  // namespace espalier

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/executor.h>
+#include <espalier/far/parallel.h>
+#include <espalier/far/progress.h>
+#include <espalier/far/topology_match.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/change_evaluator.h>
+#include <espalier/osd/compiled_adjoint.h>
+#include <espalier/osd/compiled_chain.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/osd/cpu_evaluator.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/merge.h>
+#include <espalier/shapes/solids.h>
+#include <espalier/solve/lattice_fit.h>
+#include <espalier/solve/validity.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/continuity.h>
+#include <espalier/stencils/design_variables.h>
+#include <espalier/stencils/local_binding.h>
+#include <espalier/stencils/nested_lattices.h>
+
+#include <optional>
+#include <tuple>
+#include <type_traits>
+
+#include "exhaustion.h"
+
+// Memory that is short while things are made and used. On one thread: what oneTBB does then is not
+// ours to say (parallel_memory_test.cpp).
+namespace espalier {
+namespace {
+
+using far::Index;
+using stencils::Rules;
+using stencils::StencilTable;
+using test::failEachAllocation;
+
+class CoreMemory : public testing::Test {
+protected:
+    far::SerialExecutor serial;
+    const far::ExecutorScope scope{serial};
+
+    /// With a cell of each sort, so that nothing is regular; and marks.
+    const Lattice lattice = marked(shapes::bipyramid({.sides = 3}));
+    const std::vector<Point3> points = {
+        {0.1, 0.1, 0.1}, {-0.1, 0.05, -0.2}, {0.01, -0.1, 0.3}, {9, 9, 9}};
+
+    static Lattice marked(Lattice lattice) {
+        lattice.marks.vertices = {{0, 1.5}};
+        lattice.marks.edges = {{{0, 2}, 2.5}};
+        return lattice;
+    }
+
+    far::TopologyRefiner refined(int level) const {
+        far::TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
+        refiner.refineUniform(level);
+        return refiner;
+    }
+
+    auto bind() const {
+        return stencils::bindPoints<double>(refined(0), lattice.positions, 2, Rules::Siggraph96,
+                                            points);
+    }
+};
+
+std::vector<double> flat(const std::vector<Point3>& points) {
+    std::vector<double> numbers;
+    for (const Point3& point : points) numbers.insert(numbers.end(), point.begin(), point.end());
+    return numbers;
+}
+
+TEST_F(CoreMemory, Lattices) {
+    failEachAllocation([] {
+        const Lattice two = shapes::merge(shapes::box({.cells = {2, 1, 1}}),
+                                          shapes::box({.min = {2, 0, 0}, .max = {3, 1, 1}}));
+        return std::tuple(two.positions, far::topologyHash(two.complex));
+    });
+    failEachAllocation([] { return shapes::cylinder({.sectors = 3}).positions; });
+    failEachAllocation([&] {
+        const auto difference =
+            far::topologyDifference(lattice.complex, shapes::box({.cells = {1, 1, 1}}).complex);
+        return difference.value_or("");
+    });
+}
+
+TEST_F(CoreMemory, RelationsThatAreDerivedWhenTheyAreAskedFor) {
+    failEachAllocation([&] {
+        const Lattice own = shapes::box({.cells = {2, 1, 1}});
+        std::size_t size = 0;
+        for (int from = 0; from <= 3; ++from)
+            for (int to = 0; to <= 3; ++to) size += own.complex.relation(from, to).values().size();
+        return size;
+    });
+}
+
+// What is there when memory runs short is as it was, and derives the relation when there is more.
+TEST_F(CoreMemory, AComplexIsAsUsableAsBefore) {
+    const auto expected = far::topologyHash(shapes::box({.cells = {2, 1, 1}}).complex);
+    for (long n = 1;; ++n) {
+        const Lattice own = shapes::box({.cells = {2, 1, 1}});
+        const auto derive = [&] { return own.complex.relation(0, 3).values().size(); };
+        const auto it = test::attempt(test::Failing::AllFrom, n, derive);
+        EXPECT_EQ(derive(), 16u);
+        EXPECT_EQ(far::topologyHash(own.complex), expected);
+        EXPECT_NO_THROW(far::validate(own.complex));
+        if (!it.hasHappened) break;
+        EXPECT_TRUE(it.isOutOfMemory);
+    }
+}
+
+TEST_F(CoreMemory, Refinement) {
+    failEachAllocation([&] {
+        const auto refiner = refined(1);
+        return refiner.level(1).complex.count(0);
+    });
+    for (const auto creasing : {far::Creasing::Uniform, far::Creasing::Chaikin})
+        failEachAllocation([&] {
+            far::TopologyRefiner refiner(lattice.complex,
+                                         {.creasing = creasing, .marks = lattice.marks});
+            refiner.refineAround(std::vector<Index>{0});
+            return refiner.level(1).complex.count(0);
+        });
+}
+
+// "The levels made before stay."
+TEST_F(CoreMemory, ARefinerHasTheLevelsThatWereComplete) {
+    const Index expected = refined(2).level(2).complex.count(3);
+    for (long n = 1;; n += 5) {
+        far::TopologyRefiner refiner = refined(1);
+        const auto refine = [&] {
+            refiner.refineUniform(2);
+            return 0;
+        };
+        const auto it = test::attempt(test::Failing::One, n, refine);
+        EXPECT_EQ(refiner.maxLevel(), it.isOutOfMemory ? 1 : 2);
+        refine();
+        EXPECT_EQ(refiner.level(2).complex.count(3), expected);
+        EXPECT_NO_THROW(far::validate(refiner.level(2).complex));
+        if (!it.hasHappened) break;
+    }
+}
+
+TEST_F(CoreMemory, Tables) {
+    const auto refiner = refined(2);
+    failEachAllocation([&] { return stencils::buildLevelTables(refiner, 2, Rules::Cse96); });
+    failEachAllocation(
+        [&] { return stencils::buildStencils<float>(refiner, 1, Rules::Siggraph96); });
+    const auto table = stencils::buildStencils(refiner, 1, Rules::Siggraph96);
+    failEachAllocation([&] { return stencils::transposeTable(table); });
+    failEachAllocation([&] { return stencils::convertTable<float>(table); });
+    failEachAllocation([&] { return stencils::selectRows(table, std::vector<Index>{3, 1}); });
+    failEachAllocation([&] {
+        return stencils::refinePositions(refiner, 2, Rules::Siggraph96, lattice.positions);
+    });
+}
+
+TEST_F(CoreMemory, Binding) {
+    failEachAllocation([&] {
+        const auto bound = bind();
+        return std::tuple(bound.binding, bound.statuses);
+    });
+    failEachAllocation([&] {
+        const auto bound = stencils::bindFactored<float>(refined(0), lattice.positions, 1,
+                                                         Rules::Siggraph96, points);
+        return bound.statuses;
+    });
+    const auto refiner = refined(1);
+    const auto positions =
+        stencils::refinePositions(refiner, 1, Rules::Siggraph96, lattice.positions);
+    failEachAllocation([&] {
+        const auto embedding = stencils::embedPoints(refiner.level(1).complex, positions, points,
+                                                     {.outside = stencils::OutsidePolicy::Nearest});
+        return stencils::makeBinding<double>(refiner, 1, Rules::Siggraph96, embedding, points);
+    });
+}
+
+// A refusal that names its offender takes memory, too.
+TEST_F(CoreMemory, Refusals) {
+    failEachAllocation([&] {
+        try {
+            stencils::bindPoints<double>(refined(0), lattice.positions, 1, Rules::Siggraph96,
+                                         points, {.outside = stencils::OutsidePolicy::Error});
+        } catch (const Error& error) {
+            return std::string(error.what()).find("point 3 at (9") != std::string::npos;
+        }
+        return false;
+    });
+}
+
+TEST_F(CoreMemory, BoxLatticesOfOtherBases) {
+    const Lattice rest = shapes::box({.cells = {2, 1, 1}});
+    failEachAllocation([&] {
+        const stencils::TensorLattice tensor(rest.complex, rest.positions, stencils::Basis::Bezier);
+        const auto embedding = stencils::embedPoints(tensor, points, {});
+        return stencils::makeBinding<double>(tensor, embedding, points);
+    });
+}
+
+TEST_F(CoreMemory, Evaluation) {
+    const auto bound = bind();
+    const auto& table = bound.binding.table;
+    const auto factored =
+        stencils::bindFactored<double>(refined(0), lattice.positions, 2, Rules::Siggraph96, points)
+            .binding;
+    failEachAllocation([&] { return osd::evaluateBinding(bound.binding, lattice.positions); });
+    failEachAllocation([&] { return osd::evaluateBinding(factored, lattice.positions); });
+
+    const auto pose = flat(lattice.positions);
+    const auto xyz = osd::BufferDescriptor::packed(3);
+    const auto evaluated = [&](const auto& compiled) {
+        std::vector<double> moved(3 * static_cast<std::size_t>(compiled.rowCount()));
+        const auto width = static_cast<std::size_t>(compiled.columnCount());
+        compiled.evaluate(std::span(pose).first(3 * width), xyz, moved, xyz,
+                          {0, compiled.rowCount()});
+        return moved;
+    };
+    failEachAllocation([&] { return evaluated(osd::CompiledTable<double>(table)); });
+    failEachAllocation([&] { return evaluated(osd::CompiledAdjoint<double>(table)); });
+    failEachAllocation([&] { return evaluated(osd::CompiledChain<double>(factored.table)); });
+    const osd::CompiledTable<double> compiled(table);
+    failEachAllocation([&] {
+        const osd::ChangeEvaluator<double> changes(compiled);
+        std::vector<double> moved(3 * points.size());
+        changes.evaluateChanged(pose, xyz, moved, xyz, std::vector<Index>{0, 3});
+        return std::tuple(moved, changes.rowsOf(std::vector<Index>{1}));
+    });
+}
+
+TEST_F(CoreMemory, Solvers) {
+    const auto table = stencils::selectRows(bind().binding.table, std::vector<Index>{0, 1, 2});
+    const std::vector<Point3> misses(3, Point3{0.1, 0, 0});
+    for (const auto smoothing : {solve::Smoothing::None, solve::Smoothing::Laplacian})
+        failEachAllocation([&] {
+            return solve::fitLattice(table, misses, lattice.complex,
+                                     {.smoothing = smoothing, .frozen = {0}})
+                .displacements;
+        });
+    const auto refiner = refined(1);
+    const auto rest = stencils::refinePositions(refiner, 1, Rules::Siggraph96, lattice.positions);
+    auto pose = rest;
+    pose[0][2] += 1.5;
+    failEachAllocation([&] {
+        const solve::ValidityCheck check(refiner.level(1).complex, rest);
+        return std::tuple(check.check(pose).inverted, check.largestStep(pose).length);
+    });
+    failEachAllocation([&] { return stencils::verticesHoldingRows(table); });
+    const far::TopologyRefiner parent(shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).complex);
+    const auto parentRest = shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).positions;
+    failEachAllocation([&] {
+        return stencils::nestTables(table, lattice.positions, parent, parentRest, 1,
+                                    Rules::Siggraph96);
+    });
+}
+
+// What could not be evaluated for want of memory has written nothing.
+TEST_F(CoreMemory, DestinationsAreAsTheyWere) {
+    const osd::CompiledTable<double> compiled(bind().binding.table);
+    const osd::ChangeEvaluator<double> changes(compiled);
+    const auto pose = flat(lattice.positions);
+    const auto xyz = osd::BufferDescriptor::packed(3);
+    const std::vector<double> before(3 * points.size(), 42);
+    const std::vector<Index> changed = {0, 3};
+    const auto expectUntouched = [&](const auto& evaluate) {
+        for (long n = 1;; ++n) {
+            std::vector<double> moved = before;
+            const auto into = [&] {
+                evaluate(moved);
+                return 0;
+            };
+            const auto it = test::attempt(test::Failing::One, n, into);
+            if (!it.hasHappened) break;
+            EXPECT_TRUE(it.isOutOfMemory);
+            EXPECT_EQ(moved, before);
+        }
+    };
+    expectUntouched([&](std::vector<double>& moved) {
+        compiled.evaluate(pose, xyz, moved, xyz, {0, compiled.rowCount()});
+    });
+    expectUntouched([&](std::vector<double>& moved) {
+        changes.evaluateChanged(pose, xyz, moved, xyz, changed);
+    });
+}
+
+TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
+    auto bound = std::optional(bind());
+    auto factored = std::optional(stencils::bindFactored<double>(refined(0), lattice.positions, 2,
+                                                                 Rules::Siggraph96, points));
+    auto refiner = std::optional(refined(2));
+    refiner->level(2).complex.relation(0, 3);
+    std::optional<osd::CompiledTable<double>> compiled(bound->binding.table);
+    std::optional<osd::CompiledAdjoint<double>> adjoint(bound->binding.table);
+    std::optional<osd::CompiledChain<double>> chain(factored->binding.table);
+    std::optional<osd::ChangeEvaluator<double>> changes(*compiled);
+    std::optional<Lattice> copy(lattice);
+    auto let = [&] {
+        changes.reset();
+        chain.reset();
+        adjoint.reset();
+        compiled.reset();
+        refiner.reset();
+        factored.reset();
+        bound.reset();
+        copy.reset();
+        return 0;
+    };
+    EXPECT_FALSE(test::attempt(test::Failing::AllFrom, 1, let).hasHappened);
+}
+
+// Moving what is there takes none either, so that containers of it keep their guarantees.
+template <class... Types>
+constexpr bool kMoveWithoutMemory = (... && (std::is_nothrow_move_constructible_v<Types> &&
+                                             std::is_nothrow_move_assignable_v<Types>));
+static_assert(kMoveWithoutMemory<far::CellComplex, far::Incidence, far::SignedIncidence, far::Level,
+                                 far::Refinement, far::Marks, far::TopologyRefiner, Lattice>);
+static_assert(kMoveWithoutMemory<StencilTable<double>, stencils::Binding<float>,
+                                 stencils::BoundModel<double>, stencils::Embedding>);
+static_assert(kMoveWithoutMemory<osd::CompiledTable<double>, osd::CompiledAdjoint<float>,
+                                 osd::CompiledChain<double>, osd::ChangeEvaluator<float>,
+                                 osd::Workspace, solve::LatticeFit>);
+
+// A scope that could not be made leaves the thread as it was.
+TEST_F(CoreMemory, Scopes) {
+    failEachAllocation([] {
+        int calls = 0;
+        const far::ProgressScope progress(
+            [&calls, filling = std::vector<int>(10)](const far::Progress&) { return ++calls > 0; },
+            std::chrono::milliseconds(0));
+        far::parallelFor(10, 1, [](far::Offset, far::Offset) {});
+        return calls;
+    });
+}
+
+}  // namespace
+}  // namespace espalier

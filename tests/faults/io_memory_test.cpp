@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/executor.h>
+#include <espalier/far/topology_match.h>
+#include <espalier/io/matrix_market.h>
+#include <espalier/io/targets.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+#include <io/every_writer.h>
+
+#include <tuple>
+
+#include "exhaustion.h"
+#include "support/folder_contents.h"
+
+// Memory that is short while files are read and written.
+namespace espalier {
+namespace {
+
+namespace fs = std::filesystem;
+using test::failEachAllocation;
+
+class IoMemory : public testing::Test {
+protected:
+    far::SerialExecutor serial;
+    const far::ExecutorScope scope{serial};
+    const test::TemporaryFolder folder;
+};
+
+TEST_F(IoMemory, EveryWriterKeepsTheOldFile) {
+    for (const test::Writer& writer : test::everyWriter(3)) {
+        SCOPED_TRACE(writer.name);
+        const test::TemporaryFolder own;
+        const fs::path path = own / writer.name;
+        writer.write(path);
+        const auto written = test::contentsOf(own.path());
+        auto old = written;
+        for (auto& [name, bytes] : old) test::putLatticeFile(own / name, bytes = "old");
+        failEachAllocation(
+            [&] {
+                writer.write(path);
+                return true;
+            },
+            [&] {
+                // Whole, and nothing beside it.
+                const auto now = test::contentsOf(own.path());
+                if (now == old) return;
+                EXPECT_TRUE(now == written);
+                for (const auto& [name, bytes] : old) test::putLatticeFile(own / name, bytes);
+            });
+    }
+}
+
+TEST_F(IoMemory, Lattices) {
+    const Lattice lattice = test::withMarksAndAttributes(test::polyhedralLattice());
+    std::vector<fs::path> paths;
+    for (const char* name : {"a.ovm", "a.vtk"}) paths.push_back(folder / name);
+    for (const fs::path& path : paths) io::writeLattice(path, lattice);
+    // Written by VTK.
+    const fs::path data = fs::path(ESPALIER_SOURCE_DIR) / "tests/io/data";
+    for (const char* name : {"ascii.vtu", "base64-le-32.vtu", "base64-zlib-be-64.vtu",
+                             "raw-zlib-be-32.vtu", "legacy-binary-42.vtk", "legacy-binary-51.vtk"})
+        paths.push_back(data / name);
+    for (const fs::path& path : paths) {
+        SCOPED_TRACE(path);
+        failEachAllocation([&] {
+            const Lattice read = io::readLattice(path);
+            return std::tuple(test::bitsOf(read.positions), read.marks,
+                              far::topologyHash(read.complex), read.attributes.size());
+        });
+    }
+}
+
+TEST_F(IoMemory, Meshes) {
+    const fs::path path = folder / "mesh.obj";
+    test::putLatticeFile(path,
+                         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 3 4\n"
+                         "f 2 5 6 3\nt crease 2/1/0 1 2 2.5\nt corner 1/1/0 0 10\n"
+                         "t hole 1/0/0 1\nt interpolateboundary 1/0/0 2\n");
+    failEachAllocation([&] {
+        const Lattice mesh = io::readRefinable(path);
+        return std::tuple(mesh.positions, mesh.marks);
+    });
+    const Lattice mesh = io::readRefinable(path);
+    failEachAllocation([&] {
+        io::writeRefinable(folder / "out.obj", mesh);
+        return true;
+    });
+}
+
+TEST_F(IoMemory, Models) {
+    std::string ply =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
+        "property float y\nproperty float z\nend_header\n";
+    ply += std::string(36, '\0');
+    std::string stl(80, ' ');
+    stl += std::string("\1\0\0\0", 4) + std::string(50, '\0');
+    std::vector<std::pair<std::string, std::string>> files = {{"b.ply", ply}, {"b.stl", stl}};
+    for (const std::string extension : {".obj", ".ply", ".stl", ".vtu"})
+        files.emplace_back("a" + extension, test::modelText(extension, 3));
+    for (const auto& [name, bytes] : files) {
+        SCOPED_TRACE(name);
+        const fs::path path = folder / name;
+        test::putLatticeFile(path, bytes);
+        failEachAllocation([&] {
+            const auto model = io::readModel(path);
+            return std::vector(model->positions().begin(), model->positions().end());
+        });
+    }
+}
+
+TEST_F(IoMemory, OtherFiles) {
+    for (const test::Writer& writer : test::everyWriter(3)) writer.write(folder / writer.name);
+    failEachAllocation([&] { return io::readBoundModel(folder / "a.espb").binding; });
+    failEachAllocation([&] { return io::readMatrixMarket(folder / "D.mtx"); });
+    test::putLatticeFile(folder / "t.txt",
+                         "# point, and where it should go\n1 0.5 0.5 1\n0 1 2 3\n");
+    failEachAllocation([&] { return io::readTargets(folder / "t.txt", 2).size(); });
+}
+
+TEST_F(IoMemory, AllThatAProgramDoes) {
+    io::writeLattice(folder / "rest.vtu", shapes::box());
+    test::putLatticeFile(folder / "model.obj", "v 0.5 0.5 0.5\nv 0.25 0.75 0.1\nv 7 7 7\n");
+    failEachAllocation([&] {
+        const auto model = io::readModel(folder / "model.obj");
+        const Lattice rest = io::readLattice(folder / "rest.vtu");
+        far::TopologyRefiner refiner(rest.complex, {.marks = rest.marks});
+        const auto bound = stencils::bindPoints<double>(
+            refiner, rest.positions, 1, stencils::Rules::Siggraph96, model->positions());
+        refiner.refineUniform(1);
+        const auto table = stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96);
+        io::writeMatrix(folder / "S.npy", table);
+        model->write(folder / "moved.obj", osd::evaluateBinding(bound.binding, rest.positions));
+        return bound.binding;
+    });
+    EXPECT_EQ(test::contentsOf(folder.path()).size(), 6u) << "no file that is half written";
+}
+
+// A file that is bad is said to be so, or memory is short; never something else.
+TEST_F(IoMemory, Refusals) {
+    for (const auto& [name, bytes] :
+         {std::pair("a.ovm", "OVM ASCII\nVertices\n2\n0 0 0\n1 x 0\n"),
+          std::pair("a.vtk", "# vtk DataFile Version 3.0\n\nASCII\nx"),
+          std::pair("a.vtu", "<VTKFile><a></b></VTKFile>"), std::pair("a.obj", "v 0 0\n")}) {
+        const fs::path path = folder / name;
+        test::putLatticeFile(path, bytes);
+        const auto message = [&]() -> std::string {
+            try {
+                io::readRefinable(path);
+            } catch (const io::FileError& error) {
+                return error.what();
+            }
+            return "";
+        };
+        EXPECT_TRUE(message().starts_with(path.string() + ":")) << message();
+        failEachAllocation(message);
+    }
+}
+
+}  // namespace
+}  // namespace espalier

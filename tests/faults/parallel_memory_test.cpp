@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/parallel.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+
+#include <cstring>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include "exhaustion.h"
+
+// Memory that is short while several threads are at work: oneTBB's, where it is used.
+namespace espalier {
+namespace {
+
+/// Does work so many times, with another of its allocations failing, of all threads together. (What
+/// is lost is not counted: oneTBB keeps memory.)
+template <class Work>
+void failSome(Work work, int times) {
+    const auto expected = work();
+    long count = 0;
+    {
+        const test::AllocationFault never(test::Failing::One, 1L << 60);
+        work();
+        count = never.count();
+    }
+    for (const auto failing : {test::Failing::One, test::Failing::AllFrom})
+        for (int i = 0; i < times; ++i) {
+            const long n = 1 + i * count / times;
+            const auto it = test::attempt(failing, n, work);
+            // What oneTBB says where a thread of its cannot begin.
+            const bool isThread = std::strstr(it.otherError.data(), "pthread_create has failed");
+            EXPECT_TRUE(it.result ? *it.result == expected : it.isOutOfMemory || isThread)
+                << "allocation " << n << ": " << it.otherError.data();
+        }
+}
+
+// Often an exception for want of memory is what ends it.
+TEST(ParallelMemory, ThreadLimitsEndWithoutAny) {
+    std::optional<far::ThreadLimit> limit(std::in_place, 1);
+    auto end = [&] {
+        limit.reset();
+        return 0;
+    };
+    EXPECT_FALSE(test::attempt(test::Failing::AllFrom, 1, end).hasHappened);
+}
+
+TEST(ParallelMemory, BindingAndEvaluating) {
+    const Lattice lattice = shapes::box({.cells = {2, 2, 3}});
+    std::vector<Point3> points;
+    for (int i = 0; i < 3000; ++i)
+        points.push_back({i % 15 / 7.0, i / 15 % 15 / 7.0, i / 225 / 5.0});
+    failSome(
+        [&] {
+            const far::TopologyRefiner base(lattice.complex);
+            const auto bound = stencils::bindPoints<double>(base, lattice.positions, 2,
+                                                            stencils::Rules::Siggraph96, points);
+            return osd::evaluateBinding(bound.binding, lattice.positions);
+        },
+        15);
+}
+
+TEST(ParallelMemory, RefiningAndTables) {
+    const Lattice lattice = shapes::box({.cells = {2, 2, 3}});
+    failSome(
+        [&] {
+            far::TopologyRefiner refiner(lattice.complex);
+            refiner.refineUniform(2);
+            const auto table = stencils::buildStencils(refiner, 2, stencils::Rules::Siggraph96);
+            return std::tuple(table, osd::CompiledTable<double>(table).byteCount());
+        },
+        15);
+}
+
+}  // namespace
+}  // namespace espalier

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/binding_file.h>
+#include <espalier/io/lattice_file.h>
+#include <espalier/io/matrix_file.h>
+#include <espalier/io/model.h>
+#include <io/lattice_samples.h>
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+// One writer of each format, for the tests of what they have in common.
+
+namespace espalier::test {
+
+struct Writer {
+    std::string name;  ///< of the file
+    std::function<void(const std::filesystem::path&)> write;
+};
+
+/// A band matrix of so many rows.
+inline stencils::StencilTable<double> bandTable(far::Index rowCount) {
+    far::Array<far::Offset> offsets = {0};
+    far::Array<far::Index> columns;
+    far::Array<double> weights;
+    for (far::Index row = 0; row < rowCount; ++row) {
+        for (const far::Index k : {0, 1, 2}) {
+            columns.push_back(row + k);
+            weights.push_back(1.0 / 3);
+        }
+        offsets.push_back(static_cast<far::Offset>(columns.size()));
+    }
+    return {rowCount + 2, std::move(offsets), std::move(columns), std::move(weights)};
+}
+
+/// A row of so many hexahedra, with marks and attributes.
+inline Lattice rowOfCells(far::Index count) {
+    far::ComplexBuilder builder(3, 4 * (count + 1));
+    for (far::Index i = 0; i < count; ++i) {
+        const far::Index v = 4 * i;
+        builder.addCell(far::StandardCell::Hexahedron,
+                        {v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6, v + 7});
+    }
+    return withMarksAndAttributes(withAwkwardPositions(builder.build()));
+}
+
+/// A model of so many points, as the text of a file.
+inline std::string modelText(const std::string& extension, int pointCount) {
+    std::string points, facets;
+    for (int i = 0; i < pointCount; ++i) {
+        const std::string point = std::to_string(i) + " 0.5 0.25\n";
+        points += (extension == ".obj" ? "v " : "") + point;
+        if (i % 3 == 0) facets += "facet normal 0 0 1\nouter loop\n";
+        facets += "vertex " + point;
+        if (i % 3 == 2) facets += "endloop\nendfacet\n";
+    }
+    const std::string count = std::to_string(pointCount);
+    if (extension == ".obj") return points;
+    if (extension == ".stl") return "solid s\n" + facets + "endsolid s\n";
+    if (extension == ".ply")
+        return "ply\nformat ascii 1.0\nelement vertex " + count +
+               "\nproperty double x\nproperty double y\nproperty double z\nend_header\n" + points;
+    return "<VTKFile type='UnstructuredGrid' version='1.0' byte_order='LittleEndian'>\n"
+           "<UnstructuredGrid><Piece NumberOfPoints='" +
+           count +
+           "' NumberOfCells='0'>\n<Points><DataArray type='Float64' NumberOfComponents='3' "
+           "format='ascii'>\n" +
+           points + "</DataArray></Points><Cells/></Piece></UnstructuredGrid></VTKFile>\n";
+}
+
+/// \param size of what they write: of rows, cells and points; a multiple of 3
+inline std::vector<Writer> everyWriter(int size) {
+    std::vector<Writer> writers;
+    const auto lattice = std::make_shared<const Lattice>(rowOfCells(size));
+    for (const std::string name : {"a.ovm", "a.vtu", "a.vtk"})
+        writers.push_back({name, [=](const auto& path) { io::writeLattice(path, *lattice); }});
+    for (const std::string extension : {".obj", ".ply", ".stl", ".vtu"}) {
+        const std::shared_ptr<const io::Model> model =
+            io::readModel("a" + extension, modelText(extension, size));
+        std::vector<Point3> moved(model->positions().begin(), model->positions().end());
+        for (Point3& point : moved) point[2] += 0.5;
+        writers.push_back({"m" + extension, [=](const auto& path) { model->write(path, moved); }});
+    }
+    const auto table = std::make_shared<const stencils::StencilTable<double>>(bandTable(size));
+    for (const std::string& extension : io::matrixExtensions())
+        writers.push_back(
+            {"D" + extension, [=](const auto& path) { io::writeMatrix(path, *table); }});
+    const auto bound = std::make_shared<const io::BoundModel>(
+        io::BoundModel{{*table, {0}, {{1, 2, 3}}, 42}, "a.obj", modelText(".obj", size)});
+    writers.push_back({"a.espb", [=](const auto& path) { io::writeBoundModel(path, *bound); }});
+    return writers;
+}
+
+}  // namespace espalier::test
