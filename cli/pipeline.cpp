@@ -50,7 +50,7 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
 std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& stages) {
     return stages.run("reading", [&] {
         stages.addFile(path);
-        return ofFile(path, [&] { return io::readModel(path); });
+        return io::readModel(path);
     });
 }
 

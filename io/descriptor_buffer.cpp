@@ -3,8 +3,8 @@
 #include <espalier/io/descriptor_buffer.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
-#include <cstring>
 #include <ctime>
 
 namespace espalier::io {
@@ -86,7 +86,7 @@ std::streamsize DescriptorBuffer::xsputn(const char* from, std::streamsize count
         if (count >= epptr() - pptr())
             return write(from, static_cast<std::size_t>(count)) ? count : 0;
     }
-    std::memcpy(pptr(), from, static_cast<std::size_t>(count));
+    std::copy_n(from, count, pptr());  // It may be nothing, from nowhere.
     pbump(static_cast<int>(count));
     return count;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/memory.h>
 #include <espalier/io/descriptor.h>
 #include <espalier/io/descriptor_buffer.h>
 #include <espalier/io/destination.h>
@@ -103,10 +104,14 @@ std::string readFile(const fs::path& path) {
     // One more than there are, to see the end. Pipes and the files of /proc do not say.
     constexpr std::size_t kBlock = 1 << 16;
     const auto expected = static_cast<std::size_t>(before.st_size);
+    far::requireMemory(expected, path.string() + ":");
     std::string bytes(expected > 0 ? expected + 1 : kBlock, '\0');
     std::size_t size = 0;
     while (true) {
-        if (size == bytes.size()) bytes.resize(2 * size);
+        if (size == bytes.size()) {
+            far::requireMemory(size, path.string() + ":");
+            bytes.resize(2 * size);
+        }
         const ssize_t got = uninterrupted(
             [&] { return ::read(file.number(), bytes.data() + size, bytes.size() - size); });
         if (got < 0) fail(path, "cannot read", errno);

@@ -24,7 +24,8 @@ public:
 
 /// The bytes of a file, a pipe or a device, up to its end.
 /// \throws FileError if it cannot be opened or read to its end, with the system's reason; or if it
-/// is changed meanwhile: parts of two files would be no file
+/// is changed meanwhile: parts of two files would be no file. MemoryError naming it, if it is
+/// larger than a far::MemoryLimit allows
 ESPALIER_API std::string readFile(const std::filesystem::path& path);
 
 /// Calls `write` on a new file, and puts that in the place of `path` when all is on disk. The

@@ -109,6 +109,18 @@ class MemoryTest(CliTest):
         self.assertRegex(error, r"memory")
         self.assertFalse((self.path / "out.espb").exists())
 
+    def test_a_file_larger_than_memory_is_not_read(self):
+        self.lattice()
+        with open(self.path / "large.obj", "wb") as file:
+            file.truncate(2**40)  # nothing of it is on disk
+        arguments = ["bind", "large.obj", "--rest", "box.ovm", "-o", "out.espb"]
+        self.assertRegex(self.error_of(*arguments, "--max-memory", "1GB"),
+                         r"^espalier: large.obj: takes some 1.1 TB of memory")
+        # A device does not say how long it is.
+        (self.path / "endless.ovm").symlink_to("/dev/zero")
+        self.assertRegex(self.error_of("info", "endless.ovm", "--max-memory", "300MB"),
+                         r"^espalier: endless.ovm: takes some ")
+
     def test_a_table_of_bezier_weights(self):
         self.lattice(cells=(15, 15, 15))
         points = self.points(10_000)  # 41 million weights
