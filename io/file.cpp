@@ -109,7 +109,7 @@ std::string readFile(const fs::path& path) {
     std::size_t size = 0;
     while (true) {
         if (size == bytes.size()) {
-            far::requireMemory(size, path.string() + ":");
+            far::requireMemory(2 * size, path.string() + ":");  // beside what there is
             bytes.resize(2 * size);
         }
         const ssize_t got = uninterrupted(
