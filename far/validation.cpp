@@ -48,6 +48,9 @@ void checkEdge(const CellComplex& complex, Index edge) {
     const auto ends = complex.relation(1, 0)[edge];
     if (ends.size() != 2 || (ends[0] == ends[1] && complex.dimension() != 2))
         refuse(TopologyCause::RepeatedVertex, {1, edge}, " does not join two different vertices");
+    const auto signs = complex.boundary(1).signs(edge);
+    if (signs[0] != -1 || signs[1] != 1)
+        refuse(TopologyCause::NotOrientable, {1, edge}, " does not run from its first vertex on");
 }
 
 void checkFace(const CellComplex& complex, Index face) {

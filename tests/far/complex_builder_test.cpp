@@ -275,6 +275,16 @@ TEST(ComplexBuilderRefuses, RelationsThatNameWhatIsNotThere) {
                   [&] { validate(damaged(2, 0, 5)); });
 }
 
+// Found by fuzzing: a loop of such edges looked like one, and its children did not.
+TEST(ComplexBuilderRefuses, EdgesWithTwoHeads) {
+    CellComplex::Boundaries boundaries;
+    boundaries[0] = SignedIncidence(
+        Rows<Signed>{{0, 2, 4, 6}, {{0, -1}, {1, 1}, {1, -1}, {2, 1}, {2, 1}, {0, 1}}});
+    boundaries[1] = SignedIncidence(Rows<Signed>{{0, 3}, {{0, 1}, {1, 1}, {2, 1}}});
+    expectRefused(TopologyCause::NotOrientable, {1, 2}, "does not run from its first vertex on",
+                  [&] { validate(CellComplex(2, 3, boundaries)); });
+}
+
 TEST(ComplexBuilderRefuses, UnusedVertexAndEmptyComplexes) {
     expectRefused(TopologyCause::UnusedEntity, {0, 8}, "vertex 8 belongs to no edge",
                   [&] { lattice(9, {cube()}); });
