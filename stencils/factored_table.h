@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/api.h>
 #include <espalier/stencils/stencil_table.h>
 
 namespace espalier::stencils {
@@ -16,7 +17,7 @@ namespace espalier::stencils {
 ///
 /// \cite MacCracken & Joy 1996, section 5
 template <class Real>
-struct FactoredTable {
+struct ESPALIER_API FactoredTable {
     StencilTable<Real> vertices;  ///< rows of S_n: vertices of the level × base vertices
     StencilTable<Real> points;    ///< W: points × those vertices
 
