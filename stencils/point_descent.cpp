@@ -220,7 +220,6 @@ std::optional<FoundCells> PointDescent::descend(std::span<const Point3> points, 
         }
         candidates = std::move(children);
     }
-    if (candidates.cells.empty()) return std::nullopt;
     found.cells = std::move(candidates.cells);
     found.offsets = std::move(candidates.offsets);
     found.points = std::move(candidates.points);

@@ -42,7 +42,7 @@ public:
 
     /// \param level 1 or above
     /// \param extent how much of the level is made around the cells that were sought
-    /// \return nothing if no cell is sought
+    /// \return nothing if no cell of a level above is left, and so nothing to refine
     /// \throws TopologyError as far::TopologyRefiner::refineAround()
     /// \cost O(points × (level + log base cells)), once the lattice is fine enough to tell the
     ///       points apart

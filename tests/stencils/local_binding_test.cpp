@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -171,6 +172,35 @@ TEST(LocalBinding, HeedsMarksThatFadeInEveryMode) {
     }
 }
 
+// Under Chaikin's rule, an edge that fades at one end alone may have a sharpness above 1. Its point
+// is extrapolated: out of the box of what it is made of, where no bound would look for it.
+TEST(LocalBinding, FindsWhatIsExtrapolatedOutOfItsHull) {
+    Lattice lattice = shapes::box();
+    const auto& complex = lattice.complex;
+    // 3/4 · 1.3 and 1/4 · 0.05 less 1 is below 0 at both ends, so that 1.3 is used up in one step:
+    // 1.3 of the middle, and −0.3 of the smooth point.
+    for (Index edge = 0; edge < complex.count(1); ++edge) {
+        const auto ends = complex.relation(1, 0)[edge];
+        lattice.marks.edges.push_back({{ends[0], ends[1]}, edge == 0 ? 1.3 : 0.05});
+    }
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex)
+        lattice.marks.vertices.push_back({vertex, far::kSmooth});
+    const TopologyRefiner base(complex,
+                               {.creasing = far::Creasing::Chaikin, .marks = lattice.marks});
+    constexpr int kLevel = 1;
+    const WholeLevel whole(base, lattice.positions, kLevel, Rules::Siggraph96, {}, {});
+    Eigen::AlignedBox3d box;
+    for (const Point3& position : lattice.positions) box.extend(vec(position));
+    std::vector<Point3> points;
+    for (const Point3& position : whole.positions)
+        if (box.exteriorDistance(vec(position)) > 0) points.push_back(position);
+    ASSERT_GT(points.size(), 0U);
+    ASSERT_LT(points.size(), 8U) << "else the whole level is taken";
+    const auto bound =
+        bindPoints<double>(base, lattice.positions, kLevel, Rules::Siggraph96, points);
+    EXPECT_EQ(bound.count(PointStatus::Inside), std::ssize(points));
+}
+
 // More groups than one, where most cells hold points.
 TEST(LocalBinding, GroupsGiveWhatOneWould) {
     if (kIsSlow) GTEST_SKIP() << "takes minutes here; run without sanitizers";
@@ -190,6 +220,19 @@ TEST(LocalBinding, ManyPointsInFewCells) {
     const Lattice lattice = shapes::star();
     expectSameAsWholeLevel("star", TopologyRefiner(lattice.complex), lattice.positions, 2,
                            Rules::Siggraph96, 17'000, 4);
+}
+
+TEST(LocalBinding, TellsOfEachPointOnce) {
+    const Lattice lattice = shapes::box({.cells = {2, 2, 2}});
+    // 20,000 are two groups.
+    const std::vector<Point3> points(20'000, Point3{0.1, 0.2, 0.3});
+    std::atomic<Offset> most = 0;
+    bindPoints<float>(TopologyRefiner(lattice.complex), lattice.positions, 1, Rules::Siggraph96,
+                      points, {}, [&](Offset done) {
+                          for (Offset before = most; before < done;)
+                              if (most.compare_exchange_weak(before, done)) break;
+                      });
+    EXPECT_EQ(most, std::ssize(points));
 }
 
 TEST(LocalBinding, DoesNotDependOnTheNumberOfThreads) {
