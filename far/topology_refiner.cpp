@@ -17,6 +17,10 @@ TopologyRefiner::TopologyRefiner(CellComplex base, const RefinerOptions& options
     levels_.push_back({std::move(base), std::move(strata), std::move(holes)});
 }
 
+TopologyRefiner::TopologyRefiner(Level first, const RefinerOptions& options) : options_(options) {
+    levels_.push_back(std::move(first));
+}
+
 namespace {
 
 ByEntity<std::uint8_t> marksOf(const CellComplex& complex, std::uint8_t mark) {

@@ -47,6 +47,10 @@ public:
     /// \throws TopologyError for marks that do not fit `base`
     explicit TopologyRefiner(CellComplex base, const RefinerOptions& options = {});
 
+    /// A chain that goes on from a level of another one: level 0 of this is `first`.
+    /// \param options of the other one; its marks were read there
+    explicit TopologyRefiner(Level first, const RefinerOptions& options = {});
+
     /// Adds levels until maxLevel() is `level`; those already there stay.
     ///
     /// \throws TopologyError (TooManyEntities; EmptyComplex under Boundary::Open); MemoryError. The

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/star.h>
+
+#include <algorithm>
+#include <string>
+
+namespace espalier::far {
+namespace {
+
+void sortUnique(std::vector<Index>& values) {
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+/// What contains one of some vertices, and all that this contains; ascending.
+ByEntity<Index> entitiesAround(const CellComplex& complex, std::span<const Index> vertices) {
+    ByEntity<Index> entities;
+    for (const Index vertex : vertices)
+        for (int upper = 0; upper <= complex.dimension(); ++upper)
+            for (const Index entity : complex.relation(0, upper)[vertex])
+                for (int d = 0; d <= upper; ++d) {
+                    const auto parts = complex.relation(upper, d)[entity];
+                    auto& of = entities[static_cast<std::size_t>(d)];
+                    of.insert(of.end(), parts.begin(), parts.end());
+                }
+    for (auto& of : entities) sortUnique(of);
+    return entities;
+}
+
+Index placeOf(const std::vector<Index>& ascending, Index entity) {
+    return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), entity) -
+                              ascending.begin());
+}
+
+CellComplex complexOf(const CellComplex& complex, const ByEntity<Index>& entities) {
+    CellComplex::Boundaries boundaries;
+    for (int d = 1; d <= complex.dimension(); ++d) {
+        const SignedIncidence& boundary = complex.boundary(d);
+        const auto& parts = entities[static_cast<std::size_t>(d) - 1];
+        Rows<Signed> rows;
+        for (const Index entity : entities[static_cast<std::size_t>(d)]) {
+            for (std::size_t i = 0; i < boundary[entity].size(); ++i)
+                rows.values.push_back(
+                    {placeOf(parts, boundary[entity][i]), boundary.signs(entity)[i]});
+            rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
+        }
+        boundaries[static_cast<std::size_t>(d) - 1] = SignedIncidence(rows);
+    }
+    return {complex.dimension(), static_cast<Index>(entities[0].size()), std::move(boundaries)};
+}
+
+Strata strataOf(const CellComplex& complex, const Strata& strata, const ByEntity<Index>& entities) {
+    Strata::ByEntity smooth, isOpen;
+    SharpnessValues sharpness;
+    for (int d = 0; d <= complex.dimension(); ++d)
+        for (const Index index : entities[static_cast<std::size_t>(d)]) {
+            const Entity entity{d, index};
+            smooth[static_cast<std::size_t>(d)].push_back(
+                static_cast<std::uint8_t>(strata.smoothStratum(entity)));
+            isOpen[static_cast<std::size_t>(d)].push_back(strata.isOpen(entity));
+            if (d == 0) sharpness.vertices.push_back(strata.sharpness(entity));
+            if (d == 1) sharpness.edges.push_back(strata.sharpness(entity));
+        }
+    return {complex, std::move(smooth), std::move(isOpen), std::move(sharpness)};
+}
+
+}  // namespace
+
+Star starOf(const Level& level, Index vertex, int rings) {
+    if (vertex < 0 || vertex >= level.complex.count(0))
+        throw Error("there is no vertex " + std::to_string(vertex) + " to take a star of");
+    Star star;
+    star.entities = entitiesAround(level.complex, {&vertex, 1});
+    if (rings > 1) star.entities = entitiesAround(level.complex, star.entities[0]);
+    star.vertex = placeOf(star.entities[0], vertex);
+    star.level.complex = complexOf(level.complex, star.entities);
+    star.level.strata = strataOf(star.level.complex, level.strata, star.entities);
+    return star;
+}
+
+}  // namespace espalier::far
