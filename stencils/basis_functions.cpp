@@ -24,14 +24,13 @@ AxisFunctions bernstein(Index degree, double at) {
     return {0, std::move(values), std::move(derivatives)};
 }
 
-AxisFunctions cubicBSpline(Index cells, double at) {
+AxisFunctions splineFunctions(Index cells, double at) {
     // The span of a knot is that above it; the last knot has none.
     const double span = std::clamp(std::floor(at), 1.0, static_cast<double>(cells - 2));
-    const double u = at - span, v = 1 - u;
+    const auto values = cubicBSpline(at - span, 0), derivatives = cubicBSpline(at - span, 1);
     return {static_cast<Index>(span) - 1,
-            {v * v * v / 6, (4 - 3 * u * u * (2 - u)) / 6, (4 - 3 * v * v * (2 - v)) / 6,
-             u * u * u / 6},
-            {-v * v / 2, u * (3 * u - 4) / 2, v * (4 - 3 * v) / 2, u * u / 2}};
+            {values.begin(), values.end()},
+            {derivatives.begin(), derivatives.end()}};
 }
 
 }  // namespace
@@ -41,8 +40,21 @@ AxisRange axisRange(Basis basis, Index cells) {
     return {1, static_cast<double>(cells - 1)};
 }
 
+std::array<double, 4> cubicBSpline(double u, int order) {
+    const double v = 1 - u;
+    switch (order) {
+        case 0:
+            return {v * v * v / 6, (4 - 3 * u * u * (2 - u)) / 6, (4 - 3 * v * v * (2 - v)) / 6,
+                    u * u * u / 6};
+        case 1:
+            return {-v * v / 2, u * (3 * u - 4) / 2, v * (4 - 3 * v) / 2, u * u / 2};
+        default:
+            return {v, 3 * u - 2, 3 * v - 2, u};
+    }
+}
+
 AxisFunctions axisFunctions(Basis basis, Index cells, double at) {
-    return basis == Basis::Bezier ? bernstein(cells, at) : cubicBSpline(cells, at);
+    return basis == Basis::Bezier ? bernstein(cells, at) : splineFunctions(cells, at);
 }
 
 }  // namespace espalier::stencils

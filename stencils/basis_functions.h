@@ -4,6 +4,7 @@
 #include <espalier/far/api.h>
 #include <espalier/far/index.h>
 
+#include <array>
 #include <vector>
 
 namespace espalier::stencils {
@@ -31,6 +32,13 @@ struct AxisFunctions {
     std::vector<double> values = {};       ///< they sum to 1
     std::vector<double> derivatives = {};  ///< by the place, in cells; they sum to 0
 };
+
+/// The four pieces of the uniform cubic B-spline in one span, or their derivatives: the weights of
+/// points −1, 0, 1 and 2 between points 0 and 1.
+/// \param u 0 to 1; beyond, the polynomials go on
+/// \param order of the derivative by u: 0, 1 or 2
+/// \cite Joy, bicubic refinement: [1 u u² u³] M
+ESPALIER_API std::array<double, 4> cubicBSpline(double u, int order);
 
 /// Bézier: the `cells` + 1 Bernstein polynomials of degree `cells` at the parameter at / cells,
 /// added up by de Casteljau's scheme: nothing cancels, so that values keep double precision at any

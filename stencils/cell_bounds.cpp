@@ -2,6 +2,7 @@
 #include "cell_bounds.h"
 
 #include <espalier/far/standard_cells.h>
+#include <espalier/stencils/regular_cells.h>
 
 #include <algorithm>
 #include <array>
@@ -9,13 +10,11 @@
 namespace espalier::stencils {
 
 using Eigen::Vector3d;
-using far::Entity;
 using far::Index;
 
 CellBounds::CellBounds(const far::Level& level, std::span<const Point3> positions,
                        far::Creasing creasing)
-    : complex_(level.complex),
-      strata_(level.strata),
+    : level_(level),
       positions_(positions),
       mayExtrapolate_(creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp()) {}
 
@@ -27,7 +26,7 @@ std::optional<CellBound> CellBounds::boundOf(Index cell,
     if (!bound.drift) {
         ring = ringOf(cell);
         // Three axes, a sixth of the second difference for each.
-        if (isRegular(cell)) bound.drift = largestSecondDifference(ring) / 2;
+        if (isRegularCell(level_, cell)) bound.drift = largestSecondDifference(ring) / 2;
     }
     if (bound.drift) {
         if (!bound.drift->allFinite()) return std::nullopt;  // Coordinates near the largest number.
@@ -38,21 +37,25 @@ std::optional<CellBound> CellBounds::boundOf(Index cell,
     }
     if (!staysInHull(cell)) return std::nullopt;
     for (const Index other : ring)
-        for (const Index vertex : complex_.relation(3, 0)[other])
+        for (const Index vertex : level_.complex.relation(3, 0)[other])
             bound.box.extend(positionOf(vertex));
     return bound;
 }
 
-CellBound CellBounds::ownBox(Index cell) const {
+CellBound CellBounds::ownBox(Index cell, double widening) const {
     CellBound bound;
-    for (const Index vertex : complex_.relation(3, 0)[cell]) bound.box.extend(positionOf(vertex));
+    for (const Index vertex : level_.complex.relation(3, 0)[cell])
+        bound.box.extend(positionOf(vertex));
+    const double margin = widening * bound.box.diagonal().norm();
+    bound.box.min().array() -= margin;
+    bound.box.max().array() += margin;
     return bound;
 }
 
 std::vector<Index> CellBounds::ringOf(Index cell) const {
     std::vector<Index> ring;
-    for (const Index vertex : complex_.relation(3, 0)[cell]) {
-        const auto cells = complex_.relation(0, 3)[vertex];
+    for (const Index vertex : level_.complex.relation(3, 0)[cell]) {
+        const auto cells = level_.complex.relation(0, 3)[vertex];
         ring.insert(ring.end(), cells.begin(), cells.end());
     }
     std::sort(ring.begin(), ring.end());
@@ -60,59 +63,18 @@ std::vector<Index> CellBounds::ringOf(Index cell) const {
     return ring;
 }
 
-/// Whether the cells around a cell are a part of a grid, and keep to the rules of one: inside, at a
-/// flat boundary, at a sharp edge or at a corner.
-bool CellBounds::isRegular(Index cell) const {
-    const auto vertices = complex_.relation(3, 0)[cell];
-    return std::all_of(vertices.begin(), vertices.end(),
-                       [&](Index vertex) { return isRegularAt(vertex); });
-}
-
-bool CellBounds::isRegularAt(Index vertex) const {
-    // The stratum of what lies in so many cells of a grid; none for other numbers.
-    const auto stratumOf = [](std::size_t cells, int dimension) {
-        for (int stratum = 3; stratum >= dimension; --stratum)
-            if (cells == std::size_t{1} << (stratum - dimension)) return stratum;
-        return -1;
-    };
-    const auto isPlain = [&](const Entity& entity) {
-        const auto cells = complex_.relation(entity.dimension, 3)[entity.index].size();
-        const bool fades = entity.dimension < 2 && far::isSemiSharp(strata_.sharpness(entity));
-        return !fades && !strata_.isOpen(entity) &&
-               strata_.of(entity) == stratumOf(cells, entity.dimension);
-    };
-    const auto cells = complex_.relation(0, 3)[vertex];
-    const int stratum = strata_.of({0, vertex});
-    const auto edges = complex_.relation(0, 1)[vertex];
-    if (!isPlain({0, vertex}) || edges.size() != 3 + static_cast<std::size_t>(stratum))
-        return false;
-    for (const int dimension : {1, 2})
-        for (const Index index : complex_.relation(0, dimension)[vertex])
-            if (!isPlain({dimension, index})) return false;
-    // In a loop of two cells, both neighbours along the loop are the same vertex.
-    std::vector<Index> ends;
-    for (const Index edge : edges)
-        for (const Index end : complex_.relation(1, 0)[edge])
-            if (end != vertex) ends.push_back(end);
-    std::sort(ends.begin(), ends.end());
-    if (std::adjacent_find(ends.begin(), ends.end()) != ends.end()) return false;
-    return std::all_of(cells.begin(), cells.end(), [&](Index cell) {
-        return far::hexahedronVertices(complex_, far::CellId(cell)).has_value();
-    });
-}
-
 /// Whether no new point around a cell, at this level or a later one, has a negative weight.
 bool CellBounds::staysInHull(Index cell) const {
     if (mayExtrapolate_) return false;
-    for (const Index vertex : complex_.relation(3, 0)[cell]) {
+    for (const Index vertex : level_.complex.relation(3, 0)[cell]) {
         std::size_t surfaceEdges = 0;
-        for (const Index edge : complex_.relation(0, 1)[vertex]) {
-            if (strata_.smoothStratum({1, edge}) == 2)
+        for (const Index edge : level_.complex.relation(0, 1)[vertex]) {
+            if (level_.strata.smoothStratum({1, edge}) == 2)
                 ++surfaceEdges;
-            else if (complex_.relation(1, 2)[edge].size() == 2)
+            else if (level_.complex.relation(1, 2)[edge].size() == 2)
                 return false;  // (C̄ + 2Ā − M)/2
         }
-        if (strata_.smoothStratum({0, vertex}) == 2 && surfaceEdges == 2)
+        if (level_.strata.smoothStratum({0, vertex}) == 2 && surfaceEdges == 2)
             return false;  // (Ā + 2M̄ − P)/2
     }
     return true;
@@ -146,7 +108,7 @@ Vector3d CellBounds::largestSecondDifference(const std::vector<Index>& ring) con
     std::vector<std::array<Index, 8>> cells;
     std::vector<Index> vertices;
     for (const Index cell : ring) {
-        cells.push_back(*far::hexahedronVertices(complex_, far::CellId(cell)));
+        cells.push_back(*far::hexahedronVertices(level_.complex, far::CellId(cell)));
         vertices.insert(vertices.end(), cells.back().begin(), cells.back().end());
     }
     std::sort(vertices.begin(), vertices.end());

@@ -49,12 +49,11 @@ public:
     std::optional<CellBound> boundOf(Index cell,
                                      const std::optional<Eigen::Vector3d>& inherited) const;
 
-    /// Where the cell itself lies, without what it may become.
-    CellBound ownBox(Index cell) const;
+    /// Where the cell itself lies, without what it may become: the box of its corners, widened on
+    /// each side by a part of its diagonal.
+    CellBound ownBox(Index cell, double widening = 0) const;
 
 private:
-    bool isRegular(Index cell) const;
-    bool isRegularAt(Index vertex) const;
     bool staysInHull(Index cell) const;
     Eigen::Vector3d largestSecondDifference(const std::vector<Index>& ring) const;
     std::vector<Index> ringOf(Index cell) const;
@@ -63,8 +62,7 @@ private:
         return Eigen::Vector3d(positions_[static_cast<std::size_t>(vertex)].data());
     }
 
-    const far::CellComplex& complex_;
-    const far::Strata& strata_;
+    const far::Level& level_;
     std::span<const Point3> positions_;
     bool mayExtrapolate_;  ///< Chaikin's rule for semi-sharp edges
 };

@@ -34,6 +34,10 @@ constexpr double kBoxSlack = 1e-12;
 /// point lies: what the project promises of the rest pose.
 constexpr double kResidual = 1e-12;
 
+/// A point within the tolerance is no further than this from its nearest place, in cells, unless
+/// the cell is flat: then weights of that size would throw the point about in any other pose.
+constexpr double kMostOffset = 1e4;
+
 const far::CellComplex& checked(const far::CellComplex& complex,
                                 std::span<const Point3> positions) {
     checkPositions(complex, positions);
@@ -160,6 +164,20 @@ std::optional<LocatedPoint> CellSolver::findIn(CellId cell, const Vector3d& poin
     return std::nullopt;
 }
 
+bool CellSolver::isNear(const Vector3d& point, CellId cell, double widening) const {
+    if (const auto& corners = cornersOf(cell)) {
+        const auto uvw = mapAround(*corners, positions_, point).findOrigin();
+        return !uvw || isInUnitCube(*uvw, widening);
+    }
+    const Vector3d centre = centreOf(cell);
+    for (Index t = 0; t < tetrahedronCount(complex_, cell); ++t) {
+        const Vector3d uvw = solve3(tetrahedron(cell, t, centre).edges, point - centre);
+        // Written so that what is not a number is near.
+        if (!(uvw.minCoeff() < -widening || uvw.sum() > 1 + widening)) return true;
+    }
+    return false;
+}
+
 CellPlace CellSolver::nearestPlace(CellId cell, const Vector3d& point) const {
     if (const auto& corners = cornersOf(cell)) {
         const Trilinear map = mapAround(*corners, positions_, point);
@@ -248,7 +266,8 @@ LocatedPoint CellSolver::locateBeside(const Vector3d& point, CellId nearest,
         // By the weights, as the deformation has it: they grow with the offset, and so does the
         // rounding of their sum.
         const double residual = (positionOf(place) - point).norm();
-        if (isSettled(point, residual)) return {status, place, distance, residual};
+        const bool isSteady = !isInside || Vector3d(place.offset.data()).norm() < kMostOffset;
+        if (isSteady && isSettled(point, residual)) return {status, place, distance, residual};
     }
     // A point within the tolerance may be taken for its nearest place, if nothing better can be
     // had.

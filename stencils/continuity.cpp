@@ -121,17 +121,18 @@ public:
 
 private:
     /// The cells that were sought for each point.
-    static std::vector<std::vector<Index>> cellsOfPoints(const FoundCells& found,
+    static std::vector<std::vector<Index>> cellsOfPoints(const Descent& found,
                                                          std::size_t pointCount) {
         std::vector<std::vector<Index>> cellsOf(pointCount);
-        for (std::size_t i = 0; i < found.cells.size(); ++i)
-            for (Offset k = found.offsets[i]; k < found.offsets[i + 1]; ++k)
-                cellsOf[at(found.points[static_cast<std::size_t>(k)])].push_back(found.cells[i]);
+        for (std::size_t i = 0; i < found.candidates.cells.size(); ++i)
+            for (Offset k = found.candidates.offsets[i]; k < found.candidates.offsets[i + 1]; ++k)
+                cellsOf[at(found.candidates.points[static_cast<std::size_t>(k)])].push_back(
+                    found.candidates.cells[i]);
         return cellsOf;
     }
 
     /// Adds what moves cells, or those around.
-    void add(const FoundCells& found, std::span<const Index> cells, HeldGroup& group) const {
+    void add(const Descent& found, std::span<const Index> cells, HeldGroup& group) const {
         const far::CellComplex& complex = found.refiner.level(level_).complex;
         const Flags held = verticesOf(complex, cells);
         const auto vertices = flagged(verticesOf(complex, cellsAt(complex, held)));

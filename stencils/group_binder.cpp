@@ -34,15 +34,15 @@ struct CellsOfPoints {
 
 /// Turns the lists of cells round, and leaves the pairs of which isSought(cell, point) is true.
 template <class IsSought>
-CellsOfPoints cellsOfPoints(const FoundCells& found, std::size_t pointCount, IsSought isSought) {
+CellsOfPoints cellsOfPoints(const Descent& found, std::size_t pointCount, IsSought isSought) {
     CellsOfPoints result;
     result.offsets.assign(pointCount + 1, 0);
     std::vector<std::pair<Index, Index>> pairs;
-    for (std::size_t i = 0; i < found.cells.size(); ++i)
-        for (Offset k = found.offsets[i]; k < found.offsets[i + 1]; ++k) {
-            const Index point = found.points[static_cast<std::size_t>(k)];
-            if (!isSought(found.cells[i], point)) continue;
-            pairs.emplace_back(point, found.cells[i]);
+    for (std::size_t i = 0; i < found.candidates.cells.size(); ++i)
+        for (Offset k = found.candidates.offsets[i]; k < found.candidates.offsets[i + 1]; ++k) {
+            const Index point = found.candidates.points[static_cast<std::size_t>(k)];
+            if (!isSought(found.candidates.cells[i], point)) continue;
+            pairs.emplace_back(point, found.candidates.cells[i]);
             ++result.offsets[static_cast<std::size_t>(point) + 1];
         }
     std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());

@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
-#include <espalier/far/topology_match.h>
-#include <espalier/stencils/length_unit.h>
 #include <espalier/stencils/local_binding.h>
-#include <espalier/stencils/place_points.h>
 
-#include <atomic>
-#include <string>
 #include <utility>
 
-#include "group_binder.h"
+#include "bind_groups.h"
 
 namespace espalier::stencils {
 namespace {
@@ -43,51 +36,14 @@ BoundModel<Real, Table> bind(const far::TopologyRefiner& base, std::span<const P
                              const std::function<void(Offset)>& progress) {
     checkBase(base, positions, level);
     checkPointCount(points);
-    const Offset pointCount = std::ssize(points);
     const LengthUnit unit(positions);
     const std::vector<Point3> inUnits = unit.toUnits(positions);
-    const auto binder = makeBinder<Table>(base, inUnits, level, rules, pointCount, options);
-    const std::vector<Index> order = alongCurve(points);
+    const auto binder = makeBinder<Table>(base, inUnits, level, rules, std::ssize(points), options);
     // Larger groups share more of the cells around theirs; but their levels are held at once, some
     // 100 kB a level for a point that shares none, as most do on the fine levels.
     const Offset groupSize = level < 7 ? 1 << 14 : 1 << 11;
-    std::vector<std::vector<BoundPart<Table>>> groups(
-        static_cast<std::size_t>((pointCount + groupSize - 1) / groupSize));
-    std::atomic<Offset> done = 0;
-    far::parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
-        std::vector<Point3> own;
-        for (Offset i = first; i < last; ++i)
-            own.push_back(
-                unit.toUnits(points[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])]));
-        auto& parts = groups[static_cast<std::size_t>(first / groupSize)];
-        parts = binder->bind(own);
-        for (BoundPart<Table>& part : parts)
-            for (Index& point : part.points) point = order[static_cast<std::size_t>(first + point)];
-        if (progress) progress(done += last - first);
-    });
-
-    BoundModel<Real, Table> model;
-    model.statuses.resize(points.size());
-    std::vector<BoundPart<Table>> parts;
-    for (auto& group : groups)
-        for (BoundPart<Table>& part : group) {
-            for (std::size_t i = 0; i < part.points.size(); ++i)
-                model.statuses[static_cast<std::size_t>(part.points[i])] = part.statuses[i];
-            model.largestResidual =
-                std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
-            parts.push_back(std::move(part));
-        }
-    if (options.outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
-    model.binding.table = TableForm<Table>::gather(parts, static_cast<Index>(pointCount),
-                                                   base.level(0).complex.count(0));
-    model.binding.topologyHash = far::topologyHash(base.level(0).complex);
-    const auto& rows = TableForm<Table>::rowsOf(model.binding.table);
-    for (Index i = 0; i < rows.rowCount(); ++i) {
-        if (!rows.columns(i).empty()) continue;
-        model.binding.kept.push_back(i);
-        model.binding.keptAt.push_back(points[static_cast<std::size_t>(i)]);
-    }
-    return model;
+    return bindGroups<Real, Table>(*binder, base, unit, points, groupSize, options.outside,
+                                   progress);
 }
 
 }  // namespace

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+
 #include <limits>
 #include <utility>
 
 namespace espalier::stencils {
 
 using Eigen::Vector3d;
+using far::CellId;
 using Bound = std::optional<CellBound>;
 using Extent = far::TopologyRefiner::Extent;
 
@@ -23,6 +25,9 @@ Vector3d at(std::span<const Point3> positions, Index index) {
 /// The boxes of a level may miss those of the last one by the rounding of the sums between, which
 /// is relative to where the lattice lies: some 100 times 1e-16 a level.
 constexpr double kSlack = 1e-12;
+
+/// By how much of itself what a cell becomes is beyond the cell, mostly, at most.
+constexpr double kLikely = 0.25;
 
 double largestCoordinate(std::span<const Point3> positions) {
     double largest = 0;
@@ -75,68 +80,14 @@ bool isLeft(const far::Level& level, Index cell) {
 
 }  // namespace
 
-/// Cells of a level, each with its bound and the points that it may become a sought cell of.
-struct PointDescent::Candidates {
-    std::vector<Index> cells;
-    std::vector<Bound> bounds;
-    std::vector<Offset> offsets = {0};
-    std::vector<Index> points;
-
-    std::span<const Index> pointsOf(std::size_t i) const {
-        return std::span(points).subspan(static_cast<std::size_t>(offsets[i]),
-                                         static_cast<std::size_t>(offsets[i + 1] - offsets[i]));
-    }
-
-    /// Ends the cell whose points were appended last; without any it is left out.
-    void endCell(Index cell, const Bound& bound) {
-        if (static_cast<Offset>(points.size()) == offsets.back()) return;
-        cells.push_back(cell);
-        bounds.push_back(bound);
-        offsets.push_back(static_cast<Offset>(points.size()));
-    }
-
-    /// Leaves the pairs of which keep(i, point) is true, with i the position of the cell.
-    template <class Keep>
-    void filter(Keep keep) {
-        Candidates kept;
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            for (const Index point : pointsOf(i))
-                if (keep(i, point)) kept.points.push_back(point);
-            kept.endCell(cells[i], bounds[i]);
-        }
-        *this = std::move(kept);
-    }
-};
-
-namespace {
-
-/// Leaves the cells that may become the nearest one of a point, or one that it is in.
-template <class Candidates>
-void keepNearest(const far::CellComplex& complex, std::span<const Point3> positions,
-                 std::span<const Point3> points, double margin, Candidates& candidates) {
-    std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < candidates.cells.size(); ++i)
-        for (const Index point : candidates.pointsOf(i)) {
-            double& best = nearest[static_cast<std::size_t>(point)];
-            best = std::min(best, reach(complex, positions, candidates.cells[i],
-                                        candidates.bounds[i], at(points, point)));
-        }
-    candidates.filter([&](std::size_t i, Index point) {
-        const Bound& bound = candidates.bounds[i];
-        // Written so that what is not a number stays.
-        return !bound || !(bound->box.exteriorDistance(at(points, point)) >
-                           nearest[static_cast<std::size_t>(point)] + margin);
-    });
-}
-
-}  // namespace
-
 PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Point3> positions,
                            Rules rules, CellSolver::Scale scale)
     : base_(base),
       positions_(positions),
       rules_(rules),
-      margin_(scale.tolerance + kSlack * (scale.size + largestCoordinate(positions))),
+      scale_(scale),
+      rounding_(kSlack * (scale.size + largestCoordinate(positions))),
+      margin_(scale.tolerance + rounding_),
       bounds_([&] {
           const CellBounds bounds(base.level(0), positions, base.options().creasing);
           std::vector<Bound> result;
@@ -148,8 +99,7 @@ PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Poi
       unbounded_(cellsWith(bounds_, false)),
       tree_(boxesOf(bounds_, bounded_, margin_)) {}
 
-PointDescent::Candidates PointDescent::baseCandidates(std::span<const Point3> points,
-                                                      Sought sought) const {
+Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought sought) const {
     std::vector<std::vector<Index>> pointsOf(bounds_.size());
     std::vector<Index> found;
     for (std::size_t point = 0; point < points.size(); ++point) {
@@ -182,48 +132,83 @@ PointDescent::Candidates PointDescent::baseCandidates(std::span<const Point3> po
     return candidates;
 }
 
-std::optional<FoundCells> PointDescent::descend(std::span<const Point3> points, int level,
-                                                Sought sought, Extent extent) const {
-    FoundCells found{base_, {}, {positions_.begin(), positions_.end()}, {}, {}, {}};
-    Candidates candidates = baseCandidates(points, sought);
-    candidates.filter(
-        [&](std::size_t i, Index) { return isLeft(base_.level(0), candidates.cells[i]); });
-    for (int k = 0; k < level; ++k) {
-        const far::CellComplex parent = found.refiner.level(k).complex;
-        if (sought == Sought::Nearest)
-            keepNearest(parent, found.positions, points, margin_, candidates);
-        if (candidates.cells.empty()) return std::nullopt;
-        found.refiner.refineAround(candidates.cells, k + 1 == level ? extent : Extent::Ring);
-        found.tables.push_back(buildLevelTable(found.refiner, k + 1, rules_));
-        found.positions = applyLevelTable(found.tables.back(), found.positions);
+Descent PointDescent::begin(std::span<const Point3> points, Sought sought) const {
+    Descent descent{
+        base_, {}, {positions_.begin(), positions_.end()}, baseCandidates(points, sought), margin_};
+    descent.candidates.filter(
+        [&](std::size_t i, Index) { return isLeft(base_.level(0), descent.candidates.cells[i]); });
+    return descent;
+}
 
-        const far::Level& next = found.refiner.level(k + 1);
-        const CellBounds bounds(next, found.positions, base_.options().creasing);
-        Candidates children;
-        for (std::size_t i = 0; i < candidates.cells.size(); ++i) {
-            const Index cell = candidates.cells[i];
-            const Bound& bound = candidates.bounds[i];
-            for (const Index vertex : parent.relation(3, 0)[cell]) {
-                const auto child =
-                    found.refiner.refinement(k + 1).childOf({{0, vertex}, {3, cell}});
-                if (!child) continue;  // It is beyond the open boundary.
-                const Bound ofChild =
-                    k + 1 == level
-                        ? bounds.ownBox(child->index)
-                        : bounds.boundOf(child->index, bound ? bound->drift : std::nullopt);
-                for (const Index point : candidates.pointsOf(i))
-                    if (sought == Sought::Nearest || !ofChild ||
-                        !(ofChild->box.exteriorDistance(at(points, point)) > margin_))
-                        children.points.push_back(point);
-                children.endCell(child->index, ofChild);
-            }
+void PointDescent::keepNearest(Descent& descent, std::span<const Point3> points,
+                               std::span<double> nearest) const {
+    const far::CellComplex& complex = descent.refiner.level(descent.refiner.maxLevel()).complex;
+    Candidates& candidates = descent.candidates;
+    for (std::size_t i = 0; i < candidates.cells.size(); ++i)
+        for (const Index point : candidates.pointsOf(i)) {
+            double& best = nearest[static_cast<std::size_t>(point)];
+            best = std::min(best, reach(complex, descent.positions, candidates.cells[i],
+                                        candidates.bounds[i], at(points, point)));
         }
-        candidates = std::move(children);
+    candidates.filter([&](std::size_t i, Index point) {
+        const Bound& bound = candidates.bounds[i];
+        // Written so that what is not a number stays.
+        return !bound || !(bound->box.exteriorDistance(at(points, point)) >
+                           nearest[static_cast<std::size_t>(point)] + descent.margin);
+    });
+}
+
+void PointDescent::refine(Descent& descent, std::span<const Point3> points, Sought sought,
+                          Extent extent, Bounding bounding) const {
+    const int level = descent.refiner.maxLevel() + 1;
+    const far::CellComplex parent = descent.refiner.level(level - 1).complex;
+    descent.refiner.refineAround(descent.candidates.cells, extent);
+    descent.tables.push_back(buildLevelTable(descent.refiner, level, rules_));
+    descent.positions = applyLevelTable(descent.tables.back(), descent.positions);
+
+    const CellBounds bounds(descent.refiner.level(level), descent.positions,
+                            base_.options().creasing);
+    std::optional<CellSolver> solver;
+    if (bounding == Bounding::Likely)
+        solver.emplace(descent.refiner.level(level).complex, descent.positions, scale_);
+    const auto mayHold = [&](const Bound& bound, Index cell, Index point) {
+        return !bound || (!(bound->box.exteriorDistance(at(points, point)) > descent.margin) &&
+                          (!solver || solver->isNear(at(points, point), CellId(cell), kLikely)));
+    };
+    const Candidates parents = std::exchange(descent.candidates, {});
+    Candidates& children = descent.candidates;
+    for (std::size_t i = 0; i < parents.cells.size(); ++i) {
+        const Index cell = parents.cells[i];
+        const Bound& bound = parents.bounds[i];
+        for (const Index vertex : parent.relation(3, 0)[cell]) {
+            const auto child = descent.refiner.refinement(level).childOf({{0, vertex}, {3, cell}});
+            if (!child) continue;  // It is beyond the open boundary.
+            const Bound ofChild =
+                bounding == Bounding::Future
+                    ? bounds.boundOf(child->index, bound ? bound->drift : std::nullopt)
+                    : bounds.ownBox(child->index, bounding == Bounding::Likely ? kLikely : 0);
+            for (const Index point : parents.pointsOf(i))
+                if (sought == Sought::Nearest || mayHold(ofChild, child->index, point))
+                    children.points.push_back(point);
+            children.endCell(child->index, ofChild);
+        }
     }
-    found.cells = std::move(candidates.cells);
-    found.offsets = std::move(candidates.offsets);
-    found.points = std::move(candidates.points);
-    return found;
+}
+
+std::optional<Descent> PointDescent::descend(std::span<const Point3> points, int level,
+                                             Sought sought, Extent extent) const {
+    Descent descent = begin(points, sought);
+    for (int k = 1; k <= level; ++k) {
+        if (sought == Sought::Nearest) {
+            std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
+            keepNearest(descent, points, nearest);
+        }
+        if (descent.candidates.cells.empty()) return std::nullopt;
+        const bool isLast = k == level;
+        refine(descent, points, sought, isLast ? extent : Extent::Ring,
+               isLast ? Bounding::Itself : Bounding::Future);
+    }
+    return descent;
 }
 
 }  // namespace espalier::stencils

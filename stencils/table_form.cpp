@@ -45,14 +45,15 @@ private:
     Array<Real> weights_;
 };
 
-/// Puts the rows of the points of all parts into one table, and empties the parts.
+/// Puts the rows of the points of all parts into one table, and empties theirs.
 /// \param shifts what is added to the columns of each part
-template <class Real, class Table>
+/// \param rowsOf these rows among the tables of a part
+template <class Real, class Table, class RowsOf>
 StencilTable<Real> gatherPoints(std::vector<BoundPart<Table>>& parts, Index rowCount,
-                                Index columnCount, std::span<const Index> shifts) {
+                                Index columnCount, std::span<const Index> shifts, RowsOf rowsOf) {
     Array<Offset> lengths(static_cast<std::size_t>(rowCount) + 1, 0);
-    for (const BoundPart<Table>& part : parts) {
-        const StencilTable<Real>& rows = TableForm<Table>::rowsOf(part.table);
+    for (BoundPart<Table>& part : parts) {
+        const StencilTable<Real>& rows = rowsOf(part.table);
         for (Index i = 0; i < rows.rowCount(); ++i)
             // A point that is settled beside the cells has no entries among those inside.
             lengths[static_cast<std::size_t>(part.points[static_cast<std::size_t>(i)]) + 1] +=
@@ -62,12 +63,12 @@ StencilTable<Real> gatherPoints(std::vector<BoundPart<Table>>& parts, Index rowC
     far::parallelFor(std::ssize(parts), 1, [&](Offset first, Offset last) {
         for (Offset p = first; p < last; ++p) {
             BoundPart<Table>& part = parts[static_cast<std::size_t>(p)];
-            const StencilTable<Real>& rows = TableForm<Table>::rowsOf(part.table);
+            StencilTable<Real>& rows = rowsOf(part.table);
             for (Index i = 0; i < rows.rowCount(); ++i)
                 if (!rows.columns(i).empty())
                     places.set(part.points[static_cast<std::size_t>(i)], rows.columns(i),
                                rows.weights(i), shifts[static_cast<std::size_t>(p)]);
-            part = {};
+            rows = {};
         }
     });
     return places.take(columnCount);
@@ -93,7 +94,8 @@ template <class Real>
 StencilTable<Real> TableForm<StencilTable<Real>>::gather(std::vector<BoundPart<Table>>& parts,
                                                          Index rowCount, Index columnCount) {
     const std::vector<Index> none(parts.size(), 0);
-    return gatherPoints<Real>(parts, rowCount, columnCount, none);
+    return gatherPoints<Real>(parts, rowCount, columnCount, none,
+                              [](Table& table) -> Table& { return table; });
 }
 
 template <class Real>
@@ -138,13 +140,32 @@ FactoredTable<Real> TableForm<FactoredTable<Real>>::gather(std::vector<BoundPart
                 places.set(shifts[part] + row, vertices.columns(row), vertices.weights(row), 0);
         }
     });
-    StencilTable<Real> points = gatherPoints<Real>(parts, rowCount, vertexCount, shifts);
+    StencilTable<Real> points =
+        gatherPoints<Real>(parts, rowCount, vertexCount, shifts,
+                           [](Table& table) -> StencilTable<Real>& { return table.points; });
     return {places.take(columnCount), std::move(points)};
+}
+
+template <class Real>
+LimitTable<Real> TableForm<LimitTable<Real>>::gather(std::vector<BoundPart<Table>>& parts,
+                                                     Index rowCount, Index columnCount) {
+    const std::vector<Index> none(parts.size(), 0);
+    LimitTable<Real> result;
+    result.points =
+        gatherPoints<Real>(parts, rowCount, columnCount, none,
+                           [](Table& table) -> StencilTable<Real>& { return table.points; });
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        result.gradients[axis] = gatherPoints<Real>(
+            parts, rowCount, columnCount, none,
+            [&](Table& table) -> StencilTable<Real>& { return table.gradients[axis]; });
+    return result;
 }
 
 template struct TableForm<StencilTable<float>>;
 template struct TableForm<StencilTable<double>>;
 template struct TableForm<FactoredTable<float>>;
 template struct TableForm<FactoredTable<double>>;
+template struct TableForm<LimitTable<float>>;
+template struct TableForm<LimitTable<double>>;
 
 }  // namespace espalier::stencils

@@ -3,12 +3,13 @@
 
 #include <espalier/stencils/embedding.h>
 #include <espalier/stencils/factored_table.h>
+#include <espalier/stencils/limit_binding.h>
 
 #include <span>
 #include <vector>
 
-// The forms in which points are bound: D, or its factors. What binding does differently for each is
-// here.
+// The forms in which points are bound: D, its factors, or D with its gradients. What binding does
+// differently for each is here.
 namespace espalier::stencils {
 
 /// Some of the points of a group, as they were bound.
@@ -40,7 +41,7 @@ struct TableForm<StencilTable<Real>> {
     /// The rows that tell which points have a place.
     static const StencilTable<Real>& rowsOf(const Table& table) { return table; }
 
-    /// Puts the rows of all parts into one table, and empties the parts.
+    /// Puts the rows of all parts into one table, and empties theirs.
     /// \param parts with the numbers of their points in the whole model
     static Table gather(std::vector<BoundPart<Table>>& parts, Index rowCount, Index columnCount);
 };
@@ -54,6 +55,14 @@ struct TableForm<FactoredTable<Real>> {
                        std::span<const StencilTable<double>> tables, const Embedding& embedding);
     static Table build(StencilTable<double> weights, const StencilTable<double>& stencils,
                        const RowOrder& order);
+    static const StencilTable<Real>& rowsOf(const Table& table) { return table.points; }
+    static Table gather(std::vector<BoundPart<Table>>& parts, Index rowCount, Index columnCount);
+};
+
+template <class Real>
+struct TableForm<LimitTable<Real>> {
+    using Table = LimitTable<Real>;
+
     static const StencilTable<Real>& rowsOf(const Table& table) { return table.points; }
     static Table gather(std::vector<BoundPart<Table>>& parts, Index rowCount, Index columnCount);
 };

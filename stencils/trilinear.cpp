@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/stencils/box_least_squares.h>
-#include <espalier/stencils/solve3.h>
 #include <espalier/stencils/trilinear.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
+
+#include "map_inversion.h"
 
 namespace espalier::stencils {
 
@@ -66,22 +66,7 @@ Trilinear::Tangent Trilinear::tangent(const Vector3d& uvw) const {
 }
 
 std::optional<Vector3d> Trilinear::findOrigin(const Vector3d& start) const {
-    // Quadratic convergence: well-shaped cells take 3 to 6 steps.
-    constexpr int kMostSteps = 25;
-    // Once a step is this short, the next would be about its square: below rounding.
-    constexpr double kSettled = 1e-9;
-    // A place this far outside is of no use, and the way back from there is luck.
-    constexpr double kWanderedOff = 100;
-    Vector3d uvw = start;
-    for (int step = 0; step < kMostSteps; ++step) {
-        const auto [value, slopes] = tangent(uvw);
-        const Vector3d move = solve3(slopes, value);
-        if (!move.allFinite()) return std::nullopt;
-        uvw -= move;
-        if (uvw.lpNorm<Eigen::Infinity>() > kWanderedOff) return std::nullopt;
-        if (move.lpNorm<Eigen::Infinity>() < kSettled) return uvw;
-    }
-    return std::nullopt;
+    return stencils::findOrigin(*this, start);
 }
 
 std::optional<Vector3d> Trilinear::findOriginInside(double tolerance) const {
@@ -112,31 +97,7 @@ std::optional<Vector3d> Trilinear::findOriginInside(double tolerance) const {
 }
 
 Vector3d Trilinear::nearestToOrigin() const {
-    constexpr int kMostSteps = 50;
-    // Far below what tells one place from another; the distance has settled long before.
-    constexpr double kSettled = 1e-12;
-    Vector3d uvw = Vector3d::Constant(0.5);
-    double distance = position(uvw).stableNorm();
-    for (int step = 0; step < kMostSteps; ++step) {
-        // The nearest place of the linear map that touches this one here.
-        const auto [value, j] = tangent(uvw);
-        const Vector3d target = j * uvw - value;
-        Vector3d move = nearestInBox(j, target, Vector3d::Zero(), Vector3d::Ones()) - uvw;
-        // Shorten the step until it helps.
-        double length = 0;
-        for (int halving = 0; halving < 30; ++halving, move /= 2) {
-            const Vector3d next = uvw + move;
-            const double nextDistance = position(next).stableNorm();
-            if (nextDistance < distance) {
-                length = move.lpNorm<Eigen::Infinity>();
-                uvw = next;
-                distance = nextDistance;
-                break;
-            }
-        }
-        if (length < kSettled) return uvw;
-    }
-    return uvw;
+    return stencils::nearestToOrigin(*this);
 }
 
 bool isInUnitCube(const Vector3d& uvw, double tolerance) {

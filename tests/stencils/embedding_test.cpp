@@ -474,6 +474,18 @@ TEST(Embedding, FlatLatticeGivesAStatus) {
     }
 }
 
+// All but flat: to go on to a point beside it takes weights of some millions, which would throw the
+// point about in any other pose. Within the tolerance it goes with its nearest place.
+TEST(Embedding, ThinLatticesDoNotThrowPointsAbout) {
+    Lattice thin = shapes::box();
+    for (Point3& p : thin.positions) p[2] *= 1e-14;
+    const Refined refined(thin, 1);
+    const auto located = refined.embed({{0.1, 0.2, 1e-7}}).points.front();
+    ASSERT_EQ(located.status, PointStatus::Inside);
+    EXPECT_EQ(located.place->offset, (std::array<double, 3>{}));
+    EXPECT_NEAR(located.residual, 1e-7, 1e-13);
+}
+
 TEST(Embedding, NeedsARefinedLattice) {
     const Lattice box = shapes::bipyramid({.sides = 5});
     const auto embedAtBase = [&] {

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/parallel.h>
+#include <espalier/far/topology_match.h>
+#include <espalier/stencils/length_unit.h>
+#include <espalier/stencils/local_binding.h>
+#include <espalier/stencils/place_points.h>
+
+#include <atomic>
+#include <functional>
+#include <vector>
+
+#include "group_binder.h"
+
+namespace espalier::stencils {
+
+/// Binds points, a group of near ones after the other, in parallel.
+/// \param binder, in units of `unit`
+/// \param progress as in bindPoints()
+template <class Real, class Table>
+BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
+                                   const far::TopologyRefiner& base, const LengthUnit& unit,
+                                   std::span<const Point3> points, Offset groupSize,
+                                   OutsidePolicy outside,
+                                   const std::function<void(Offset)>& progress) {
+    checkPointCount(points);
+    const Offset pointCount = std::ssize(points);
+    const std::vector<Index> order = alongCurve(points);
+    std::vector<std::vector<BoundPart<Table>>> groups(
+        static_cast<std::size_t>((pointCount + groupSize - 1) / groupSize));
+    std::atomic<Offset> done = 0;
+    far::parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
+        std::vector<Point3> own;
+        for (Offset i = first; i < last; ++i)
+            own.push_back(
+                unit.toUnits(points[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])]));
+        auto& parts = groups[static_cast<std::size_t>(first / groupSize)];
+        parts = binder.bind(own);
+        for (BoundPart<Table>& part : parts)
+            for (Index& point : part.points) point = order[static_cast<std::size_t>(first + point)];
+        if (progress) progress(done += last - first);
+    });
+
+    BoundModel<Real, Table> model;
+    model.statuses.resize(points.size());
+    std::vector<BoundPart<Table>> parts;
+    for (auto& group : groups)
+        for (BoundPart<Table>& part : group) {
+            for (std::size_t i = 0; i < part.points.size(); ++i)
+                model.statuses[static_cast<std::size_t>(part.points[i])] = part.statuses[i];
+            model.largestResidual =
+                std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
+            parts.push_back(std::move(part));
+        }
+    if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
+    model.binding.table = TableForm<Table>::gather(parts, static_cast<Index>(pointCount),
+                                                   base.level(0).complex.count(0));
+    model.binding.topologyHash = far::topologyHash(base.level(0).complex);
+    const auto& rows = TableForm<Table>::rowsOf(model.binding.table);
+    for (Index i = 0; i < rows.rowCount(); ++i) {
+        if (!rows.columns(i).empty()) continue;
+        model.binding.kept.push_back(i);
+        model.binding.keptAt.push_back(points[static_cast<std::size_t>(i)]);
+    }
+    return model;
+}
+
+}  // namespace espalier::stencils

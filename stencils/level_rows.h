@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/stencil_table.h>
+
+#include <span>
+#include <vector>
+
+namespace espalier::stencils {
+
+/// Tables over the vertices of several levels, carried to the base: element k of the result is
+/// rows[k] · R_k … R_1. All levels in one go: a row of S_k is made once, for what asks for it there
+/// and for what is made of it further up.
+///
+/// \param tables R_1, R_2, …: as many as levels 1 to rows.size() − 1 at least
+/// \param rows one table a level, from 0 on; without rows where a level has none
+/// \cost O(products of entries), in parallel
+template <class Real>
+std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>> tables,
+                                            std::vector<StencilTable<double>> rows);
+
+}  // namespace espalier::stencils

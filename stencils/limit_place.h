@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/cell_place.h>
+#include <espalier/stencils/masks.h>
+#include <espalier/stencils/stencil_table.h>
+
+#include <array>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "tricubic_patch.h"
+
+// Places in the limit volume, and their weights over the vertices of the level that they are in.
+namespace espalier::stencils {
+
+/// In a regular cell: (u, v, w) in its frame. `offset`, in the same coordinates, goes on from there
+/// along the tangent.
+struct PatchPlace {
+    CellFrame frame;
+    std::array<double, 3> uvw = {};
+    std::array<double, 3> offset = {};
+};
+
+/// A place in a cell of a level, either as above, or in what is left at irregular features: there
+/// the limits of the cell's vertices are blended.
+struct LimitPlace {
+    int level = 0;
+    std::variant<PatchPlace, CellPlace> where;
+};
+
+/// Derivatives by u, v and w: each 0, 1 or 2; all 0 is the position.
+using Orders = std::array<int, 3>;
+
+/// Which derivatives of places are asked for: rows of tables in this order.
+inline constexpr Orders kPosition = {0, 0, 0};
+inline constexpr std::array<Orders, 3> kFirst = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+inline constexpr std::array<Orders, 6> kSecond = {
+    {{2, 0, 0}, {1, 1, 0}, {1, 0, 1}, {0, 2, 0}, {0, 1, 1}, {0, 0, 2}}};
+
+/// The limits of vertices of a level, as they are blended: a vertex on the open boundary, which has
+/// none, is itself. It is within the size of a cell of where it goes.
+StencilTable<double> blendedRows(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                 std::span<const Index> vertices);
+
+/// The weights of places of one level over its vertices.
+class PlaceRows {
+public:
+    /// \param refiner, must outlive this
+    /// \param places of the level
+    /// \cost that of the limits of vertices at irregular features
+    PlaceRows(const far::TopologyRefiner& refiner, int level, Rules rules,
+              std::span<const LimitPlace> places);
+
+    /// A derivative at place i, along its tangent if it has an offset: that changes the position
+    /// alone. Second derivatives of a blend by u, v or w twice are 0.
+    std::vector<VertexWeight> weights(std::size_t i, const Orders& orders) const;
+
+private:
+    std::vector<VertexWeight> blend(const CellPlace& place, const Orders& orders) const;
+
+    const far::Level& level_;
+    std::span<const LimitPlace> places_;
+    std::vector<std::optional<TricubicPatch>> patches_;  ///< one a place
+    std::vector<Index> vertices_;                        ///< whose limits are known, ascending
+    StencilTable<double> limits_;                        ///< a row for each of these
+};
+
+}  // namespace espalier::stencils

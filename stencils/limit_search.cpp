@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "limit_search.h"
+
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/limit_table.h>
+#include <espalier/stencils/regular_cells.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "patch_solver.h"
+
+namespace espalier::stencils {
+
+using Eigen::Vector3d;
+using far::CellId;
+using Extent = far::TopologyRefiner::Extent;
+
+namespace {
+
+/// A cell with an edge of this part of the lattice's size is not refined, however long it is: its
+/// children would differ by little more than rounding.
+constexpr double kThinnest = 1e-13;
+
+Vector3d at(std::span<const Point3> points, Index i) {
+    return Vector3d(points[static_cast<std::size_t>(i)].data());
+}
+
+std::array<double, 3> toArray(const Vector3d& v) {
+    return {v[0], v[1], v[2]};
+}
+
+/// On further levels cells may be so thin that there are many in a box, and so small that there are
+/// many within the tolerance of a point.
+constexpr int kMostLevelOfBoxes = 12;
+
+/// How many cells may become the nearest one of a point from there on: those around a vertex, which
+/// are all as near as that, and some more.
+constexpr std::size_t kMostNearest = 48;
+
+/// How far apart two rows of weights can put two points, as a fraction of the size of what they
+/// weigh.
+double spreadOf(const StencilTable<double>& rows, Index a, Index b) {
+    double sum = 0;
+    std::size_t i = 0, k = 0;
+    const auto first = rows.columns(a), second = rows.columns(b);
+    while (i < first.size() || k < second.size()) {
+        const bool isFirst = k == second.size() || (i < first.size() && first[i] <= second[k]);
+        const bool isSecond = i == first.size() || (k < second.size() && second[k] <= first[i]);
+        sum += std::abs((isFirst ? rows.weights(a)[i] : 0) - (isSecond ? rows.weights(b)[k] : 0));
+        i += isFirst;
+        k += isSecond;
+    }
+    return sum / 2;
+}
+
+}  // namespace
+
+/// The candidates of a level that need not be refined.
+class LimitSearch::Cells {
+public:
+    Cells(const LimitSearch& search, const Descent& descent, Sought sought)
+        : level_(descent.refiner.level(descent.refiner.maxLevel())), positions_(descent.positions) {
+        const auto& cells = descent.candidates.cells;
+        const int level = descent.refiner.maxLevel();
+        patches_.resize(cells.size());
+        frames_.resize(cells.size());
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            if (!isRegularCell(level_, cells[i])) continue;
+            frames_[i] = *frameOf(level_.complex, cells[i]);
+            patches_[i].emplace(TricubicPatch(level_, frames_[i]).controlPoints(positions_));
+        }
+        isBlended_.assign(cells.size(), 0);
+        if (level > 0 && (search.isFineEnough(level) || sought == Sought::Nearest))
+            findBlended(search, descent);
+    }
+
+    /// The polynomial of candidate i; null if the cell is not regular.
+    const PatchSolver* patch(std::size_t i) const { return patches_[i] ? &*patches_[i] : nullptr; }
+    const CellFrame& frame(std::size_t i) const { return frames_[i]; }
+
+    /// Whether candidate i is so small that the limits of its vertices are blended.
+    bool isBlended(std::size_t i) const { return isBlended_[i] != 0; }
+    /// The same for a point that is so far from the candidate that it hardly matters.
+    bool isBlended(std::size_t i, const Vector3d& point) const {
+        return isBlended(i) ||
+               (blend_ && boxes_[i].exteriorDistance(point) > kFar * boxes_[i].diagonal().norm());
+    }
+    /// \pre a candidate is blended
+    const CellSolver& blend() const { return *blend_; }
+
+private:
+    /// In diagonals of a cell. The place of a point that is so far outside is the nearest but for
+    /// some 1/8 of the cell squared, and far from what would lose digits: thousands of cells.
+    static constexpr double kFar = 8;
+
+    void findBlended(const LimitSearch& search, const Descent& descent) {
+        const int level = descent.refiner.maxLevel();
+        std::vector<Index> corners;
+        for (const Index cell : descent.candidates.cells) {
+            const auto row = level_.complex.relation(3, 0)[cell];
+            corners.insert(corners.end(), row.begin(), row.end());
+        }
+        std::sort(corners.begin(), corners.end());
+        corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+        if (corners.empty()) return;
+        const auto limits = blendedRows(descent.refiner, level, search.rules_, corners);
+        const auto places = applyLevelTable(limits, positions_);
+        for (std::size_t i = 0; i < corners.size(); ++i)
+            positions_[static_cast<std::size_t>(corners[i])] = places[i];
+        blend_.emplace(level_.complex, positions_, search.scale_);
+
+        for (const Index cell : descent.candidates.cells) {
+            boxes_.emplace_back();
+            for (const Index vertex : level_.complex.relation(3, 0)[cell])
+                boxes_.back().extend(at(positions_, vertex));
+        }
+        if (!search.isFineEnough(level)) return;
+        const auto rows = composeStencils<double>(descent.refiner, descent.tables, corners);
+        for (std::size_t i = 0; i < isBlended_.size(); ++i) {
+            double spread = 0;
+            const auto vertices = level_.complex.relation(3, 0)[descent.candidates.cells[i]];
+            const auto rowOf = [&](Index vertex) {
+                return static_cast<Index>(std::lower_bound(corners.begin(), corners.end(), vertex) -
+                                          corners.begin());
+            };
+            for (const Index vertex : vertices)
+                spread = std::max(spread, spreadOf(rows, rowOf(vertices[0]), rowOf(vertex)));
+            // No two corners are further apart than twice that.
+            isBlended_[i] = 2 * spread <= search.tolerance_ || isThin(vertices, search.scale_);
+        }
+    }
+
+    bool isThin(std::span<const Index> vertices, const CellSolver::Scale& scale) const {
+        for (const Index v : vertices)
+            for (const Index w : vertices)
+                if (w < v &&
+                    (at(positions_, v) - at(positions_, w)).norm() <= kThinnest * scale.size)
+                    return true;
+        return false;
+    }
+
+    const far::Level& level_;
+    std::vector<Point3> positions_;  ///< limits at the corners of what is blended
+    std::vector<std::optional<PatchSolver>> patches_;
+    std::vector<CellFrame> frames_;
+    std::vector<std::uint8_t> isBlended_;
+    std::vector<Eigen::AlignedBox3d> boxes_;  ///< of the candidates, in the limit
+    std::optional<CellSolver> blend_;
+};
+
+LimitSearch::LimitSearch(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                         Rules rules, const LimitOptions& options)
+    : rules_(rules),
+      tolerance_(options.tolerance),
+      seekNearest_(options.embedding.outside == OutsidePolicy::Nearest),
+      scale_(CellSolver::scaleOf(positions, options.embedding.tolerance)),
+      finestLevel_(std::max(1, static_cast<int>(std::ceil(-std::log2(options.tolerance))))),
+      descent_(base, positions, rules, scale_) {}
+
+/// \param settle is called for each level: settle(descent, cells) leaves the candidates that are to
+///        be refined
+template <class Settle>
+FoundPlaces LimitSearch::search(std::span<const Point3> points, Sought sought, Bounding bounding,
+                                Settle settle) const {
+    FoundPlaces found{descent_.begin(points, sought), {}, {}};
+    found.points.assign(points.size(), {PointStatus::Outside, {}, 0, 0});
+    for (;;) {
+        found.positions.push_back(found.descent.positions);
+        settle(found, Cells(*this, found.descent, sought));
+        if (found.descent.candidates.cells.empty()) return found;
+        if (sought == Sought::Nearest || found.descent.refiner.maxLevel() >= kMostLevelOfBoxes)
+            found.descent.margin = descent_.rounding();
+        // What is likely allows for a part of a cell, which is more, until cells are as small.
+        if (bounding == Bounding::Likely) found.descent.margin = 0;
+        descent_.refine(found.descent, points, sought, Extent::Ring, bounding);
+    }
+}
+
+FoundPlaces LimitSearch::findInside(std::span<const Point3> points, Bounding bounding,
+                                    std::vector<Index>& unsettled) const {
+    std::vector<std::uint8_t> isNear(points.size(), seekNearest_ || bounding == Bounding::Likely);
+    auto result =
+        search(points, Sought::Containing, bounding, [&](FoundPlaces& found, const Cells& cells) {
+            const int level = found.descent.refiner.maxLevel();
+            found.descent.candidates.filter([&](std::size_t i, Index p) {
+                LocatedInLimit& located = found.points[static_cast<std::size_t>(p)];
+                if (located.place) return false;
+                const Vector3d point = at(points, p);
+                if (!point.allFinite()) return false;
+                if (const PatchSolver* patch = cells.patch(i)) {
+                    isNear[static_cast<std::size_t>(p)] = 1;
+                    const auto [answer, uvw] = patch->find(point);
+                    if (answer == PatchSolver::Answer::Here) {
+                        located = {PointStatus::Inside,
+                                   LimitPlace{level, PatchPlace{cells.frame(i), toArray(uvw), {}}},
+                                   0, (patch->map().position(uvw) - point).norm()};
+                        return false;
+                    }
+                    if (answer == PatchSolver::Answer::NotHere) return false;
+                }
+                const bool isLast = bounding == Bounding::Future && level >= kMostLevelOfBoxes;
+                if (!cells.isBlended(i) && !isLast) return true;
+                isNear[static_cast<std::size_t>(p)] = 1;
+                if (!cells.isBlended(i)) return false;
+                const Index cell = found.descent.candidates.cells[i];
+                auto inside = cells.blend().locateIn(point, {&cell, 1});
+                if (!inside) {
+                    // So small a cell may miss a point on its faces by the rounding of that.
+                    inside = cells.blend().locateBeside(point, CellId(cell), true);
+                    if (!(inside->distance <= descent_.rounding())) return false;
+                }
+                if (inside->place)
+                    located = {PointStatus::Inside, LimitPlace{level, *inside->place}, 0,
+                               inside->residual};
+                return false;
+            });
+        });
+    for (std::size_t p = 0; p < points.size(); ++p) {
+        LocatedInLimit& located = result.points[p];
+        if (located.place) continue;
+        const auto beyond =
+            CellSolver::beyondReach(at(points, static_cast<Index>(p)), seekNearest_);
+        if (beyond)
+            located.status = beyond->status;
+        else if (isNear[p])
+            unsettled.push_back(static_cast<Index>(p));
+    }
+    return result;
+}
+
+/// Leaves of each point's cells the nearest ones as they are, whatever they may become.
+void LimitSearch::keepFew(Descent& descent, std::span<const Point3> points) const {
+    const far::Level& level = descent.refiner.level(descent.refiner.maxLevel());
+    const CellSolver solver(level.complex, descent.positions, scale_);
+    Candidates& candidates = descent.candidates;
+    std::vector<std::vector<std::pair<double, Index>>> cellsOf(points.size());
+    for (std::size_t i = 0; i < candidates.cells.size(); ++i)
+        for (const Index p : candidates.pointsOf(i))
+            cellsOf[static_cast<std::size_t>(p)].emplace_back(
+                solver.distance(at(points, p), CellId(candidates.cells[i])), candidates.cells[i]);
+    for (auto& cells : cellsOf) {
+        if (cells.size() <= kMostNearest) continue;
+        std::nth_element(cells.begin(), cells.begin() + kMostNearest, cells.end());
+        cells.resize(kMostNearest);
+    }
+    candidates.filter([&](std::size_t i, Index p) {
+        const auto& cells = cellsOf[static_cast<std::size_t>(p)];
+        return std::any_of(cells.begin(), cells.end(),
+                           [&](const auto& cell) { return cell.second == candidates.cells[i]; });
+    });
+}
+
+FoundPlaces LimitSearch::findBeside(std::span<const Point3> points) const {
+    std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
+    auto result = search(
+        points, Sought::Nearest, Bounding::Future, [&](FoundPlaces& found, const Cells& cells) {
+            const int level = found.descent.refiner.maxLevel();
+            std::vector<LocatedInLimit>& best = found.points;
+            found.descent.candidates.filter([&](std::size_t i, Index p) {
+                const PatchSolver* patch = cells.patch(i);
+                const Vector3d point = at(points, p);
+                if (!(patch && patch->isNearlyLinear()) && !cells.isBlended(i, point)) return true;
+                const Index cell = found.descent.candidates.cells[i];
+                LocatedInLimit& located = best[static_cast<std::size_t>(p)];
+                LimitPlace place{level, {}};
+                double distance = 0;
+                if (patch) {
+                    const Vector3d uvw = patch->nearest(point);
+                    distance = (patch->map().position(uvw) - point).norm();
+                    place.where = PatchPlace{cells.frame(i), toArray(uvw), {}};
+                } else {
+                    const auto there = cells.blend().locateBeside(point, CellId(cell), true);
+                    if (!there.place) return false;
+                    distance = there.distance;
+                    place.where = *there.place;
+                }
+                if (!located.place || distance < located.distance) {
+                    located = {PointStatus::Outside, place, distance, 0};
+                    double& known = nearest[static_cast<std::size_t>(p)];
+                    known = std::min(known, distance);
+                }
+                return false;
+            });
+            descent_.keepNearest(found.descent, points, nearest);
+            if (level >= kMostLevelOfBoxes) keepFew(found.descent, points);
+        });
+    for (std::size_t p = 0; p < points.size(); ++p)
+        result.points[p] = continued(result.points[p], result.descent, result.positions,
+                                     at(points, static_cast<Index>(p)));
+    return result;
+}
+
+/// A point that is in no cell, with its nearest place continued to it along the tangent.
+LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const Descent& descent,
+                                      const std::vector<std::vector<Point3>>& positions,
+                                      const Vector3d& point) const {
+    if (!nearest.place) return {PointStatus::NotConverged, {}, 0, 0};
+    const double distance = nearest.distance;
+    // In the gap between a patch and what is blended, or as good as on the boundary.
+    const bool isInside = distance <= std::max(scale_.tolerance, tolerance_ * scale_.size);
+    const PointStatus status = isInside ? PointStatus::Inside : PointStatus::Outside;
+    if (!isInside && !seekNearest_) return {status, {}, distance, 0};
+    LimitPlace place = *nearest.place;
+    const auto level = static_cast<std::size_t>(place.level);
+    const PlaceRows rows(descent.refiner, place.level, rules_, {&place, 1});
+    const auto sum = [&](const Orders& orders) {
+        Vector3d result = Vector3d::Zero();
+        for (const auto& [vertex, weight] : rows.weights(0, orders))
+            result += weight * at(positions[level], vertex);
+        return result;
+    };
+    if (auto* patch = std::get_if<PatchPlace>(&place.where)) {
+        Eigen::Matrix3d jacobian;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            jacobian.col(static_cast<Eigen::Index>(axis)) = sum(kFirst[axis]);
+        patch->offset = toArray(jacobian.fullPivLu().solve(point - sum(kPosition)));
+    }
+    const double residual = (sum(kPosition) - point).norm();
+    // What the project promises of the rest pose, as in a level.
+    constexpr double kResidual = 1e-12;
+    if (residual <= kResidual * std::max(scale_.size, point.norm()))
+        return {status, place, distance, residual};
+    if (!isInside) return {PointStatus::NotConverged, {}, distance, 0};
+    if (auto* patch = std::get_if<PatchPlace>(&place.where)) patch->offset = {};
+    return {PointStatus::Inside, place, distance, (sum(kPosition) - point).norm()};
+}
+
+}  // namespace espalier::stencils

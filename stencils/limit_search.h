@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/cell_solver.h>
+#include <espalier/stencils/limit_binding.h>
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "limit_place.h"
+#include "point_descent.h"
+
+namespace espalier::stencils {
+
+/// Where points lie in the limit volume of a lattice. The residual is the rounding of the solve, as
+/// in a level.
+using LocatedInLimit = Located<LimitPlace>;
+
+/// The places of some points, and the levels that they are in.
+struct FoundPlaces {
+    Descent descent;
+    std::vector<std::vector<Point3>> positions;  ///< of the vertices of each level
+    std::vector<LocatedInLimit> points;
+};
+
+/// Finds points in the limit volume, level by level: in regular cells by solving for their
+/// polynomial, in what is left at irregular features as in a level whose vertices have gone to
+/// their limits. Any number of threads may ask. All in units of the lattice (LengthUnit).
+class LimitSearch {
+public:
+    /// \param base, positions must outlive this
+    LimitSearch(const far::TopologyRefiner& base, std::span<const Point3> positions, Rules rules,
+                const LimitOptions& options);
+
+    /// The points that are in a cell. A point in several, as on a face between two, belongs to the
+    /// one of the lowest level, and of these to that of the lowest number.
+    /// \param bounding where to look: Likely finds all but those in strongly bent cells; Future
+    ///        these too, as far as the levels go on which cells are still nearly as wide as long.
+    ///        (About an irregular edge they become ever thinner plates, and more and more of them
+    ///        lie in a box.)
+    /// \param unsettled gets those that were not found: of Future, if they may yet be in a gap
+    ///        between cells, or are outside and to be carried
+    FoundPlaces findInside(std::span<const Point3> points, Bounding bounding,
+                           std::vector<Index>& unsettled) const;
+
+    /// Points that are in no cell, by the nearest place.
+    FoundPlaces findBeside(std::span<const Point3> points) const;
+
+private:
+    class Cells;
+    void keepFew(Descent& descent, std::span<const Point3> points) const;
+    bool isFineEnough(int level) const { return level >= finestLevel_; }
+    template <class Settle>
+    FoundPlaces search(std::span<const Point3> points, Sought sought, Bounding bounding,
+                       Settle settle) const;
+    LocatedInLimit continued(const LocatedInLimit& nearest, const Descent& descent,
+                             const std::vector<std::vector<Point3>>& positions,
+                             const Eigen::Vector3d& point) const;
+
+    Rules rules_;
+    double tolerance_;  ///< LimitOptions::tolerance
+    bool seekNearest_;
+    CellSolver::Scale scale_;
+    int finestLevel_;  ///< from here on, cells may be small enough to blend
+    PointDescent descent_;
+};
+
+}  // namespace espalier::stencils

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/standard_cells.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/limit_table.h>
+#include <espalier/stencils/regular_cells.h>
+#include <espalier/stencils/vertex_ring.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include "surroundings.h"
+#include "table_builder.h"
+
+namespace espalier::stencils {
+namespace {
+
+using far::Entity;
+
+/// Where in a hexahedron, in VTK's order, the corner opposite to each lies.
+constexpr std::array<std::size_t, 8> kOpposite = {6, 7, 4, 5, 2, 3, 0, 1};
+
+/// The vertex of an edge, a quadrilateral or a hexahedron that is opposite to another one.
+Index opposite(const far::CellComplex& complex, const Entity& entity, Index vertex) {
+    if (entity.dimension == 3) {
+        const auto corners = *far::hexahedronVertices(complex, far::CellId(entity.index));
+        const auto at = std::find(corners.begin(), corners.end(), vertex) - corners.begin();
+        return corners[kOpposite[static_cast<std::size_t>(at)]];
+    }
+    const auto loop = complex.relation(entity.dimension, 0)[entity.index];
+    const auto at =
+        static_cast<std::size_t>(std::find(loop.begin(), loop.end(), vertex) - loop.begin());
+    return loop[(at + loop.size() / 2) % loop.size()];
+}
+
+/// The limit of a regular vertex on stratum s: the product of (1, 4, 1)/6 along s axes.
+void addRegularRow(const far::Level& level, Index vertex, RowAccumulator& row) {
+    const Entity self{0, vertex};
+    const int stratum = level.strata.of(self);
+    for (int d = 0; d <= stratum; ++d) {
+        double weight = 1;
+        for (int axis = 0; axis < stratum; ++axis) weight *= axis < d ? 1.0 / 6 : 4.0 / 6;
+        for (const Index index : level.complex.relation(0, d)[vertex]) {
+            const Entity other{d, index};
+            if (level.strata.inSubcomplex(self, stratum, other))
+                row.add(d == 0 ? vertex : opposite(level.complex, other, vertex), weight);
+        }
+    }
+}
+
+/// The limits of vertices that are not regular, each ring's shape solved for once.
+class IrregularLimits {
+public:
+    /// \param vertices those that are asked for, once each
+    IrregularLimits(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+                    const std::vector<Index>& vertices) {
+        // What fades, or is open, is decided by more than the ring.
+        const bool haveShapes =
+            !level.strata.hasSemiSharp() && refiner.boundary() != far::Boundary::Open;
+        std::optional<Surroundings> surroundings;
+        if (haveShapes && vertices.size() > 1) surroundings.emplace(level);
+        std::vector<Index> firsts;
+        std::map<Index, std::size_t> placeOfShape;
+        for (const Index vertex : vertices) {
+            std::size_t place = firsts.size();
+            if (surroundings)
+                place =
+                    placeOfShape.emplace(surroundings->shapeOf({0, vertex}), place).first->second;
+            if (place == firsts.size()) firsts.push_back(vertex);
+            placeOf_.emplace(vertex, place);
+        }
+        masks_.resize(firsts.size());
+        far::parallelFor(std::ssize(firsts), 1, [&](Offset first, Offset last) {
+            for (Offset i = first; i < last; ++i) {
+                const VertexRing ring =
+                    ringOf(level, refiner.options(), rules, firsts[static_cast<std::size_t>(i)]);
+                masks_[static_cast<std::size_t>(i)] = ring.start.transpose() * limitMask(ring);
+            }
+        });
+    }
+
+    /// The weights of the vertices around one, by their ascending numbers.
+    const Eigen::VectorXd& maskOf(Index vertex) const { return masks_[placeOf_.at(vertex)]; }
+
+private:
+    std::map<Index, std::size_t> placeOf_;
+    std::vector<Eigen::VectorXd> masks_;
+};
+
+}  // namespace
+
+void checkLimitRules(Rules rules) {
+    if (rules == Rules::Rats)
+        throw Error(
+            "limits are not known under the rules of RATS, which look beyond the ring of a "
+            "vertex");
+}
+
+StencilTable<double> buildLimitTable(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                     std::span<const Index> vertices) {
+    checkVertices(refiner, level, vertices);
+    checkLimitRules(rules);
+    checkRules(refiner, rules);
+    const far::Level& here = refiner.level(level);
+    std::vector<std::uint8_t> isRegular(vertices.size());
+    far::parallelFor(std::ssize(vertices), 4096, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i)
+            isRegular[static_cast<std::size_t>(i)] =
+                here.complex.dimension() == 3 &&
+                isRegularVertex(here, vertices[static_cast<std::size_t>(i)]);
+    });
+    std::vector<Index> irregular;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+        if (!isRegular[i] && !here.strata.isOpen({0, vertices[i]}))
+            irregular.push_back(vertices[i]);
+    std::sort(irregular.begin(), irregular.end());
+    irregular.erase(std::unique(irregular.begin(), irregular.end()), irregular.end());
+    const IrregularLimits limits(refiner, here, rules, irregular);
+    return buildTable<double>(
+        static_cast<Index>(vertices.size()), here.complex.count(0),
+        [&](Index row, RowAccumulator& accumulator) {
+            const Index vertex = vertices[static_cast<std::size_t>(row)];
+            if (isRegular[static_cast<std::size_t>(row)]) {
+                addRegularRow(here, vertex, accumulator);
+                return;
+            }
+            if (here.strata.isOpen({0, vertex})) return;
+            const Eigen::VectorXd& mask = limits.maskOf(vertex);
+            const std::vector<Index> around = verticesAround(here.complex, vertex);
+            for (std::size_t i = 0; i < around.size(); ++i)
+                accumulator.add(around[i], mask[static_cast<Eigen::Index>(i)]);
+        });
+}
+
+template <class Real>
+StencilTable<Real> buildVertexLimits(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                     std::span<const Index> vertices) {
+    const CompactTable limits = compactColumns(buildLimitTable(refiner, level, rules, vertices));
+    return multiply<Real>(limits.table,
+                          buildStencils<double>(refiner, level, rules, limits.columns));
+}
+
+template <class Real>
+StencilTable<Real> buildVertexLimits(const far::TopologyRefiner& refiner, int level, Rules rules) {
+    std::vector<Index> all(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
+    std::iota(all.begin(), all.end(), Index{0});
+    return buildVertexLimits<Real>(refiner, level, rules, all);
+}
+
+template StencilTable<float> buildVertexLimits(const far::TopologyRefiner&, int, Rules,
+                                               std::span<const Index>);
+template StencilTable<double> buildVertexLimits(const far::TopologyRefiner&, int, Rules,
+                                                std::span<const Index>);
+template StencilTable<float> buildVertexLimits(const far::TopologyRefiner&, int, Rules);
+template StencilTable<double> buildVertexLimits(const far::TopologyRefiner&, int, Rules);
+
+}  // namespace espalier::stencils

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/api.h>
+#include <espalier/far/index.h>
+#include <espalier/far/topology_refiner.h>
+
+// Where refinement is that of a uniform tricubic B-spline.
+namespace espalier::stencils {
+
+using far::Index;
+
+/// Whether the cells around a vertex are a part of a grid of hexahedra, and keep to the rules of
+/// one: inside (8 cells), at a flat boundary (4), at a sharp edge (2) or at a corner (1), with no
+/// other features and none that are semi-sharp.
+ESPALIER_API bool isRegularVertex(const far::Level& level, Index vertex);
+
+/// Whether all vertices of a cell are regular. The volume in it is then one tricubic polynomial,
+/// now and on all levels to come; at a boundary that of a spline with a phantom layer 2P₀ − P₁.
+ESPALIER_API bool isRegularCell(const far::Level& level, Index cell);
+
+}  // namespace espalier::stencils

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/star.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/vertex_ring.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <string>
+
+namespace espalier::stencils {
+namespace {
+
+using Extent = far::TopologyRefiner::Extent;
+
+/// What contains a vertex, by dimension and number. Children [v, x] are numbered as the x are, so
+/// that this order is the same on the next level.
+std::vector<far::Entity> entitiesAt(const far::CellComplex& complex, Index vertex) {
+    std::vector<far::Entity> entities;
+    for (int d = 0; d <= complex.dimension(); ++d)
+        for (const Index index : complex.relation(0, d)[vertex]) entities.push_back({d, index});
+    return entities;
+}
+
+Index placeIn(const std::vector<Index>& ascending, Index value) {
+    return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
+                              ascending.begin());
+}
+
+bool hasSemiSharp(const far::Level& level, Index vertex) {
+    const auto edges = level.complex.relation(0, 1)[vertex];
+    return far::isSemiSharp(level.strata.sharpness({0, vertex})) ||
+           std::any_of(edges.begin(), edges.end(), [&](Index edge) {
+               return far::isSemiSharp(level.strata.sharpness({1, edge}));
+           });
+}
+
+/// A star as it is refined about its vertex.
+struct Chain {
+    far::TopologyRefiner refiner;
+    Index vertex;  ///< the child of the first level's
+    std::vector<StencilTable<double>> tables = {};
+
+    const far::Level& level() const { return refiner.level(refiner.maxLevel()); }
+
+    void refine(Rules rules, Extent extent) {
+        const int dimension = refiner.dimension();
+        const auto cells = level().complex.relation(0, dimension)[vertex];
+        refiner.refineAround(std::vector<Index>(cells.begin(), cells.end()), extent);
+        const far::Entity parent{0, vertex};
+        vertex = refiner.refinement(refiner.maxLevel()).childOf({parent, parent})->index;
+        tables.push_back(buildLevelTable(refiner, refiner.maxLevel(), rules));
+    }
+
+    /// The ring about the vertex: the new points of what contained it a level before.
+    std::vector<Index> ring(const std::vector<far::Entity>& entities) const {
+        std::vector<Index> points;
+        for (const far::Entity& entity : entities)
+            points.push_back(
+                refiner.refinement(refiner.maxLevel()).childOf({entity, entity})->index);
+        return points;
+    }
+};
+
+/// A vertex in nothing: it stays.
+VertexRing loneRing(Index vertex) {
+    VertexRing ring{{{0, vertex}}, Eigen::SparseMatrix<double>(1, 1), {vertex}, {}};
+    ring.subdivision.insert(0, 0) = 1;
+    ring.start = Eigen::MatrixXd::Ones(1, 1);
+    return ring;
+}
+
+}  // namespace
+
+std::vector<Index> verticesAround(const far::CellComplex& complex, Index vertex) {
+    std::vector<Index> vertices;
+    for (const far::Entity& entity : entitiesAt(complex, vertex)) {
+        const auto corners = complex.relation(entity.dimension, 0)[entity.index];
+        vertices.insert(vertices.end(), corners.begin(), corners.end());
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return vertices;
+}
+
+VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options, Rules rules,
+                  Index vertex) {
+    if (rules == Rules::Rats) throw Error("the limits of RATS are not known by vertices' rings");
+    const bool looksFurther =
+        options.creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp();
+    const far::Star star = far::starOf(level, vertex, looksFurther ? 2 : 1);
+    if (level.strata.isOpen({0, vertex}))
+        throw Error("vertex " + std::to_string(vertex) +
+                    " is on the open boundary, and has no limit");
+    const int dimension = level.complex.dimension();
+    if (level.complex.relation(0, dimension)[vertex].empty()) return loneRing(vertex);
+
+    Chain chain{far::TopologyRefiner(star.level, options), star.vertex};
+    std::vector<far::Entity> entities;
+    do {
+        entities = entitiesAt(chain.level().complex, chain.vertex);
+        chain.refine(rules, Extent::Ring);
+    } while (hasSemiSharp(chain.level(), chain.vertex));
+    const std::vector<Index> first = chain.ring(entities);
+
+    VertexRing ring;
+    ring.entities = entitiesAt(level.complex, vertex);
+    ring.vertices = verticesAround(level.complex, vertex);
+    ring.levels = chain.refiner.maxLevel();
+    ring.start = Eigen::MatrixXd::Zero(std::ssize(first), std::ssize(ring.vertices));
+    const auto rows = composeStencils<double>(chain.refiner, chain.tables, first);
+    for (Index row = 0; row < rows.rowCount(); ++row)
+        for (std::size_t k = 0; k < rows.columns(row).size(); ++k)
+            ring.start(row,
+                       placeIn(ring.vertices,
+                               star.entities[0][static_cast<std::size_t>(rows.columns(row)[k])])) =
+                rows.weights(row)[k];
+
+    entities = entitiesAt(chain.level().complex, chain.vertex);
+    chain.refine(rules, Extent::Cells);
+    const auto next = selectRows(chain.tables.back(), chain.ring(entities));
+    // A vertex is numbered by the dimension and number of what it is the new point of: the ring
+    // ascends.
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index row = 0; row < next.rowCount(); ++row)
+        for (std::size_t k = 0; k < next.columns(row).size(); ++k)
+            entries.emplace_back(row, placeIn(first, next.columns(row)[k]), next.weights(row)[k]);
+    ring.subdivision.resize(std::ssize(first), std::ssize(first));
+    ring.subdivision.setFromTriplets(entries.begin(), entries.end());
+    return ring;
+}
+
+Eigen::VectorXd limitMask(const VertexRing& ring) {
+    // (Mᵀ − 1)ℓ = 0. The rows of Mᵀ − 1 add up to 0, as those of M sum to 1: any one follows from
+    // the others, and gives way to Σℓ = 1.
+    const Eigen::Index count = ring.subdivision.rows();
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Eigen::Index column = 0; column < count; ++column) {
+        entries.emplace_back(0, column, 1);
+        if (column > 0) entries.emplace_back(column, column, -1);
+        for (Eigen::SparseMatrix<double>::InnerIterator entry(ring.subdivision, column); entry;
+             ++entry)
+            if (column > 0) entries.emplace_back(column, entry.row(), entry.value());
+    }
+    Eigen::SparseMatrix<double> system(count, count);
+    system.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SparseLU<Eigen::SparseMatrix<double>> solver(system);
+    if (solver.info() != Eigen::Success)
+        throw Error("the rules do not converge at vertex " +
+                    std::to_string(ring.entities.front().index));
+    return solver.solve(Eigen::VectorXd::Unit(count, 0));
+}
+
+std::vector<std::complex<double>> eigenvalues(const VertexRing& ring) {
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(ring.subdivision), false);
+    std::vector<std::complex<double>> values(solver.eigenvalues().begin(),
+                                             solver.eigenvalues().end());
+    std::stable_sort(values.begin(), values.end(),
+                     [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
+    return values;
+}
+
+}  // namespace espalier::stencils

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/standard_cells.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/limit_table.h>
+#include <espalier/stencils/regular_cells.h>
+#include <espalier/stencils/vertex_ring.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "support/random_lattices.h"
+#include "support/tables.h"
+#include "support/zoo.h"
+
+namespace espalier::stencils {
+namespace {
+
+using far::TopologyRefiner;
+using test::times;
+
+/// Tetrahedra from a new vertex, the last, to the triangles of a cell.
+far::CellComplex starOfTetrahedra(const far::CellComplex& hull) {
+    far::ComplexBuilder builder(3, hull.count(0) + 1);
+    for (const auto& loop : far::outwardLoops(hull, far::CellId(0)))
+        builder.addCell(far::StandardCell::Tetrahedron, {loop[0], loop[2], loop[1], hull.count(0)});
+    return builder.build();
+}
+
+VertexRing ringIn(const far::CellComplex& complex, Rules rules, Index vertex) {
+    const TopologyRefiner refiner(complex);
+    return ringOf(refiner.level(0), refiner.options(), rules, vertex);
+}
+
+void expectEigenvalues(const VertexRing& ring, const std::vector<double>& expected,
+                       double tolerance) {
+    const auto values = eigenvalues(ring);
+    ASSERT_GT(values.size(), expected.size());
+    EXPECT_NEAR(values[0].real(), 1, 1e-13);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_NEAR(values[i + 1].real(), expected[i], tolerance) << i;
+        EXPECT_EQ(values[i + 1].imag(), 0) << i;
+    }
+}
+
+// The 27 points of a regular ring are a product of three rings (P₋ P P₊) of a curve, whose matrix
+// has the eigenvalues 1, 1/2 and 1/4: three times 1/2, six times 1/4 of which three are 1/2 · 1/2.
+TEST(VertexRing, EigenvaluesOfARegularStar) {
+    const auto ring = ringIn(test::grid({2, 2, 2}), Rules::Siggraph96, 13);
+    EXPECT_EQ(ring.subdivision.rows(), 27);
+    expectEigenvalues(ring, {0.5, 0.5, 0.5, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.125}, 1e-12);
+}
+
+// Figures from an independent computation, by its four decimals.
+TEST(VertexRing, EigenvaluesOfIrregularStars) {
+    constexpr double kDecimals = 5e-5;
+    // Two layers of five cells about an edge. The middle of the axis is where the edge points lie.
+    const auto cylinder = shapes::cylinder({.sectors = 5, .layers = 2}).complex;
+    Index middle = 0;
+    for (Index v = 0; v < cylinder.count(0); ++v)
+        if (cylinder.relation(0, 3)[v].size() == 10) middle = v;
+    for (const Rules rules : {Rules::Siggraph96, Rules::Cse96}) {
+        const auto values = eigenvalues(ringIn(cylinder, rules, middle));
+        // Around the edge a pair, and along it 1/2, whatever the rules.
+        EXPECT_NEAR(std::abs(values[1] - values[2]), 0, 1e-12);
+        EXPECT_NEAR(values[3].real(), 0.5, 1e-12);
+    }
+    expectEigenvalues(ringIn(cylinder, Rules::Siggraph96, middle), {0.55, 0.55, 0.5, 0.3401},
+                      kDecimals);
+    const auto icosahedral = starOfTetrahedra(shapes::icosahedron().complex);
+    expectEigenvalues(ringIn(icosahedral, Rules::Siggraph96, 12), {0.6150, 0.6150, 0.6150},
+                      kDecimals);
+    expectEigenvalues(ringIn(icosahedral, Rules::Cse96, 12), {0.6289, 0.6289, 0.6289}, kDecimals);
+    const auto tetrahedral = starOfTetrahedra(shapes::tetrahedron().complex);
+    expectEigenvalues(ringIn(tetrahedral, Rules::Siggraph96, 4), {0.3476, 0.3476, 0.3476},
+                      kDecimals);
+    expectEigenvalues(ringIn(tetrahedral, Rules::Cse96, 4), {0.3632, 0.3632, 0.3632}, kDecimals);
+}
+
+// Inside a regular lattice, the cubic B-spline takes the values (1, 4, 1)/6 at a knot: 8/27 P, and
+// 4/9, 2/9 and 1/27 for the means of the points across edges, faces and cells.
+TEST(VertexRing, RegularLimitIsThatOfTheSpline) {
+    const auto ring = ringIn(test::grid({2, 2, 2}), Rules::Siggraph96, 13);
+    const Eigen::VectorXd mask = limitMask(ring);
+    for (std::size_t i = 0; i < ring.entities.size(); ++i) {
+        const std::array<double, 4> perEntity = {8.0 / 27, 4.0 / 9 / 6, 2.0 / 9 / 12, 1.0 / 27 / 8};
+        EXPECT_NEAR(mask[static_cast<Eigen::Index>(i)],
+                    perEntity[static_cast<std::size_t>(ring.entities[i].dimension)], 1e-15);
+    }
+}
+
+/// The shortcut for regular vertices, and the left eigenvector.
+TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
+    Index seen = 0;
+    for (const auto& [name, lattice] : test::zoo()) {
+        TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
+        refiner.refineUniform(1);
+        for (int level = 0; level <= 1; ++level) {
+            const far::Level& here = refiner.level(level);
+            for (Index vertex = 0; vertex < here.complex.count(0); vertex += 1 + level * 6) {
+                if (!isRegularVertex(here, vertex)) continue;
+                ++seen;
+                const auto table = buildLimitTable(refiner, level, Rules::Siggraph96, {{vertex}});
+                const auto ring = ringOf(here, refiner.options(), Rules::Siggraph96, vertex);
+                Eigen::VectorXd expected = ring.start.transpose() * limitMask(ring);
+                for (std::size_t k = 0; k < table.columns(0).size(); ++k) {
+                    const auto at = std::lower_bound(ring.vertices.begin(), ring.vertices.end(),
+                                                     table.columns(0)[k]);
+                    expected[at - ring.vertices.begin()] -= table.weights(0)[k];
+                }
+                // Sums of 27 products of size 1/6.
+                EXPECT_LT(expected.cwiseAbs().maxCoeff(), 1e-14) << name << ' ' << vertex;
+            }
+        }
+    }
+    EXPECT_GT(seen, 300);
+}
+
+/// The limits of a level's vertices, as told by that level and by later ones, where vertex v of a
+/// level is the child of vertex v.
+void expectInvariant(const std::string& name, const Lattice& lattice, Rules rules, int levels) {
+    TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+    std::vector<Index> vertices(static_cast<std::size_t>(lattice.complex.count(0)));
+    for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v] = static_cast<Index>(v);
+    const auto expected = times(buildVertexLimits<double>(refiner, 0, rules), lattice.positions);
+    for (int level = 1; level <= levels; ++level) {
+        refiner.refineUniform(level);
+        const auto limits = buildVertexLimits<double>(refiner, level, rules, vertices);
+        EXPECT_LT(test::largestDistance(times(limits, lattice.positions), expected), 1e-12)
+            << name << " level " << level;
+    }
+}
+
+// At irregular vertices, darts, and every stratum of the boundary.
+TEST(VertexLimits, AreTheSameFromEveryLevel) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        expectInvariant(name, lattice, Rules::Siggraph96, 2);
+        expectInvariant(name, lattice, Rules::Cse96, 1);
+    }
+    for (const auto& [name, lattice] : test::featureLattices())
+        expectInvariant(name, lattice, Rules::Siggraph96, 2);
+    for (unsigned seed = 0; seed < 20; ++seed)
+        expectInvariant("random " + std::to_string(seed), test::randomLattice(seed),
+                        Rules::Siggraph96, 1);
+}
+
+TEST(VertexLimits, AreTheSameFromLevelFive) {
+    for (const auto& lattice : {shapes::tetrahedron(), shapes::bipyramid({.sides = 5})})
+        expectInvariant("", lattice, Rules::Siggraph96, 5);
+}
+
+// Each limit of a vertex is where refining takes it.
+TEST(VertexLimits, RefiningGoesToThem) {
+    const auto check = [](const std::string& name, const Lattice& lattice, int levels) {
+        TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+        const auto limits = times(buildVertexLimits<double>(refiner, 0), lattice.positions);
+        refiner.refineUniform(levels);
+        const auto refined =
+            test::asMatrix(refinePositions(refiner, levels, Rules::Siggraph96, lattice.positions));
+        // What is left of the way is that of the ring's second eigenvalue, 0.62 at most here, once
+        // sharpness has run out: below 3 here.
+        EXPECT_LT(test::largestDistance(refined.topRows(limits.rows()), limits),
+                  std::pow(0.62, levels - 2))
+            << name;
+    };
+    check("cylinder", shapes::cylinder({.sectors = 5}), 5);
+    check("star", shapes::star(), 5);
+    for (const auto& [name, lattice] : test::featureLattices()) check(name, lattice, 4);
+}
+
+// A box under boundary control is the spline with the phantom layer 2P₀ − P₁: its corners stay, its
+// edges are curves, its sides surfaces, all with (1, 4, 1)/6; a point of the border of one of them
+// is where it was in the next lower one.
+TEST(VertexLimits, BoxIsTheSpline) {
+    const std::array<Index, 3> n = {3, 2, 4};
+    const auto lattice = shapes::box({.cells = n});
+    const auto table = buildVertexLimits<double>(TopologyRefiner(lattice.complex), 0);
+    for (Index k = 0; k <= n[2]; ++k)
+        for (Index j = 0; j <= n[1]; ++j)
+            for (Index i = 0; i <= n[0]; ++i) {
+                std::vector<double> expected(lattice.positions.size(), 0);
+                const auto axis = [](Index at, Index count) {
+                    return at == 0 || at == count ? std::array{0.0, 1.0, 0.0}
+                                                  : std::array{1.0 / 6, 4.0 / 6, 1.0 / 6};
+                };
+                const auto x = axis(i, n[0]), y = axis(j, n[1]), z = axis(k, n[2]);
+                for (Index c = -1; c <= 1; ++c)
+                    for (Index b = -1; b <= 1; ++b)
+                        for (Index a = -1; a <= 1; ++a) {
+                            const double weight = x[std::size_t(a + 1)] * y[std::size_t(b + 1)] *
+                                                  z[std::size_t(c + 1)];
+                            if (weight != 0)
+                                expected[std::size_t(test::gridVertex(n, i + a, j + b, k + c))] =
+                                    weight;
+                        }
+                const Index row = test::gridVertex(n, i, j, k);
+                for (std::size_t e = 0; e < table.columns(row).size(); ++e)
+                    expected[std::size_t(table.columns(row)[e])] -= table.weights(row)[e];
+                for (const double difference : expected) EXPECT_NEAR(difference, 0, 1e-15);
+            }
+}
+
+TEST(VertexLimits, CurvesAndMeshesHaveThemToo) {
+    const auto mesh = test::gridMesh(2, 2);
+    const auto table = buildVertexLimits<double>(TopologyRefiner(mesh), 0);
+    // (1, 4, 1)/6 ⊗ (1, 4, 1)/6 in the middle.
+    ASSERT_EQ(table.weights(4).size(), 9U);
+    for (std::size_t k = 0; k < 9; ++k)
+        EXPECT_NEAR(table.weights(4)[k], (k == 4 ? 16.0 : k % 2 == 1 ? 4.0 : 1.0) / 36, 1e-15);
+    EXPECT_EQ(table.weights(0).size(), 1U);
+}
+
+TEST(VertexLimits, WithoutBoundaryControlOpenVerticesHaveNone) {
+    const std::array<Index, 3> n = {3, 3, 3};
+    const TopologyRefiner refiner(test::grid(n), {.boundary = far::Boundary::Open});
+    const auto table = buildVertexLimits<double>(refiner, 0);
+    for (Index vertex = 0; vertex < table.rowCount(); ++vertex)
+        EXPECT_EQ(table.weights(vertex).size(),
+                  refiner.level(0).strata.isOpen({0, vertex}) ? 0U : 27U);
+    EXPECT_THROW(ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, 0), Error);
+}
+
+TEST(VertexLimits, RefusesWhatHasNone) {
+    const TopologyRefiner mesh(test::gridMesh(2, 2));
+    EXPECT_THROW(buildVertexLimits<double>(mesh, 0, Rules::Rats), Error);
+    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Rats, 4), Error);
+    EXPECT_THROW(buildVertexLimits<double>(mesh, 0, Rules::Siggraph96, {{9}}), Error);
+    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Siggraph96, 9), Error);
+}
+
+}  // namespace
+}  // namespace espalier::stencils
