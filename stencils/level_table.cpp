@@ -6,7 +6,9 @@
 #include <espalier/stencils/table_builder.h>
 #include <espalier/stencils/vertex_parents.h>
 
+#include <array>
 #include <numeric>
+#include <optional>
 
 namespace espalier::stencils {
 namespace {
@@ -19,7 +21,7 @@ struct Neighbourhood {
     const far::Level& level;
     const Entity& entity;
     int stratum;
-    const far::Fading* faded = nullptr;  ///< of a vertex that is left on a crease
+    std::optional<std::array<Index, 2>> crease = {};  ///< the edges that a vertex is left on
 
     /// Calls visit(other) for the entities of a dimension that are or contain the entity.
     template <class Visit>
@@ -28,8 +30,7 @@ struct Neighbourhood {
              level.complex.relation(entity.dimension, dimension)[entity.index]) {
             const Entity other{dimension, index};
             if (!level.strata.inSubcomplex(entity, stratum, other)) continue;
-            if (faded != nullptr && dimension == 1 && !far::contains(faded->staySharp, index))
-                continue;
+            if (crease && dimension == 1 && !far::contains(*crease, index)) continue;
             visit(other);
         }
     }
@@ -93,7 +94,7 @@ void addCatmullClarkRow(const far::TopologyRefiner& refiner, const far::Level& l
     const auto fading = far::fadingOf(level.complex, level.strata, options.creasing, entity);
     addMask(around, maskOf(around, rules, options.triangles), fading ? fading->weight : 1, row);
     if (!fading) return;
-    const Neighbourhood next{level, entity, fading->next, fading->next == 1 ? &*fading : nullptr};
+    const Neighbourhood next{level, entity, fading->next, fading->staySharp};
     addMask(next, maskOf(next, rules, options.triangles), 1 - fading->weight, row);
 }
 
