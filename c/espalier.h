@@ -70,9 +70,9 @@ enum {
     ESPALIER_ERROR_INTERNAL = 5  ///< not foreseen: please report it
 };
 
-/// Why the last call of this thread that failed did so: one line, in UTF-8, that names the offender,
-/// or says that there was no memory to do so; "" if none has failed. Stays as it is until another
-/// call of this thread fails.
+/// Why the last call of this thread that failed did so: one line, in UTF-8, that names the
+/// offender, or says that there was no memory to do so; "" if none has failed. Stays as it is until
+/// another call of this thread fails.
 ESPALIER_C_API const char* espalier_last_error(void);
 
 // ---- In a host ------------------------------------------------------------------------------
@@ -247,8 +247,9 @@ ESPALIER_C_API espalier_status espalier_lattice_topology_hash(const espalier_lat
 
 // ---- Refinement -----------------------------------------------------------------------------
 
-/// Catmull-Clark's, in two editions of the rule for edges in the volume (stencils/masks.h).
-enum { ESPALIER_RULES_SIGGRAPH96 = 0, ESPALIER_RULES_CSE96 = 1 };
+/// Catmull-Clark's, in two editions of the rule for edges in the volume (stencils/masks.h); and
+/// multilinear cell averaging, for which there are no smooth triangles (stencils/mlca.h).
+enum { ESPALIER_RULES_SIGGRAPH96 = 0, ESPALIER_RULES_CSE96 = 1, ESPALIER_RULES_MLCA = 2 };
 
 /// What happens at the boundary (far/strata.h).
 enum {

@@ -12,6 +12,7 @@ using namespace espalier;
 
 // What arguments.h makes of numbers from C is what they mean.
 static_assert(static_cast<int>(stencils::Rules::Cse96) == ESPALIER_RULES_CSE96);
+static_assert(static_cast<int>(stencils::Rules::Mlca) == ESPALIER_RULES_MLCA);
 static_assert(static_cast<int>(far::Boundary::EdgeOnly) == ESPALIER_BOUNDARY_EDGE_ONLY);
 static_assert(static_cast<int>(far::Boundary::Open) == ESPALIER_BOUNDARY_OPEN);
 static_assert(static_cast<int>(far::SharpEdges::Literal) == ESPALIER_SHARP_EDGES_LITERAL);
@@ -63,7 +64,7 @@ espalier_status espalier_refiner_create(const espalier_lattice* lattice,
         const Lattice& base = c::deref(lattice, "lattice").lattice;
         const auto chosen = c::optionsOr(options, espalier_default_refine_options(),
                                          "espalier_default_refine_options");
-        const auto rules = c::choice(chosen.rules, stencils::Rules::Cse96, "rules");
+        const auto rules = c::choice(chosen.rules, stencils::Rules::Mlca, "rules");
         out = new espalier_refiner(
             far::TopologyRefiner(base.complex, c::refinerOptions(chosen, base)), rules);
     });

@@ -136,7 +136,7 @@ void addCompareCommand(CLI::App& program) {
     addLevelOption(command, options->level, 1);
     command.add_option("--html", options->html,
                        "Write a report: all shapes and levels, and pictures of the error");
-    addRefinementOptions(command, options->common);
+    addRefinementOptions(command, options->common, RulesFor::OpenSubdiv);
     addRunOptions(command, options->common);
     command.callback([options] { run(*options); });
 }

@@ -83,15 +83,15 @@ void printLevel(std::size_t number, const LevelReport& level) {
     fmt::print("  least scaled Jacobian     {:.3f}\n", level.smallestScaledJacobian);
 }
 
-void printText(const LatticeReport& report, const std::string& name) {
-    fmt::print("{}\n", name);
+void printText(const LatticeReport& report, const Options& options) {
+    fmt::print("{}\n", options.lattice);
     fmt::print("bounds      ({:.4g}) to ({:.4g})\n", fmt::join(report.boundsMin, ", "),
                fmt::join(report.boundsMax, ", "));
     fmt::print("marks       {}\n", report.marks);
     fmt::print("attributes  {}\n", report.attributes.empty()
                                        ? "none"
                                        : fmt::format("{}", fmt::join(report.attributes, ", ")));
-    if (report.edgesOfTwoFaces > 0)
+    if (report.edgesOfTwoFaces > 0 && options.common.rules == stencils::Rules::Siggraph96)
         fmt::print(
             "note        {} interior edges have two faces: their midpoint has a negative "
             "weight, and the region may leave the convex hull there\n",
@@ -112,7 +112,7 @@ void run(const Options& options) {
     if (options.json)
         fmt::print("{}\n", toJson(report, options.lattice).dump(2));
     else if (!options.common.quiet)
-        printText(report, options.lattice);
+        printText(report, options);
 }
 
 }  // namespace

@@ -37,9 +37,9 @@ struct LatticeReport {
     std::vector<std::string> attributes;
     std::vector<LevelReport> levels;
 
-    /// Interior edges of two faces: their midpoint has a negative weight, and the refined lattice
-    /// may leave the convex hull of the lattice near them (MacCracken & Joy 1996, section 2.2, n =
-    /// 2).
+    /// Interior edges of two faces: by the rules `siggraph96` their midpoint has a negative weight,
+    /// and the refined lattice may leave the convex hull of the lattice near them (MacCracken & Joy
+    /// 1996, section 2.2, n = 2).
     Index edgesOfTwoFaces;
 };
 

@@ -17,12 +17,12 @@ CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const st
                           : "The lattice: .ovm, .vtu or .vtk")
         ->required();
     addLevelOption(command, options.level, 0);
-    addRefinementOptions(command, options.common, isAny);
+    addRefinementOptions(command, options.common, isAny ? RulesFor::Anything : RulesFor::Lattices);
     addRunOptions(command, options.common);
     return command;
 }
 
-void addRefinementOptions(CLI::App& command, CommonOptions& options, bool hasRats) {
+void addRefinementOptions(CLI::App& command, CommonOptions& options, RulesFor rulesFor) {
     const std::string unlessTagged = ", unless the file says otherwise";
     addChoice<far::Boundary>(
         command, "--boundary", options.refinement.boundary,
@@ -47,11 +47,16 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options, bool hasRat
         "Sharp are boundary edges in one cell, or those between vertices of at most two cells");
     std::map<std::string, stencils::Rules> rules = {{"siggraph96", stencils::Rules::Siggraph96},
                                                     {"cse96", stencils::Rules::Cse96}};
-    if (hasRats) rules["rats"] = stencils::Rules::Rats;
-    addChoice<stencils::Rules>(
-        command, "--rules", options.rules, rules,
-        std::string("Catmull-Clark, in two editions for the edges inside a lattice") +
-            (hasRats ? "; or RATS splines, for curves and meshes" : ""));
+    std::string help = "Catmull-Clark, in two editions for the edges inside a lattice";
+    if (rulesFor != RulesFor::OpenSubdiv) {
+        rules["mlca"] = stencils::Rules::Mlca;
+        help += "; multilinear cell averaging";
+    }
+    if (rulesFor == RulesFor::Anything) {
+        rules["rats"] = stencils::Rules::Rats;
+        help += "; or RATS splines, for curves and meshes";
+    }
+    addChoice<stencils::Rules>(command, "--rules", options.rules, rules, help);
 }
 
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {

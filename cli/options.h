@@ -38,9 +38,16 @@ enum class FileKind {
 CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,
                             FileKind kind, LatticeOptions& options);
 
+/// The rules that a command offers.
+enum class RulesFor {
+    OpenSubdiv,  ///< Catmull-Clark's alone
+    Lattices,    ///< `mlca` too
+    Anything     ///< and `rats`, which are none for lattices
+};
+
 /// Adds --boundary, --creasing, --triangles, --sharp-edges and --rules to a command.
-/// \param hasRats whether `rats` is one of the rules: it is none for lattices, nor for OpenSubdiv
-void addRefinementOptions(CLI::App& command, CommonOptions& options, bool hasRats = false);
+void addRefinementOptions(CLI::App& command, CommonOptions& options,
+                          RulesFor rulesFor = RulesFor::Lattices);
 
 /// Adds --outside and --tolerance to a command.
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options);

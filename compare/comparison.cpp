@@ -270,8 +270,9 @@ std::string Comparison::noteOn(const Agreement& agreement) const {
 }
 
 Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> positions) const {
-    if (rules == stencils::Rules::Rats)
-        throw Error("OpenSubdiv has no rules of RATS to compare with");
+    if (rules == stencils::Rules::Rats || rules == stencils::Rules::Mlca)
+        throw Error(std::string("OpenSubdiv has no rules of ") +
+                    (rules == stencils::Rules::Rats ? "RATS" : "MLCA") + " to compare with");
     if (vertices(data_->maxLevel()).empty())
         throw Error(
             "OpenSubdiv leaves out every face, since each has a vertex on the boundary: there is "

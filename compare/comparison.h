@@ -51,7 +51,8 @@ public:
 
     /// Compares all levels from 1 on, with our own tables.
     /// \param positions of the base vertices, for the picture
-    /// \throws Error if under Boundary::Open no face is left to compare
+    /// \throws Error if under Boundary::Open no face is left to compare, and for Rules::Mlca and
+    ///         Rules::Rats, which OpenSubdiv does not have
     Agreement compareAll(stencils::Rules rules, std::span<const Point3> positions) const;
 
     /// How many non-manifold vertices this release of OpenSubdiv misjudges: releases before 3.6.1

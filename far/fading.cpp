@@ -57,6 +57,7 @@ std::optional<Fading> fadingOfVertex(const CellComplex& complex, const Strata& s
     Fading fading;
     float sum = 0;
     int fadeCount = 0, sharpCount = 0;
+    std::array<Index, 2> staySharp = {};
     const auto fade = [&](float sharpness) {
         sum += sharpness;
         ++fadeCount;
@@ -66,12 +67,13 @@ std::optional<Fading> fadingOfVertex(const CellComplex& complex, const Strata& s
         if (subdivideEdgeSharpness(creasing, around[i], around) == kSmooth)
             fade(around[i]);
         else if (sharpCount++ < 2)
-            fading.staySharp[static_cast<std::size_t>(sharpCount) - 1] = edges[i];
+            staySharp[static_cast<std::size_t>(sharpCount) - 1] = edges[i];
     }
     fading.next = ownChild > kSmooth || sharpCount > 2 ? 0
                   : sharpCount == 2                    ? 1
                                                        : strata.smoothStratum(vertex);
     if (fading.next == stratum) return std::nullopt;
+    if (fading.next == 1 && sharpCount == 2) fading.staySharp = staySharp;
     fading.weight = std::min(sum / static_cast<float>(fadeCount), 1.0F);
     return fading;
 }

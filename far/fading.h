@@ -23,7 +23,9 @@ ESPALIER_API float childSharpness(const CellComplex& complex, const Strata& stra
 struct Fading {
     int next = 0;
     double weight = 1;
-    std::array<Index, 2> staySharp = {};  ///< the edges of the crease, where `next` is 1
+    /// The edges of the crease that a vertex is left on, if it is left on one. All of a curve has
+    /// stratum 1, where there is none.
+    std::optional<std::array<Index, 2>> staySharp = {};
 };
 
 /// How an entity fades in the next split, if it does.

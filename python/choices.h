@@ -20,6 +20,7 @@ inline const Words<far::TriangleSubdivision> kTriangles = {
     {"catmark", far::TriangleSubdivision::Catmark}, {"smooth", far::TriangleSubdivision::Smooth}};
 inline const Words<stencils::Rules> kRules = {{"siggraph96", stencils::Rules::Siggraph96},
                                               {"cse96", stencils::Rules::Cse96},
+                                              {"mlca", stencils::Rules::Mlca},
                                               {"rats", stencils::Rules::Rats}};
 
 }  // namespace espalier::python

@@ -124,7 +124,7 @@ What takes a lattice to refine takes a Refiner too: give one where the rules are
 Levels are made when they are first asked for, and kept.
 
 lattice     : Lattice
-rules       : "siggraph96", "cse96"; "rats" for meshes and curves
+rules       : "siggraph96", "cse96", "mlca"; "rats" for meshes and curves
 boundary    : "sharp", "edge-only" or "open"; as the lattice's tags say, or "sharp"
 sharp_edges : "single-cell" or "literal": which boundary edges of a lattice are sharp
 creasing    : "uniform" or "chaikin"; as the tags say, or "uniform"

@@ -37,6 +37,10 @@ struct CellBound {
 /// (the convex-hull property). Except where a mask has negative weights, or may get one: there, no
 /// bound is known.
 ///
+/// All that is true of MLCA: where all is regular its rules are the same, and its weights are
+/// positive. Where Catmull-Clark's are not it could do with a bound, and has none: such places are
+/// rare, and only time is lost.
+///
 /// \cite MacCracken & Joy 1996, section 2.2; CSE-96-1, section 4 (the rules as products of curves')
 class CellBounds {
 public:

@@ -15,9 +15,9 @@ namespace espalier::stencils {
 
 /// Checks that `rules` can refine what `refiner` holds. Everything below does so too.
 ///
-/// \throws Error under Rules::Rats for a lattice, under Boundary::Open and under
-///         TriangleSubdivision::Smooth; far::TopologyError (BadMark) for an edge or a vertex that
-///         is semi-sharp
+/// \throws Error under Rules::Mlca and Rules::Rats for TriangleSubdivision::Smooth; under
+///         Rules::Rats for a lattice, for Boundary::Open, and, as far::TopologyError (BadMark), for
+///         an edge or a vertex that is semi-sharp
 ESPALIER_API void checkRules(const far::TopologyRefiner& refiner, Rules rules);
 
 /// Checks that a level has the given vertices.
@@ -32,7 +32,8 @@ ESPALIER_API void checkVertices(const far::TopologyRefiner& refiner, int level,
 /// \param level 1 to refiner.maxLevel()
 /// \throws Error as checkRules()
 /// \cost O(entries), in parallel; does not depend on positions
-/// \cite MacCracken & Joy 1996, sections 2.2 and 3; Savva & Clapworthy, section 2.2 (Rules::Rats)
+/// \cite MacCracken & Joy 1996, sections 2.2 and 3; Savva & Clapworthy, section 2.2 (Rules::Rats);
+///       Bajaj, Schaefer, Warren & Xu 2002 (Rules::Mlca)
 ESPALIER_API StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
                                                   Rules rules = Rules::Siggraph96);
 

@@ -2,11 +2,15 @@
 #include <espalier/far/error.h>
 #include <espalier/far/fading.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/mlca.h>
 #include <espalier/stencils/rats.h>
 #include <espalier/stencils/table_builder.h>
 #include <espalier/stencils/vertex_parents.h>
 
+#include <algorithm>
+#include <array>
 #include <numeric>
+#include <optional>
 
 namespace espalier::stencils {
 namespace {
@@ -19,7 +23,7 @@ struct Neighbourhood {
     const far::Level& level;
     const Entity& entity;
     int stratum;
-    const far::Fading* faded = nullptr;  ///< of a vertex that is left on a crease
+    std::optional<std::array<Index, 2>> crease = {};  ///< the edges that a vertex is left on
 
     /// Calls visit(other) for the entities of a dimension that are or contain the entity.
     template <class Visit>
@@ -28,8 +32,7 @@ struct Neighbourhood {
              level.complex.relation(entity.dimension, dimension)[entity.index]) {
             const Entity other{dimension, index};
             if (!level.strata.inSubcomplex(entity, stratum, other)) continue;
-            if (faded != nullptr && dimension == 1 && !far::contains(faded->staySharp, index))
-                continue;
+            if (crease && dimension == 1 && !far::contains(*crease, index)) continue;
             visit(other);
         }
     }
@@ -58,6 +61,15 @@ Mask maskOf(const Neighbourhood& around, Rules rules, far::TriangleSubdivision t
                           needsValence ? around.count(entity.dimension + 1) : 0);
 }
 
+/// Adds `weight` / `count` times the centroid of an entity.
+/// \param verticesOf of all entities of its dimension
+void addCentroid(const far::Incidence& verticesOf, const Entity& entity, double weight,
+                 double count, RowAccumulator& row) {
+    const auto vertices = verticesOf[entity.index];
+    const double share = weight / (count * static_cast<double>(vertices.size()));
+    for (const Index vertex : vertices) row.add(vertex, share);
+}
+
 /// Adds `scale` times a mask: of each average in it, the centroids; of each centroid, the vertices.
 /// The entity itself comes last: its own share is large, and the many small ones of a pole add up
 /// best among themselves (with 360 edges at a vertex, 2e-17 off instead of 2e-14).
@@ -68,9 +80,7 @@ void addMask(const Neighbourhood& around, const Mask& mask, double scale, RowAcc
         const Index count = around.count(dimension);
         const far::Incidence& verticesOf = around.level.complex.relation(dimension, 0);
         around.forEach(dimension, [&](const Entity& other) {
-            const auto vertices = verticesOf[other.index];
-            const double share = weight / (count * static_cast<double>(vertices.size()));
-            for (const Index vertex : vertices) row.add(vertex, share);
+            addCentroid(verticesOf, other, weight, count, row);
         });
     }
 }
@@ -85,21 +95,49 @@ void addRatsRow(const far::Level& level, const Entity& entity, RowAccumulator& r
     }
 }
 
-/// Adds the row of a new point of Catmull-Clark.
-void addCatmullClarkRow(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
-                        const Entity& entity, RowAccumulator& row) {
+/// Adds `scale` times the rule of MLCA: of each sub-cell at the point of the entity, the centroid.
+void addSubCells(const Neighbourhood& around, double scale, RowAccumulator& row) {
+    const far::CellComplex& complex = around.level.complex;
+    const Entity& entity = around.entity;
+    const auto own = complex.relation(entity.dimension, 0)[entity.index];
+    const double share = scale / (around.count(around.stratum) * static_cast<double>(own.size()));
+    std::optional<Index> last;
+    around.forEach(around.stratum, [&](const Entity& whole) {
+        // A face that passes the entity more than once is named as often, and in a row.
+        if (std::exchange(last, whole.index) == whole.index) return;
+        const auto corners = complex.relation(whole.dimension, 0)[whole.index];
+        for (std::size_t corner = 0; corner < corners.size(); ++corner) {
+            if (!far::contains(own, corners[corner])) continue;
+            const std::vector<Entity> parts = mlcaSubCell(complex, whole, corner);
+            const auto times = std::count(parts.begin(), parts.end(), entity);
+            for (const Entity& part : parts)
+                addCentroid(complex.relation(part.dimension, 0), part,
+                            share * static_cast<double>(times), static_cast<double>(parts.size()),
+                            row);
+        }
+    });
+}
+
+/// Adds the row of a new point of Catmull-Clark or MLCA: the rule of its stratum, and where that
+/// fades the rule of the next.
+void addBlendedRow(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+                   const Entity& entity, RowAccumulator& row) {
     const far::RefinerOptions& options = refiner.options();
-    const Neighbourhood around{level, entity, level.strata.of(entity)};
+    const auto addRule = [&](const Neighbourhood& around, double scale) {
+        if (rules == Rules::Mlca)
+            addSubCells(around, scale, row);
+        else
+            addMask(around, maskOf(around, rules, options.triangles), scale, row);
+    };
     const auto fading = far::fadingOf(level.complex, level.strata, options.creasing, entity);
-    addMask(around, maskOf(around, rules, options.triangles), fading ? fading->weight : 1, row);
-    if (!fading) return;
-    const Neighbourhood next{level, entity, fading->next, fading->next == 1 ? &*fading : nullptr};
-    addMask(next, maskOf(next, rules, options.triangles), 1 - fading->weight, row);
+    addRule({level, entity, level.strata.of(entity)}, fading ? fading->weight : 1);
+    if (fading) addRule({level, entity, fading->next, fading->staySharp}, 1 - fading->weight);
 }
 
 }  // namespace
 
 void checkRules(const far::TopologyRefiner& refiner, Rules rules) {
+    if (rules == Rules::Mlca) checkMlca(refiner);
     if (rules == Rules::Rats) checkRats(refiner);
 }
 
@@ -116,8 +154,7 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
                                   if (rules == Rules::Rats)
                                       addRatsRow(parent, entity, accumulator);
                                   else
-                                      addCatmullClarkRow(refiner, parent, rules, entity,
-                                                         accumulator);
+                                      addBlendedRow(refiner, parent, rules, entity, accumulator);
                               });
 }
 

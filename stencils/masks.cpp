@@ -26,6 +26,7 @@ Mask volumeMask(Rules rules, int dimension, double n) {
 }  // namespace
 
 Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence) {
+    assert(rules != Rules::Mlca);
     assert(0 <= dimension && dimension <= stratum && stratum <= far::kMaxDimension);
     if (rules == Rules::Rats) {
         Mask average{};

@@ -9,10 +9,12 @@
 namespace espalier::stencils {
 
 /// The rules of refinement. The first two are Catmull-Clark's, and differ in the edge rule of
-/// volumes only, and there only where other than four faces meet in an interior edge.
+/// volumes only, and there only where other than four faces meet in an interior edge. On grids the
+/// third is the same again.
 enum class Rules {
     Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
     Cse96,       ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
+    Mlca,        ///< split, then average: see mlca.h    Bajaj, Schaefer, Warren & Xu 2002
     Rats         ///< of curves and meshes: see rats.h   Savva & Clapworthy, section 2.2
 };
 
@@ -40,6 +42,9 @@ using Mask = std::array<double, far::kMaxDimension + 1>;
 ///
 /// Of RATS: the average of dimension `stratum`, of which its new points are made (rats.h).
 ///
+/// MLCA has no masks: its averages have weights (mlca.h).
+///
+/// \param rules not Rules::Mlca
 /// \param dimension 0 to 3, at most `stratum`
 /// \param stratum 0 to 3
 /// \param valence n: of an edge on stratum 3 the number of its faces, of a vertex on stratum 2 the

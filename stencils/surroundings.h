@@ -20,7 +20,9 @@ namespace espalier::stencils {
 /// points inside an entity depend on nothing further out. So with neither semi-sharp features nor
 /// open boundaries (whose fate is decided further out), and by Catmull-Clark's rules, the rows of
 /// stencils inside two entities of one shape have the same weights, to the last bit, over columns
-/// that renumber as the shapes do.
+/// that renumber as the shapes do. By those of MLCA too on curves and meshes, whose loops say it
+/// all; the point of a cell, however, depends on its edges and faces on the far side, of which the
+/// shape of what is around an entity of a lattice says nothing.
 class Surroundings {
 public:
     explicit Surroundings(const far::Level& level);

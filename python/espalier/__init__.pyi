@@ -47,7 +47,7 @@ _Indices = NDArray[np.int32]
 _Real = NDArray[np.float32] | NDArray[np.float64]
 _Sparse = Any  # a sparse matrix of SciPy, which has no types of its own
 _TableLike = StencilTable | Binding | _Sparse
-_Rules = Literal["siggraph96", "cse96", "rats"]
+_Rules = Literal["siggraph96", "cse96", "mlca", "rats"]
 _Boundary = Literal["sharp", "edge-only", "open"]
 _Outside = Literal["keep", "nearest", "error"]
 

@@ -11,7 +11,9 @@ static_assert(ESPALIER_OK == 0 && ESPALIER_ERROR_INPUT == 1 && ESPALIER_ERROR_FI
                   ESPALIER_ERROR_MEMORY == 3 && ESPALIER_CANCELLED == 4 &&
                   ESPALIER_ERROR_INTERNAL == 5 && sizeof(espalier_status) == 4,
               "status");
-static_assert(ESPALIER_RULES_SIGGRAPH96 == 0 && ESPALIER_RULES_CSE96 == 1, "rules");
+static_assert(ESPALIER_RULES_SIGGRAPH96 == 0 && ESPALIER_RULES_CSE96 == 1 &&
+                  ESPALIER_RULES_MLCA == 2,
+              "rules");
 static_assert(ESPALIER_BOUNDARY_SHARP == 0 && ESPALIER_BOUNDARY_EDGE_ONLY == 1 &&
                   ESPALIER_BOUNDARY_OPEN == 2,
               "boundary");

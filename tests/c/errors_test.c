@@ -280,7 +280,7 @@ static void test_bad_options(void) {
     refine.size = 0;
     REFUSED_INPUT(espalier_refiner_create(lattice, &refine, &r),
                   "espalier_default_refine_options()");
-    static const int32_t beyond[5] = {2, 3, 2, 2, 2};
+    static const int32_t beyond[5] = {3, 3, 2, 2, 2};
     static const char* const names[5] = {"rules", "boundary", "sharp_edges", "creasing",
                                          "triangles"};
     for (int i = 0; i < 5; ++i) {

@@ -78,6 +78,9 @@ class Info(CliTest):
         self.write_polyhedra(points, cells, "folded.vtk")
         self.assertEqual(self.info("folded.vtk", "-n", 1)["interior_edges_of_two_faces"], 1)
         self.assertIn("negative weight", self.run_program("info", "folded.vtk").stdout)
+        for rules in ["cse96", "mlca"]:
+            text = self.run_program("info", "folded.vtk", "--rules", rules).stdout
+            self.assertNotIn("negative weight", text)
         self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "b.ovm")
         self.assertEqual(self.info("b.ovm", "-n", 0)["interior_edges_of_two_faces"], 0)
 
@@ -449,13 +452,16 @@ class Deform(CliTest):
         self.assertEqual((self.path / "out.ply").read_bytes(), (self.path / "m.ply").read_bytes())
 
     def test_rules_reach_the_weights(self):
-        # Five wedges meet in the axis of a pentagonal cylinder: there the editions differ.
+        # Five wedges meet in the axis of a pentagonal cylinder: there they all differ.
         self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 2, "-o", "c.ovm")
         outputs = set()
-        for rules in ["siggraph96", "cse96"]:
+        for rules in ["siggraph96", "cse96", "mlca"]:
             self.run_program("stencils", "c.ovm", "-n", 1, "--rules", rules, "-o", "s.mtx")
             outputs.add((self.path / "s.mtx").read_text())
-        self.assertEqual(len(outputs), 2)
+        self.assertEqual(len(outputs), 3)
+        error = self.error_of("refine", "c.ovm", "-n", 1, "--rules", "mlca", "--triangles", "smooth",
+                              "-o", "out.ovm")
+        self.assertIn("c.ovm: the rules of MLCA have no smooth triangles", error)
 
     def test_usage_errors(self):
         for arguments in [[], ["unknown"], ["deform"], ["info", "rest.vtu", "-n", "many"],

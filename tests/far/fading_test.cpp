@@ -118,7 +118,7 @@ TEST(Fading, OfAVertexIsTheMeanOfWhatFades) {
     ASSERT_TRUE(corner);
     EXPECT_EQ(corner->next, 1);
     EXPECT_EQ(corner->weight, 0.375);
-    auto staySharp = corner->staySharp;
+    auto staySharp = corner->staySharp.value();
     std::sort(staySharp.begin(), staySharp.end());
     std::array<Index, 2> expected = {cross.edge(13), cross.edge(17)};
     std::sort(expected.begin(), expected.end());

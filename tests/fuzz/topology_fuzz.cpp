@@ -104,7 +104,7 @@ void requireWeights(const far::TopologyRefiner& refiner, stencils::Rules rules) 
 void run(Input input) {
     const int dimension = 1 + input.choice(3);
     const bool isBuilt = input.flag();
-    const auto rules = static_cast<stencils::Rules>(input.choice(3));
+    const auto rules = static_cast<stencils::Rules>(input.choice(4));
     const far::RefinerOptions options = takeOptions(input);
     const auto complex = resultOf(
         [&] { return isBuilt ? buildFrom(input, dimension) : assembleFrom(input, dimension); });

@@ -32,6 +32,8 @@ def test_the_rules_of_a_refiner_are_compared():
     assert espalier.compare(espalier.Refiner(mesh, triangles="smooth"), level=2).agrees
     with pytest.raises(ValueError, match="RATS"):
         espalier.compare(espalier.Refiner(mesh, rules="rats"), level=2)
+    with pytest.raises(ValueError, match="MLCA"):
+        espalier.compare(espalier.Refiner(mesh, rules="mlca"), level=2)
 
 
 @needs_open_subdiv

@@ -80,7 +80,7 @@ def test_words_that_are_none(rest, points):
     with pytest.raises(ValueError) as error:
         espalier.bind(rest, points, outside="drop")
     assert str(error.value) == 'outside: expected keep, nearest or error, got "drop"'
-    with pytest.raises(ValueError, match='^rules: expected siggraph96, cse96 or rats, got "x"$'):
+    with pytest.raises(ValueError, match='^rules: expected siggraph96, cse96, mlca or rats, got "x"$'):
         espalier.Refiner(rest, rules="x")
     with pytest.raises(ValueError, match="^dtype: expected float32 or float64, got int64$"):
         espalier.CompiledTable(espalier.Refiner(rest).stencils(1), dtype=int)

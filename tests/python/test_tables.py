@@ -202,6 +202,12 @@ def test_rules_and_boundaries(rest):
     star = espalier.shapes.star(layers=2)
     assert abs(espalier.Refiner(star).stencils(2).csr()
                - espalier.Refiner(star, rules="cse96").stencils(2).csr()).max() > 1e-3
+    mlca = espalier.Refiner(star, rules="mlca")
+    assert mlca.rules == "mlca"
+    assert abs(mlca.stencils(2).csr()
+               - espalier.Refiner(star, rules="cse96").stencils(2).csr()).max() > 1e-3
+    with pytest.raises(ValueError, match="MLCA have no smooth triangles"):
+        espalier.Refiner(rest, rules="mlca", triangles="smooth")
     opened = espalier.Refiner(espalier.shapes.box(cells=(3, 3, 3)), boundary="open")
     assert np.ptp(opened.positions(3), axis=0).max() < 0.5  # the region shrinks to a third
     with pytest.raises(ValueError, match="RATS"):

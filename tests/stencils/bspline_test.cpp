@@ -12,6 +12,9 @@ namespace {
 using far::Boundary;
 using far::TopologyRefiner;
 
+/// On grids all are the same.
+constexpr Rules kRules[] = {Rules::Siggraph96, Rules::Cse96, Rules::Mlca};
+
 using Row = std::map<Index, double>;
 using GridPoint = std::array<Index, 3>;
 
@@ -60,7 +63,8 @@ GridPoint halfPoint(const TopologyRefiner& refiner, const RefinedGrid& parent, i
 }
 
 /// Compares R_1 … R_level of a box with the tensor products of the univariate rows.
-void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int levels) {
+void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int levels,
+                         Rules rules) {
     TopologyRefiner refiner(test::grid(n), {.boundary = boundary});
     refiner.refineUniform(levels);
     // Without boundary control the outermost points of the refined grid, h = 0 and 2n, are not
@@ -68,7 +72,7 @@ void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int l
     const Index margin = boundary == Boundary::Open ? 1 : 0;
     RefinedGrid grid = baseGrid(n);
     for (int level = 1; level <= levels; ++level) {
-        const auto table = buildLevelTable(refiner, level);
+        const auto table = buildLevelTable(refiner, level, rules);
         std::map<GridPoint, Index> parentVertex;
         for (std::size_t v = 0; v < grid.points.size(); ++v)
             parentVertex[grid.points[v]] = static_cast<Index>(v);
@@ -97,18 +101,22 @@ void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int l
 
 // CSE-96-1 section 5: without boundary control, an i×j×k lattice is the tricubic uniform B-spline.
 TEST(BSpline, OpenGridIsTheTricubicSpline) {
-    expectTensorProduct({3, 3, 3}, Boundary::Open, 2);
-    expectTensorProduct({3, 4, 5}, Boundary::Open, 2);
-    expectTensorProduct({2, 3, 4}, Boundary::Open, 1);
+    for (const Rules rules : kRules) {
+        expectTensorProduct({3, 3, 3}, Boundary::Open, 2, rules);
+        expectTensorProduct({3, 4, 5}, Boundary::Open, 2, rules);
+        expectTensorProduct({2, 3, 4}, Boundary::Open, 1, rules);
+    }
 }
 
 // DESIGN section 3: under `single-cell`, a box lattice of any size is the tricubic B-spline with a
 // phantom layer 2P₀ − P₁ around it: (P₋ + 6P₀ + P₁)/8 = P₀ with P₋ = 2P₀ − P₁, which is the end
 // row.
 TEST(BSpline, SharpBoxIsTheSplineWithAPhantomLayer) {
-    expectTensorProduct({1, 1, 1}, Boundary::Sharp, 3);
-    expectTensorProduct({4, 1, 2}, Boundary::Sharp, 2);
-    expectTensorProduct({3, 3, 3}, Boundary::Sharp, 2);
+    for (const Rules rules : kRules) {
+        expectTensorProduct({1, 1, 1}, Boundary::Sharp, 3, rules);
+        expectTensorProduct({4, 1, 2}, Boundary::Sharp, 2, rules);
+        expectTensorProduct({3, 3, 3}, Boundary::Sharp, 2, rules);
+    }
 }
 
 /// B-spline coefficient, for knots of spacing h, of a cubic a + bx + cx² + dx³ at the point x: its
@@ -148,10 +156,12 @@ TEST(BSpline, CubicPolynomialsStayExact) {
         grid = next;
         spacing /= 2;
         for (double& x : origin) x += spacing;
-        const auto refined = refineValues(refiner, level, Rules::Siggraph96, values, 1);
-        for (std::size_t v = 0; v < grid.points.size(); ++v)
-            // Values reach some 2000 at the far corner: 64 products of that size.
-            ASSERT_NEAR(refined[v], valueAt(grid.points[v]), 2e-11) << "level " << level;
+        for (const Rules rules : kRules) {
+            const auto refined = refineValues(refiner, level, rules, values, 1);
+            for (std::size_t v = 0; v < grid.points.size(); ++v)
+                // Values reach some 2000 at the far corner: 64 products of that size.
+                ASSERT_NEAR(refined[v], valueAt(grid.points[v]), 2e-11) << "level " << level;
+        }
     }
 }
 

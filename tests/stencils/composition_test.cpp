@@ -26,7 +26,8 @@ using test::NamedLattice;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr Rules kAllRules[] = {Rules::Siggraph96, Rules::Cse96};
+/// Those that know lattices.
+constexpr Rules kAllRules[] = {Rules::Siggraph96, Rules::Cse96, Rules::Mlca};
 
 /// Calls check(name, refiner) for each lattice of the zoo, refined `level` times; with open
 /// boundaries too, where enough is left.
@@ -73,12 +74,14 @@ TEST(Stencils, AreAffinelyInvariant) {
         2, [&](const std::string& name, const TopologyRefiner& refiner, const Lattice& lattice) {
             std::vector<Point3> images;
             for (const Point3& p : lattice.positions) images.push_back(map(p));
-            const auto refined = refinePositions(refiner, 2, Rules::Siggraph96, lattice.positions);
-            const auto refinedImages = refinePositions(refiner, 2, Rules::Siggraph96, images);
-            for (std::size_t i = 0; i < refined.size(); ++i)
-                for (std::size_t c = 0; c < 3; ++c)
-                    // Sums of some 60 products of size up to 50: 60 × 50 × 1e-16.
-                    ASSERT_NEAR(refinedImages[i][c], map(refined[i])[c], 3e-13) << name;
+            for (const Rules rules : kAllRules) {
+                const auto refined = refinePositions(refiner, 2, rules, lattice.positions);
+                const auto refinedImages = refinePositions(refiner, 2, rules, images);
+                for (std::size_t i = 0; i < refined.size(); ++i)
+                    for (std::size_t c = 0; c < 3; ++c)
+                        // Sums of some 60 products of size up to 50: 60 × 50 × 1e-16.
+                        ASSERT_NEAR(refinedImages[i][c], map(refined[i])[c], 3e-13) << name;
+            }
         });
 }
 
@@ -140,10 +143,16 @@ TEST(Stencils, AreTheProductsOfTheLevelTablesToTheLastBit) {
         TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
         const int finest = lattice.complex.count(0) < 20 ? 3 : 2;
         refiner.refineUniform(finest);
-        StencilTable<double> product = buildStencils(refiner, 0);
-        for (int level = 1; level <= finest; ++level) {
-            product = multiply<double>(buildLevelTable(refiner, level), product);
-            ASSERT_EQ(buildStencils(refiner, level), product) << name << " level " << level;
+        for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
+            if (rules == Rules::Mlca &&
+                refiner.options().triangles == far::TriangleSubdivision::Smooth)
+                continue;
+            StencilTable<double> product = buildStencils(refiner, 0);
+            for (int level = 1; level <= finest; ++level) {
+                product = multiply<double>(buildLevelTable(refiner, level, rules), product);
+                ASSERT_EQ(buildStencils(refiner, level, rules), product)
+                    << name << " level " << level;
+            }
         }
     }
 }
@@ -151,15 +160,18 @@ TEST(Stencils, AreTheProductsOfTheLevelTablesToTheLastBit) {
 // The same sums in the same order: equal to the last bit.
 TEST(Stencils, DemandedRowsAreTheRowsOfTheWholeTable) {
     forEachRefined(3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
-        const auto whole = buildStencils(refiner, 3);
-        auto rows = test::shuffledIndices(whole.rowCount(), 3);
-        rows.resize(std::min<std::size_t>(rows.size(), 20));
-        rows.push_back(rows.front());
-        const auto some = buildStencils(refiner, 3, Rules::Siggraph96, rows);
-        ASSERT_EQ(some.rowCount(), static_cast<Index>(rows.size()));
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            ASSERT_TRUE(std::ranges::equal(some.columns(Index(i)), whole.columns(rows[i]))) << name;
-            ASSERT_TRUE(std::ranges::equal(some.weights(Index(i)), whole.weights(rows[i]))) << name;
+        for (const Rules rules : kAllRules) {
+            const auto whole = buildStencils(refiner, 3, rules);
+            auto rows = test::shuffledIndices(whole.rowCount(), 3);
+            rows.resize(std::min<std::size_t>(rows.size(), 20));
+            rows.push_back(rows.front());
+            const auto some = buildStencils(refiner, 3, rules, rows);
+            ASSERT_EQ(some.rowCount(), static_cast<Index>(rows.size()));
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                const auto row = static_cast<Index>(i);
+                ASSERT_TRUE(std::ranges::equal(some.columns(row), whole.columns(rows[i]))) << name;
+                ASSERT_TRUE(std::ranges::equal(some.weights(row), whole.weights(rows[i]))) << name;
+            }
         }
     });
 }
@@ -178,19 +190,22 @@ TEST(Stencils, RelabellingPermutesTheTable) {
         first.refineUniform(2);
         second.refineUniform(2);
         const auto maps = test::matchLevels(first, second, names);
-        const auto a = buildStencils(first, 2), b = buildStencils(second, 2);
-        for (Index row = 0; row < a.rowCount(); ++row) {
-            const Index image = maps[2][static_cast<std::size_t>(row)];
-            std::map<Index, double> expected, got;
-            for (std::size_t k = 0; k < a.columns(row).size(); ++k)
-                expected[names[static_cast<std::size_t>(a.columns(row)[k])]] = a.weights(row)[k];
-            for (std::size_t k = 0; k < b.columns(image).size(); ++k)
-                got[b.columns(image)[k]] = b.weights(image)[k];
-            // A weight that cancels to 0 in one order of summing may not in the other.
-            for (const auto& [column, weight] : expected)
-                ASSERT_NEAR(got[column], weight, 1e-15) << name << " row " << row;
-            for (const auto& [column, weight] : got)
-                ASSERT_NEAR(expected[column], weight, 1e-15) << name << " row " << row;
+        for (const Rules rules : kAllRules) {
+            const auto a = buildStencils(first, 2, rules), b = buildStencils(second, 2, rules);
+            for (Index row = 0; row < a.rowCount(); ++row) {
+                const Index image = maps[2][static_cast<std::size_t>(row)];
+                std::map<Index, double> expected, got;
+                for (std::size_t k = 0; k < a.columns(row).size(); ++k)
+                    expected[names[static_cast<std::size_t>(a.columns(row)[k])]] =
+                        a.weights(row)[k];
+                for (std::size_t k = 0; k < b.columns(image).size(); ++k)
+                    got[b.columns(image)[k]] = b.weights(image)[k];
+                // A weight that cancels to 0 in one order of summing may not in the other.
+                for (const auto& [column, weight] : expected)
+                    ASSERT_NEAR(got[column], weight, 1e-15) << name << " row " << row;
+                for (const auto& [column, weight] : got)
+                    ASSERT_NEAR(expected[column], weight, 1e-15) << name << " row " << row;
+            }
         }
     }
 }

@@ -76,10 +76,12 @@ TEST(Continuity, OfAPlaneInsideABoxIsThreeLayers) {
 struct WholeLevel {
     far::TopologyRefiner refiner;
     int level;
+    Rules rules;
     far::ByEntity<std::uint8_t> isHeld;
 
-    WholeLevel(const far::TopologyRefiner& base, int levels, const std::vector<Index>& faces)
-        : refiner(base), level(levels) {
+    WholeLevel(const far::TopologyRefiner& base, int levels, Rules by,
+               const std::vector<Index>& faces)
+        : refiner(base), level(levels), rules(by) {
         refiner.refineUniform(levels);
         const far::CellComplex& complex = base.level(0).complex;
         for (int d = 0; d <= 3; ++d)
@@ -108,7 +110,7 @@ struct WholeLevel {
         return result;
     }
     StencilTable<double> rows(const std::set<Index>& vertices) const {
-        return buildStencils<double>(refiner, level, kRules,
+        return buildStencils<double>(refiner, level, rules,
                                      std::vector<Index>(vertices.begin(), vertices.end()));
     }
     std::vector<Index> columns(const std::set<Index>& vertices) const {
@@ -148,16 +150,17 @@ TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
             const far::TopologyRefiner base(lattice.complex,
                                             {.boundary = boundary, .marks = lattice.marks});
             for (const auto& faces : partsOf(lattice.complex))
-                for (const int level : {2, 3}) {
-                    if (level == 3 && lattice.complex.count(3) > 12) continue;
-                    SCOPED_TRACE(name + ", level " + std::to_string(level));
-                    const WholeLevel whole(base, level, faces);
-                    EXPECT_EQ(verticesHoldingFaces(base, kRules, faces, Continuity::C0),
-                              whole.columns(whole.held()));
-                    for (const auto continuity : {Continuity::C1, Continuity::C2})
-                        EXPECT_EQ(verticesHoldingFaces(base, kRules, faces, continuity),
-                                  whole.columns(whole.around(whole.held())));
-                }
+                for (const int level : {2, 3})
+                    for (const Rules rules : {kRules, Rules::Mlca}) {
+                        if (level == 3 && lattice.complex.count(3) > 12) continue;
+                        SCOPED_TRACE(name + ", level " + std::to_string(level));
+                        const WholeLevel whole(base, level, rules, faces);
+                        EXPECT_EQ(verticesHoldingFaces(base, rules, faces, Continuity::C0),
+                                  whole.columns(whole.held()));
+                        for (const auto continuity : {Continuity::C1, Continuity::C2})
+                            EXPECT_EQ(verticesHoldingFaces(base, rules, faces, continuity),
+                                      whole.columns(whole.around(whole.held())));
+                    }
         }
 }
 
@@ -168,28 +171,29 @@ TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
     for (const auto& [name, lattice] : test::zoo()) {
         if (lattice.complex.count(3) > 12) continue;
         const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
-        for (const auto& faces : partsOf(lattice.complex)) {
-            SCOPED_TRACE(name);
-            const auto frozen = verticesHoldingFaces(base, kRules, faces, Continuity::C1);
-            double before = 0;
-            for (const int level : {2, 3}) {
-                const WholeLevel whole(base, level, faces);
-                const auto table = whole.rows(whole.around(whole.around(whole.held())));
-                double farthest = 0;
-                for (Index row = 0; row < table.rowCount(); ++row) {
-                    double sum = 0;
-                    for (std::size_t k = 0; k < table.columns(row).size(); ++k)
-                        if (!std::binary_search(frozen.begin(), frozen.end(),
-                                                table.columns(row)[k]))
-                            sum += std::abs(table.weights(row)[k]);
-                    farthest = std::max(farthest, sum);
+        for (const auto& faces : partsOf(lattice.complex))
+            for (const Rules rules : {kRules, Rules::Mlca}) {
+                SCOPED_TRACE(name);
+                const auto frozen = verticesHoldingFaces(base, rules, faces, Continuity::C1);
+                double before = 0;
+                for (const int level : {2, 3}) {
+                    const WholeLevel whole(base, level, rules, faces);
+                    const auto table = whole.rows(whole.around(whole.around(whole.held())));
+                    double farthest = 0;
+                    for (Index row = 0; row < table.rowCount(); ++row) {
+                        double sum = 0;
+                        for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                            if (!std::binary_search(frozen.begin(), frozen.end(),
+                                                    table.columns(row)[k]))
+                                sum += std::abs(table.weights(row)[k]);
+                        farthest = std::max(farthest, sum);
+                    }
+                    if (level == 3) {
+                        EXPECT_LT(farthest, 0.25 * before + 1e-12);
+                    }
+                    before = farthest;
                 }
-                if (level == 3) {
-                    EXPECT_LT(farthest, 0.25 * before + 1e-12);
-                }
-                before = farthest;
             }
-        }
     }
 }
 

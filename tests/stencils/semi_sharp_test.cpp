@@ -91,6 +91,15 @@ TEST(SemiSharp, GoldenVertexPoint) {
     expectRow(rowOf(levelTable({.vertices = {{12, 2}}}), 12), {{12, 1}});
 }
 
+// On a curve, (P₋ + 6P + P₊)/8 smooth, and the vertex itself sharp.
+TEST(SemiSharp, GoldenVertexPointOfACurve) {
+    for (const bool closed : {false, true}) {
+        TopologyRefiner refiner(far::buildCurve(6, closed), {.marks = {.vertices = {{2, 0.5}}}});
+        refiner.refineUniform(1);
+        expectRow(rowOf(buildLevelTable(refiner, 1), 2), {{1, 1. / 16}, {2, 7. / 8}, {3, 1. / 16}});
+    }
+}
+
 // TriangleSubdivision::Smooth: of an edge between triangles, each centroid has 0.47, and each end
 // 0.03 besides; between a triangle and a square, each centroid has (0.47 + 0.25)/2 = 0.36.
 TEST(SemiSharp, GoldenSmoothTriangles) {

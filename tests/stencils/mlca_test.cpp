@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/fading.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/mlca.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "papers/rows.h"
+#include "support/meshes.h"
+#include "support/random_lattices.h"
+
+// MLCA: Bajaj, Schaefer, Warren & Xu 2002.
+namespace espalier::stencils {
+namespace {
+
+using far::Boundary;
+using far::CellComplex;
+using far::Entity;
+using far::TopologyRefiner;
+using far::TriangleSubdivision;
+using test::average;
+using test::centroid;
+using test::difference;
+using test::NamedLattice;
+using test::pointOf;
+using test::Row;
+using test::rowOf;
+
+/// MLCA as it is told: points are split multilinearly, and then each becomes the mean of the
+/// centroids of the sub-cells around it, which are the cells (faces, edges, vertices) of the child.
+class SplitAndAveraged {
+public:
+    SplitAndAveraged(const far::Level& level, std::span<const double> values)
+        : level_(level), split_(level.complex) {  // all of it, whatever boundary control there is
+        const CellComplex& parent = level.complex;
+        for (Index vertex = 0; vertex < split_.child().count(0); ++vertex) {
+            const Entity entity = split_.parentOf({0, vertex}).upper;
+            values_.push_back(mean(parent.relation(entity.dimension, 0)[entity.index], values));
+        }
+    }
+
+    /// The rule of the entity's stratum, or the blend of two where sharpness runs out.
+    double at(Entity entity, far::Creasing creasing) const {
+        const auto fading = far::fadingOf(level_.complex, level_.strata, creasing, entity);
+        const double now = averaged(entity, level_.strata.of(entity), {});
+        if (!fading) return now;
+        const double next = averaged(entity, fading->next, fading->staySharp);
+        return fading->weight * now + (1 - fading->weight) * next;
+    }
+
+private:
+    static double mean(std::span<const Index> vertices, std::span<const double> values) {
+        double sum = 0;
+        for (const Index vertex : vertices) sum += values[static_cast<std::size_t>(vertex)];
+        return sum / static_cast<double>(vertices.size());
+    }
+
+    /// \param crease the edges to go by alone, if any
+    double averaged(Entity entity, int stratum,
+                    const std::optional<std::array<Index, 2>>& crease) const {
+        const CellComplex& child = split_.child();
+        const Index vertex = split_.childOf({entity, entity}).value().index;
+        double sum = 0;
+        int count = 0;
+        for (const Index piece : child.relation(0, stratum)[vertex]) {
+            const Entity whole = split_.parentOf({stratum, piece}).upper;
+            if (!level_.strata.inSubcomplex(entity, stratum, whole)) continue;
+            if (crease && !far::contains(*crease, whole.index)) continue;
+            sum += mean(child.relation(stratum, 0)[piece], values_);
+            ++count;
+        }
+        return sum / count;
+    }
+
+    const far::Level& level_;
+    far::Refinement split_;
+    std::vector<double> values_;
+};
+
+/// Lattices, meshes and curves with every feature that there is a rule for.
+std::vector<NamedLattice> everything() {
+    std::vector<NamedLattice> all;
+    for (const auto& shapes : {test::zoo(), test::featureLattices(), test::meshZoo()})
+        for (const NamedLattice& shape : shapes)
+            if (shape.lattice.tags.triangles != TriangleSubdivision::Smooth) all.push_back(shape);
+    for (unsigned seed = 0; seed < 60; ++seed)
+        all.push_back({"seed " + std::to_string(seed), test::randomLattice(seed)});
+    for (const bool closed : {false, true})
+        all.push_back({closed ? "closed curve" : "open curve",
+                       {far::buildCurve(6, closed),
+                        std::vector<Point3>(6),
+                        {.edges = {}, .vertices = {{2, 0.5}, {3, far::kInfinitelySharp}}},
+                        {}}});
+    return all;
+}
+
+/// Calls check(name, refiner) for each shape with its own boundary control and without any.
+template <class Check>
+void forEachRefined(int levels, Check check) {
+    for (const auto& [name, lattice] : everything())
+        for (const bool isOpen : {false, true}) {
+            far::RefinerOptions options = refinerOptions(lattice);
+            if (isOpen) options.boundary = Boundary::Open;
+            TopologyRefiner refiner(lattice.complex, options);
+            try {
+                refiner.refineUniform(levels);
+            } catch (const far::TopologyError& error) {
+                ASSERT_EQ(error.cause(), far::TopologyCause::EmptyComplex) << name;
+                continue;
+            }
+            SCOPED_TRACE(name + (isOpen ? ", open" : ""));
+            check(refiner);
+        }
+}
+
+TEST(Mlca, SplitsAndAverages) {
+    std::map<std::array<int, 3>, int> seen;  // complexes of a dimension, entities, strata
+    int fading = 0;
+    forEachRefined(2, [&](const TopologyRefiner& refiner) {
+        for (int k = 1; k <= 2; ++k) {
+            const far::Level& parent = refiner.level(k - 1);
+            const auto values =
+                test::randomValues(static_cast<std::size_t>(parent.complex.count(0)), 3);
+            const SplitAndAveraged reference(parent, values);
+            const auto table = buildLevelTable(refiner, k, Rules::Mlca);
+            for (Index row = 0; row < table.rowCount(); ++row) {
+                const Entity entity = test::parentOf(refiner, k, row);
+                double value = 0;
+                for (std::size_t i = 0; i < table.columns(row).size(); ++i)
+                    value += table.weights(row)[i] *
+                             values[static_cast<std::size_t>(table.columns(row)[i])];
+                // Of values below 1, up to four thousand shares at a pole of 360 faces, each
+                // rounded by its own size: 2⁻⁵³ times a sum of 1, some times over.
+                ASSERT_NEAR(value, reference.at(entity, refiner.options().creasing), 1e-13)
+                    << "level " << k << " row " << row;
+                ++seen[{refiner.dimension(), entity.dimension, parent.strata.of(entity)}];
+                fading +=
+                    far::fadingOf(parent.complex, parent.strata, refiner.options().creasing, entity)
+                        .has_value();
+            }
+        }
+    });
+    for (int complex = 1; complex <= 3; ++complex)
+        for (int stratum = 0; stratum <= complex; ++stratum)
+            for (int entity = 0; entity <= stratum; ++entity) {
+                const std::array<int, 3> kind = {complex, entity, stratum};
+                EXPECT_GT(seen[kind], 0) << complex << entity << stratum;
+            }
+    EXPECT_GT(fading, 1000);
+}
+
+// No weight is negative but where Chaikin's rule for sharpness extrapolates, as it does for all
+// rules: what is refined stays in the hull.
+TEST(Mlca, RowsArePositiveAndSumToOne) {
+    forEachRefined(2, [](const TopologyRefiner& refiner) {
+        const bool extrapolates = refiner.options().creasing == far::Creasing::Chaikin &&
+                                  refiner.level(0).strata.hasSemiSharp();
+        const auto table = buildStencils(refiner, 2, Rules::Mlca);
+        for (Index row = 0; row < table.rowCount(); ++row) {
+            double sum = 0;
+            for (const double weight : table.weights(row)) {
+                if (!extrapolates) {
+                    ASSERT_GT(weight, 0) << "row " << row;
+                }
+                sum += weight;
+            }
+            ASSERT_NEAR(sum, 1, 1e-13) << "row " << row;  // as above
+        }
+    });
+}
+
+// On grids all rules are the cubic B-spline's, whose weights on the way are sums of powers of two:
+// there is no rounding.
+TEST(Mlca, OfGridsIsCatmullClark) {
+    const std::vector<CellComplex> grids = {test::grid({4, 3, 5}),   test::grid({1, 1, 1}),
+                                            test::grid({3, 1, 2}),   test::gridMesh(5, 4),
+                                            test::gridMesh(1, 3),    far::buildCurve(7, false),
+                                            far::buildCurve(5, true)};
+    for (const CellComplex& grid : grids)
+        for (const Boundary boundary : {Boundary::Sharp, Boundary::Open}) {
+            TopologyRefiner refiner(grid, {.boundary = boundary});
+            try {
+                refiner.refineUniform(2);
+            } catch (const far::TopologyError&) {
+                EXPECT_EQ(boundary, Boundary::Open);
+                continue;
+            }
+            for (const Rules rules : {Rules::Siggraph96, Rules::Cse96}) {
+                for (const int level : {1, 2})
+                    EXPECT_EQ(buildLevelTable(refiner, level, Rules::Mlca),
+                              buildLevelTable(refiner, level, rules));
+                EXPECT_EQ(buildStencils(refiner, 2, Rules::Mlca), buildStencils(refiner, 2, rules));
+            }
+        }
+}
+
+/// A lattice whose cells join each face of a polyhedron with one more vertex, in its middle: at the
+/// edge to a vertex where n faces meet there are n cells.
+CellComplex coneOver(const Lattice& polyhedron) {
+    far::ComplexBuilder builder(3, polyhedron.complex.count(0));
+    const Index middle = builder.addVertex();
+    for (const std::vector<Index>& loop : test::loopsOf(polyhedron)) {
+        test::Loops cell = {loop};
+        for (std::size_t i = 0; i < loop.size(); ++i)
+            cell.push_back({loop[i], loop[(i + 1) % loop.size()], middle});
+        builder.addCell(cell);
+    }
+    return builder.build();
+}
+
+/// All are cut into hexahedra by one split: cells where three edges meet in each vertex.
+std::vector<std::pair<std::string, CellComplex>> simpleCells() {
+    std::vector<std::pair<std::string, CellComplex>> all = {
+        {"star of a tetrahedron", coneOver(shapes::tetrahedron())},
+        {"star of an octahedron", coneOver(shapes::octahedron())},
+        {"star of an icosahedron", coneOver(shapes::icosahedron())},
+        {"star of a bipyramid", coneOver(shapes::bipyramid({.sides = 5}))},
+        {"box", test::grid({3, 3, 3})}};
+    for (const int sectors : {3, 5, 7})
+        all.push_back({std::to_string(sectors) + " wedges, thrice",
+                       shapes::cylinder({.sectors = sectors, .layers = 3}).complex});
+    return all;
+}
+
+// Inside hexahedra the edge rule is that of CSE-96-1, and the vertex rule too but for its M, in
+// which an edge counts once for each of its cells. A needs no such care, for each inner face has
+// two cells.
+TEST(Mlca, OfHexahedraHasTheRulesOfCse96WithWeightedEdges) {
+    std::set<std::size_t> cellsAtEdges;
+    int weighted = 0;
+    for (const auto& [name, base] : simpleCells()) {
+        TopologyRefiner refiner(base);
+        refiner.refineUniform(3);
+        for (int level = 2; level <= 3; ++level) {
+            const CellComplex& complex = refiner.level(level - 1).complex;
+            const auto table = buildLevelTable(refiner, level, Rules::Mlca);
+            const auto cse = buildLevelTable(refiner, level, Rules::Cse96);
+            for (Index cell = 0; cell < complex.count(3); ++cell)
+                ASSERT_EQ(complex.relation(3, 0)[cell].size(), 8u) << name;
+            for (Index row = 0; row < table.rowCount(); ++row) {
+                const Entity entity = test::parentOf(refiner, level, row);
+                if (refiner.level(level - 1).strata.of(entity) != 3) continue;
+                const auto around = [&](int dimension) {
+                    return complex.relation(entity.dimension, dimension)[entity.index];
+                };
+                Row expected = rowOf(cse, row);
+                if (entity.dimension == 1) cellsAtEdges.insert(around(3).size());
+                if (entity.dimension == 0) {
+                    std::vector<Row> edges, faces, cells;
+                    for (const Index edge : around(1))
+                        for (std::size_t n = complex.relation(1, 3)[edge].size(); n > 0; --n)
+                            edges.push_back(centroid(complex, {1, edge}));
+                    for (const Index face : around(2))
+                        faces.push_back(centroid(complex, {2, face}));
+                    for (const Index cell : around(3))
+                        cells.push_back(centroid(complex, {3, cell}));
+                    expected = (average(cells) + 3 * average(faces) + 3 * average(edges) +
+                                test::point(entity.index)) /
+                               8;
+                    weighted += difference(expected, rowOf(cse, row)) > 1e-3;
+                }
+                // Sums of some fifty terms, those of both, that come to 1.
+                ASSERT_LE(difference(rowOf(table, row), expected), 4e-15)
+                    << name << " level " << level << " row " << row;
+            }
+        }
+    }
+    EXPECT_THAT(cellsAtEdges, ::testing::IsSupersetOf({3u, 4u, 5u, 7u}));
+    EXPECT_GT(weighted, 10);  // where the edges at a vertex differ in their cells
+}
+
+Row mlcaRow(const CellComplex& complex, Entity entity) {
+    TopologyRefiner refiner(complex);
+    refiner.refineUniform(1);
+    return rowOf(buildLevelTable(refiner, 1, Rules::Mlca), pointOf(refiner, 1, entity));
+}
+
+void expectRow(const Row& row, const std::map<Index, double>& expected) {
+    // Some twenty shares below 1/2, rounded each.
+    EXPECT_LE(difference(row, {expected}), 4e-16);
+}
+
+// The point of a pyramid is nearer to its apex than its centroid is. The sub-cell at a corner of
+// the base is a hexahedron, and gives the apex (0 + M 1/2 + A 2/3 + C 1/5)/8 = 41/240, with one of
+// three edges and two of three triangles to it; that at the apex has ten vertices, and gives it
+// (1 + 4/2 + 4/3 + 1/5)/10 = 34/75. So (4 · 41/240 + 34/75)/5 = 341/1500, and a fourth of the rest
+// for each corner.
+TEST(Mlca, GoldenPointOfAPyramid) {
+    const double apex = 341. / 1500, corner = (1 - apex) / 4;
+    expectRow(mlcaRow(test::singleCell(far::StandardCell::Pyramid), {3, 0}),
+              {{0, corner}, {1, corner}, {2, corner}, {3, corner}, {4, apex}});
+}
+
+// On the surface of a tetrahedron. A vertex is (Ā + 2M̄ + P)/4: of itself (1/3 + 1 + 1)/4 = 7/12,
+// the same share of the rest for the others. An edge is (Ā + M̄' + 2M)/4: an end has 1/3 of both
+// centroids, 1/2 of two of the four edges beside, and 1/2 of M: (1/3 + 1/4 + 1)/4 = 19/48; the
+// other two vertices (1/6 + 1/4)/4 = 5/48. Catmull-Clark has 4/9 for the vertex, and 5/12 for the
+// end.
+TEST(Mlca, GoldenPointsOfATetrahedralSurface) {
+    const CellComplex mesh = far::buildMesh(4, far::faceLoops(far::StandardCell::Tetrahedron));
+    const double other = 5. / 36;
+    expectRow(mlcaRow(mesh, {0, 2}), {{0, other}, {1, other}, {2, 7. / 12}, {3, other}});
+    const auto ends = mesh.relation(1, 0)[0];
+    std::map<Index, double> expected = {{0, 5. / 48}, {1, 5. / 48}, {2, 5. / 48}, {3, 5. / 48}};
+    for (const Index end : ends) expected[end] = 19. / 48;
+    expectRow(mlcaRow(mesh, {1, 0}), expected);
+}
+
+// Where the loop of a face passes a vertex twice there are two sub-cells, with two edges each.
+TEST(Mlca, SubCellsAreAtPositionsOfALoop) {
+    const CellComplex mesh = far::buildMesh(5, test::Loops{{0, 1, 2, 0, 3, 4}});
+    const auto edges = mesh.relation(2, 1)[0];
+    EXPECT_EQ(mlcaSubCell(mesh, {2, 0}, 0),
+              (std::vector<Entity>{{0, 0}, {1, edges[0]}, {1, edges[5]}, {2, 0}}));
+    EXPECT_EQ(mlcaSubCell(mesh, {2, 0}, 3),
+              (std::vector<Entity>{{0, 0}, {1, edges[3]}, {1, edges[2]}, {2, 0}}));
+}
+
+/// Two prisms of two storeys on a triangle that they share, each one cell. On the far storey of the
+/// lower one, three faces of four corners or, with the same vertices and as many faces, one of
+/// three corners and one of five: f–i is there, or d–i.
+test::Loops twoStoreys(std::array<Index, 9> v, bool isTurned) {
+    const auto [a, b, c, d, e, f, g, h, i] = v;
+    test::Loops loops = {{a, b, c},    {a, b, e, d}, {b, c, f, e},
+                         {c, a, d, f}, {d, e, h, g}, {g, h, i}};
+    if (isTurned)
+        loops.insert(loops.end(), {{e, f, d, i, h}, {d, g, i}});
+    else
+        loops.insert(loops.end(), {{e, f, i, h}, {f, d, g, i}});
+    return loops;
+}
+
+// The point of a cell depends on all its edges and faces, and so do rows inside an entity that only
+// some of these touch. Around the shared triangle, the two pieces look the same to Surroundings.
+TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
+    far::ComplexBuilder builder(3, 30);
+    for (const Index first : {0, 15})
+        for (const Index storey : {3, 9}) {
+            std::array<Index, 9> vertices;
+            for (Index k = 0; k < 9; ++k)
+                vertices[static_cast<std::size_t>(k)] = first + (k < 3 ? k : storey + k - 3);
+            builder.addCell(twoStoreys(vertices, first == 15 && storey == 9));
+        }
+    TopologyRefiner refiner(builder.build());
+    refiner.refineUniform(2);
+    const auto whole = buildStencils(refiner, 2, Rules::Mlca);
+    EXPECT_EQ(whole, multiply<double>(buildLevelTable(refiner, 2, Rules::Mlca),
+                                      buildLevelTable(refiner, 1, Rules::Mlca)));
+    // The pieces differ: in the point of the shared triangle, on both levels.
+    std::set<std::vector<double>> rows;
+    const CellComplex& base = refiner.level(0).complex;
+    for (Index face = 0; face < base.count(2); ++face)
+        if (base.relation(2, 3)[face].size() == 2) {
+            const Index point = pointOf(refiner, 2, {0, pointOf(refiner, 1, {2, face})});
+            rows.emplace(whole.weights(point).begin(), whole.weights(point).end());
+        }
+    EXPECT_EQ(rows.size(), 2u);
+}
+
+TEST(Mlca, HasNoSmoothTriangles) {
+    for (const CellComplex& complex :
+         {test::grid({1, 1, 1}), test::gridMesh(2, 2), far::buildCurve(3, false)}) {
+        TopologyRefiner refiner(complex, {.triangles = TriangleSubdivision::Smooth});
+        refiner.refineUniform(1);
+        try {
+            buildStencils(refiner, 1, Rules::Mlca);
+            FAIL() << "accepted";
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), ::testing::HasSubstr("MLCA have no smooth triangles"));
+        }
+    }
+}
+
+}  // namespace
+}  // namespace espalier::stencils
