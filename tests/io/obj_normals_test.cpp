@@ -233,6 +233,12 @@ TEST(ObjNormals, NewLinesEndAsTheOneBefore) {
               points + "f 1//1 2//2 1//1\nvn 0 1 0 \\\n\nvn -1 0 0");
 }
 
+TEST(ObjNormals, ThatCornersPrecedeAreFollowedByTheirNewLines) {
+    EXPECT_EQ(carriedBy({kIdentity, kQuarterTurn},
+                        "v 0 0 0\nv 1 0 0\nvn 0 0 1\nf 1//2 2//2 1//1\nvn 0 1 0\nvn 1 0 0\n"),
+              "v 0 0 0\nv 1 0 0\nvn 0 0 1\nf 1//2 2//3 1//1\nvn 0 1 0\nvn -1 0 0\nvn 1 0 0\n");
+}
+
 TEST(ObjNormals, OfARigidMotionStayShared) {
     // Gradients that differ by rounding, as computed ones do.
     Gradients gradients(4, rotation({1, 2, 3}, 1));
