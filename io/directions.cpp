@@ -74,9 +74,7 @@ Point3 carryBy(const Map& map, const Point3& direction) {
     if (isLost) return direction == Point3{} ? direction : Point3{};
     to = timesPowerOfTwo(to, -exponentOf(to));
     if (to == from) return direction;
-    to = timesPowerOfTwo(scaled(to, length(from) / length(to)), exponent);
-    // Adding 0 turns a negative zero into a positive one.
-    return sum(to, {0, 0, 0});
+    return timesPowerOfTwo(scaled(to, length(from) / length(to)), exponent);
 }
 
 DeformationGradient balanced(const DeformationGradient& gradient) {

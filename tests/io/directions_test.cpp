@@ -132,6 +132,8 @@ TEST(Directions, OfStrongStretchesAreNotTakenForRounding) {
     const DeformationGradient thread = {1, 0, 0, 0, 1e-12, 0, 0, 0, 1e-12};
     EXPECT_EQ(carryNormal(thread, {1, 0, 0}), (Point3{1, 0, 0}));
     EXPECT_EQ(carryTangent(thread, {0, 0, 1}), (Point3{0, 0, 1}));
+    // A cofactor of 1e-320, whose inverse is beyond the largest double.
+    expectNear(carryNormal({1, 0, 0, 0, 1e-160, 0, 0, 0, 1e-160}, {1, 0, 0}), {1, 0, 0}, kRounding);
 }
 
 TEST(Directions, KeepTheirLengthAtAnySize) {

@@ -247,6 +247,12 @@ TEST(ObjNormals, OfARigidMotionStayShared) {
     expectCarried(text, gradients);
 }
 
+TEST(ObjNormals, HaveNoNegativeZeros) {
+    // cos 90° is 6e-17 here, and rounds to 0.
+    EXPECT_EQ(carriedBy({rotation({0, 0, 1}, std::acos(0))}, "v 0 0 0\nvn -1 0 0\nf 1//1 1//1\n"),
+              "v 0 0 0\nvn 0 -1 0\nf 1//1 1//1\n");
+}
+
 TEST(ObjNormals, KeepTheirLengths) {
     const Read read = readPlainly(carriedBy({rotation({1, 2, 3}, 1)},
                                             "v 0 0 0\nvn 0 0 1\nvn 0 3e-5 4e-5\nvn 2e7 0 0\n"
