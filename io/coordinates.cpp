@@ -14,8 +14,10 @@
 namespace espalier::io {
 namespace {
 
+/// Infinity is not: floats hold it.
 bool isTooLarge(Precision precision, double value) {
-    return precision == Precision::Float && std::abs(value) > std::numeric_limits<float>::max();
+    return precision == Precision::Float && std::isfinite(value) &&
+           std::abs(value) > std::numeric_limits<float>::max();
 }
 
 /// The number that begins at `place`. What was read as a number holds no comment or backslash, so
@@ -40,12 +42,16 @@ double roundTo(Precision precision, double value, std::size_t point) {
     return precision == Precision::Float ? static_cast<float>(value) : value;
 }
 
+double loadReal(std::string_view bytes, std::size_t place, Precision precision, std::endian order) {
+    const char* at = bytes.data() + place;
+    return precision == Precision::Float ? loadNumber<float>(at, order)
+                                         : loadNumber<double>(at, order);
+}
+
 double loadCoordinate(std::string_view bytes, std::size_t place, Precision precision,
                       std::endian order, std::size_t axis, std::size_t point,
                       const std::filesystem::path& path) {
-    const char* at = bytes.data() + place;
-    const double value = precision == Precision::Float ? loadNumber<float>(at, order)
-                                                       : loadNumber<double>(at, order);
+    const double value = loadReal(bytes, place, precision, order);
     if (!std::isfinite(value))
         throw FileError(path, "byte " + std::to_string(place) + ": " + axisName(axis) +
                                   " of point " + std::to_string(point) + " is not finite");
@@ -58,6 +64,13 @@ void storeCoordinate(std::string& bytes, std::size_t place, double value, Precis
         storeNumber(bytes.data() + place, static_cast<float>(value), order);
     else
         storeNumber(bytes.data() + place, value, order);
+}
+
+double parseReal(std::string_view word, Precision precision) {
+    double value = 0;
+    if (!parseNumber(word, value) || isTooLarge(precision, value))
+        return std::numeric_limits<double>::quiet_NaN();
+    return precision == Precision::Float ? static_cast<float>(value) : value;
 }
 
 double parseCoordinate(std::string_view word, std::size_t axis, Precision precision,
@@ -74,25 +87,47 @@ double parseCoordinate(std::string_view word, std::size_t axis, Precision precis
     return precision == Precision::Float ? static_cast<float>(value) : value;
 }
 
-void writeWithPositions(std::ostream& out, std::string_view text,
-                        std::span<const CoordinatePlaces> places, std::span<const Point3> before,
-                        std::span<const Point3> now, const std::array<Precision, 3>& precisions) {
-    TextPatch patch(out, text);
-    for (std::size_t point = 0; point < places.size(); ++point) {
-        std::array<std::size_t, 3> axes = {0, 1, 2};
-        std::sort(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) {
-            return places[point][a] < places[point][b];
-        });
-        for (const std::size_t axis : axes) {
-            const double value = roundTo(precisions[axis], now[point][axis], point);
-            if (value == before[point][axis]) continue;
-            const std::string_view old = numberAt(text, places[point][axis]);
-            if (precisions[axis] == Precision::Float)
-                patch.replace(old, static_cast<float>(value));
-            else
-                patch.replace(old, value);
-        }
+bool isSame(double a, double b) {
+    return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+std::optional<double> VectorChange::at(std::size_t point, std::size_t axis) const {
+    const double old = before[point][axis];
+    // Before it is rounded: what stays need not be a number that can be.
+    if (isSame(now[point][axis], old)) return std::nullopt;
+    const double value = roundTo(precisions[axis], now[point][axis], point);
+    return value == old ? std::nullopt : std::optional(value);
+}
+
+TextChanges::TextChanges(std::string_view text, std::span<const VectorChange> changes)
+    : text_(text) {
+    for (const VectorChange& change : changes)
+        for (std::size_t axis = 0; axis < 3 && !change.places.empty(); ++axis)
+            numbers_.push_back({&change, axis});
+    const auto placeOf = [](const Number& number) {
+        return number.change->places.front()[number.axis];
+    };
+    std::sort(numbers_.begin(), numbers_.end(),
+              [&](const Number& a, const Number& b) { return placeOf(a) < placeOf(b); });
+}
+
+void TextChanges::apply(TextPatch& patch, std::size_t point) const {
+    for (const auto& [change, axis] : numbers_) {
+        const std::optional<double> value = change->at(point, axis);
+        if (!value) continue;
+        const std::string_view old = numberAt(text_, change->places[point][axis]);
+        if (change->precisions[axis] == Precision::Float)
+            patch.replace(old, static_cast<float>(*value));
+        else
+            patch.replace(old, *value);
     }
+}
+
+void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes) {
+    const TextChanges points(text, changes);
+    TextPatch patch(out, text);
+    for (std::size_t point = 0; point < changes.front().places.size(); ++point)
+        points.apply(patch, point);
     patch.finish();
 }
 

@@ -21,11 +21,12 @@ public:
 
     std::span<const Point3> positions() const override { return grid_.positions(); }
     std::string_view extension() const override { return ".vtu"; }
+    bool hasDirections() const override { return grid_.hasDirections(); }
 
 private:
-    void writeChecked(const std::filesystem::path& path,
-                      std::span<const Point3> moved) const override {
-        grid_.write(path, moved);
+    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
+                      std::span<const DeformationGradient> gradients) const override {
+        grid_.write(path, moved, gradients);
     }
 
     VtuModel grid_;
@@ -58,6 +59,20 @@ const ModelFormat& requireFormat(const std::filesystem::path& path) {
     throw FileError(path, "is not of a model format; expected the extension " + known);
 }
 
+/// Refuses numbers that are not so many, one set a point, or that are not finite.
+template <class Numbers>
+void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std::string& plural,
+              const std::string& singular) {
+    if (values.size() != pointCount)
+        throw Error("got " + std::to_string(values.size()) + " " + plural + " for a model of " +
+                    std::to_string(pointCount) + " points");
+    for (std::size_t point = 0; point < values.size(); ++point)
+        for (const double number : values[point])
+            if (!std::isfinite(number))
+                throw Error("the " + singular + " of point " + std::to_string(point) +
+                            " is not finite");
+}
+
 }  // namespace
 
 void Model::checkTarget(const std::filesystem::path& path) const {
@@ -68,16 +83,20 @@ void Model::checkTarget(const std::filesystem::path& path) const {
 }
 
 void Model::write(const std::filesystem::path& path, std::span<const Point3> moved) const {
+    check(path, moved);
+    writeChecked(path, moved, {});
+}
+
+void Model::write(const std::filesystem::path& path, std::span<const Point3> moved,
+                  std::span<const DeformationGradient> gradients) const {
+    check(path, moved);
+    checkAll(gradients, positions().size(), "gradients", "gradient");
+    writeChecked(path, moved, gradients);
+}
+
+void Model::check(const std::filesystem::path& path, std::span<const Point3> moved) const {
     checkTarget(path);
-    if (moved.size() != positions().size())
-        throw Error("got " + std::to_string(moved.size()) + " positions for a model of " +
-                    std::to_string(positions().size()) + " points");
-    for (std::size_t point = 0; point < moved.size(); ++point)
-        for (const double coordinate : moved[point])
-            if (!std::isfinite(coordinate))
-                throw Error("the new position of point " + std::to_string(point) +
-                            " is not finite");
-    writeChecked(path, moved);
+    checkAll(moved, positions().size(), "positions", "new position");
 }
 
 std::unique_ptr<Model> readModel(const std::filesystem::path& path) {

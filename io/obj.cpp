@@ -2,6 +2,7 @@
 #include <espalier/io/coordinates.h>
 #include <espalier/io/file.h>
 #include <espalier/io/obj.h>
+#include <espalier/io/obj_normals.h>
 #include <espalier/io/obj_statements.h>
 
 #include <ostream>
@@ -14,14 +15,18 @@ namespace {
 
 class ObjModel final : public Model {
 public:
-    ObjModel(const std::filesystem::path& path, std::string text) : text_(std::move(text)) {
+    ObjModel(const std::filesystem::path& path, std::string text)
+        : path_(path), text_(std::move(text)) {
         forEachObjStatement(path, text_, [&](ObjWords& words, std::size_t line) {
-            if (words.next() == "v") addPoint(readObjPoint(words, path, line));
+            const std::string_view keyword = words.next();
+            if (keyword == "v") addPoint(readObjPoint(words, path, line));
+            if (keyword == "vn") hasNormals_ = true;
         });
     }
 
     std::span<const Point3> positions() const override { return positions_; }
     std::string_view extension() const override { return ".obj"; }
+    bool hasDirections() const override { return hasNormals_; }
 
 private:
     void addPoint(const ObjPoint& point) {
@@ -31,17 +36,22 @@ private:
             place[axis] = static_cast<std::size_t>(point.words[axis].data() - text_.data());
     }
 
-    void writeChecked(const std::filesystem::path& path,
-                      std::span<const Point3> moved) const override {
+    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
+                      std::span<const DeformationGradient> gradients) const override {
+        const VectorChange points{places_, positions_, moved};
         writeFile(path, [&](std::ostream& out) {
-            writeWithPositions(out, text_, places_, positions_, moved,
-                               {Precision::Double, Precision::Double, Precision::Double});
+            if (gradients.empty() || !hasNormals_)
+                writeChanged(out, text_, {&points, 1});
+            else
+                writeWithNormals(out, path_, text_, points, gradients);
         });
     }
 
+    std::filesystem::path path_;  ///< of the file that was read
     std::string text_;
     std::vector<Point3> positions_;
     std::vector<CoordinatePlaces> places_;
+    bool hasNormals_ = false;
 };
 
 }  // namespace

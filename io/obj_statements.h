@@ -23,6 +23,9 @@ public:
     /// The next word; empty when there is none.
     std::string_view next();
 
+    /// The end of the statement, comment included.
+    const char* end() const { return rest_.data() + rest_.size(); }
+
 private:
     std::size_t blankAt(std::size_t at) const;
 

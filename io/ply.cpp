@@ -5,9 +5,11 @@
 #include <espalier/io/ply_header.h>
 #include <espalier/io/ply_rows.h>
 
+#include <algorithm>
 #include <ostream>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace espalier::io {
 namespace {
@@ -19,32 +21,45 @@ public:
           header_(parsePlyHeader(path, bytes_)),
           points_(readPlyRows(path, bytes_, header_)) {}
 
-    std::span<const Point3> positions() const override { return points_.positions; }
+    std::span<const Point3> positions() const override { return points_.positions.values; }
     std::string_view extension() const override { return ".ply"; }
+    bool hasDirections() const override { return !points_.directions.empty(); }
 
 private:
-    void writeChecked(const std::filesystem::path& path,
-                      std::span<const Point3> moved) const override {
+    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
+                      std::span<const DeformationGradient> gradients) const override {
+        std::vector<VectorChange> changes = {changeOf(points_.positions, moved)};
+        std::vector<std::vector<Point3>> turned;
+        for (std::size_t i = 0; i < points_.directions.size() && !gradients.empty(); ++i) {
+            const PlyVectors& vectors = points_.directions[i];
+            turned.push_back(carried(vectors.values, gradients, header_.directions[i].carry,
+                                     narrowest(vectors.precisions)));
+            changes.push_back(changeOf(vectors, turned.back()));
+        }
         writeFile(path, [&](std::ostream& out) {
             if (header_.format == PlyFormat::Ascii)
-                writeWithPositions(out, bytes_, points_.places, points_.positions, moved,
-                                   header_.precisions());
+                writeChanged(out, bytes_, changes);
             else
-                writeBinary(out, moved);
+                writeBinary(out, changes);
         });
     }
 
-    void writeBinary(std::ostream& out, std::span<const Point3> moved) const {
+    static VectorChange changeOf(const PlyVectors& vectors, std::span<const Point3> now) {
+        return {vectors.places, vectors.values, now, vectors.precisions};
+    }
+
+    static Precision narrowest(const std::array<Precision, 3>& precisions) {
+        return *std::min_element(precisions.begin(), precisions.end());
+    }
+
+    void writeBinary(std::ostream& out, std::span<const VectorChange> changes) const {
         std::string bytes = bytes_;
-        const auto precisions = header_.precisions();
-        for (std::size_t point = 0; point < moved.size(); ++point) {
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double value = roundTo(precisions[axis], moved[point][axis], point);
-                if (value == points_.positions[point][axis]) continue;
-                storeCoordinate(bytes, points_.places[point][axis], value, precisions[axis],
-                                header_.byteOrder());
-            }
-        }
+        for (const VectorChange& change : changes)
+            for (std::size_t point = 0; point < change.places.size(); ++point)
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    if (const auto value = change.at(point, axis))
+                        storeCoordinate(bytes, change.places[point][axis], *value,
+                                        change.precisions[axis], header_.byteOrder());
         out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     }
 

@@ -14,6 +14,10 @@ namespace espalier::io {
 /// the element `vertex`, of type float or double; all else is kept and not interpreted, and so is
 /// what follows the last row.
 ///
+/// Directions are its properties nx, ny and nz, a normal, and tx, ty and tz, a tangent, if each of
+/// the three is there once and is a float or a double. Words that are no numbers are no error
+/// there.
+///
 /// Every row that the header claims must be there. In ASCII a row is a line; empty lines between
 /// rows are passed over.
 ///
@@ -21,7 +25,7 @@ namespace espalier::io {
 /// \param bytes the whole file
 /// \throws FileError as readModel(); if x, y or z is of an integer type, which would not hold a
 /// deformed position; or if a position is not finite
-/// \cost   one pass; 48 bytes a point and the file are kept
+/// \cost   one pass; 48 bytes for each point and each direction, and the file, are kept
 ESPALIER_API std::unique_ptr<Model> readPly(const std::filesystem::path& path, std::string bytes);
 
 }  // namespace espalier::io

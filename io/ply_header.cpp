@@ -126,6 +126,25 @@ private:
             lines_.fail("the header has several elements 'vertex'");
         header_.vertexElement = static_cast<std::size_t>(found - elements.begin());
         for (std::size_t axis = 0; axis < 3; ++axis) header_.axes[axis] = findAxis(*found, axis);
+        addDirection(*found, {"nx", "ny", "nz"}, carryNormal);
+        addDirection(*found, {"tx", "ty", "tz"}, carryTangent);
+    }
+
+    /// Nothing, unless each of the names is that of one property, which holds a real number.
+    void addDirection(const PlyElement& vertex, const std::array<std::string_view, 3>& names,
+                      Carry carry) {
+        PlyDirection direction{{}, carry};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto isNamed = [&](const PlyProperty& property) {
+                return property.name == names[axis];
+            };
+            const auto& properties = vertex.properties;
+            const auto found = std::find_if(properties.begin(), properties.end(), isNamed);
+            if (std::count_if(properties.begin(), properties.end(), isNamed) != 1) return;
+            if (found->lengthType || !isReal(found->type)) return;
+            direction.columns[axis] = static_cast<std::size_t>(found - properties.begin());
+        }
+        header_.directions.push_back(direction);
     }
 
     std::size_t findAxis(const PlyElement& vertex, std::size_t axis) const {
@@ -168,10 +187,10 @@ bool PlyElement::hasLists() const {
                        [](const PlyProperty& property) { return property.lengthType.has_value(); });
 }
 
-std::array<Precision, 3> PlyHeader::precisions() const {
+std::array<Precision, 3> PlyHeader::precisions(const std::array<std::size_t, 3>& columns) const {
     std::array<Precision, 3> result{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const bool isFloat = vertices().properties[axes[axis]].type == PlyType::Float;
+        const bool isFloat = vertices().properties[columns[axis]].type == PlyType::Float;
         result[axis] = isFloat ? Precision::Float : Precision::Double;
     }
     return result;

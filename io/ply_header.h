@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/io/carried_directions.h>
 #include <espalier/io/coordinates.h>
 
 #include <array>
@@ -39,17 +40,26 @@ struct PlyElement {
     bool hasLists() const;
 };
 
+/// Properties of the vertices that together are a direction.
+struct PlyDirection {
+    std::array<std::size_t, 3> columns;  ///< which properties
+    Carry carry;
+};
+
 /// What the rows of a PLY file hold, as its header says; the file may hold less.
 struct PlyHeader {
     PlyFormat format = PlyFormat::Ascii;
     std::vector<PlyElement> elements;
     std::size_t vertexElement = 0;         ///< which element has the points
     std::array<std::size_t, 3> axes = {};  ///< which of its properties are x, y and z
-    std::size_t size = 0;                  ///< bytes of the header
+    std::vector<PlyDirection> directions;
+    std::size_t size = 0;  ///< bytes of the header
     std::size_t lineCount = 0;
 
     const PlyElement& vertices() const { return elements[vertexElement]; }
-    std::array<Precision, 3> precisions() const;
+
+    /// How properties of the vertices, of real types, are held.
+    std::array<Precision, 3> precisions(const std::array<std::size_t, 3>& columns) const;
 
     /// Of the binary formats.
     std::endian byteOrder() const;

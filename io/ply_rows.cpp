@@ -7,9 +7,9 @@
 #include <espalier/io/words.h>
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace espalier::io {
 namespace {
@@ -19,7 +19,14 @@ class RowReader {
 public:
     /// \param path, bytes, header must outlive the reader
     RowReader(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
-        : path_(path), bytes_(bytes), header_(header), precisions_(header.precisions()) {}
+        : path_(path), bytes_(bytes), header_(header), slots_(header.vertices().properties.size()) {
+        points_.directions.resize(header.directions.size());
+        setSlots(header.axes, points_.positions);
+        for (std::size_t i = 0; i < header.directions.size(); ++i)
+            setSlots(header.directions[i].columns, points_.directions[i]);
+    }
+    RowReader(const RowReader&) = delete;
+    RowReader& operator=(const RowReader&) = delete;
     virtual ~RowReader() = default;
 
     PlyPoints read() {
@@ -29,13 +36,10 @@ public:
             if (element.properties.empty()) continue;
             checkClaim(element);
             if (!isVertex_ && skipRows(element)) continue;
-            if (isVertex_) points_.positions.reserve(element.count);
-            if (isVertex_) points_.places.reserve(element.count);
-            for (std::size_t row = 0; row < element.count; ++row) {
-                if (isVertex_) points_.positions.emplace_back();
-                if (isVertex_) points_.places.emplace_back();
-                readRow(element, row);
-            }
+            if (isVertex_) addVertices(points_.positions, element.count);
+            for (PlyVectors& direction : points_.directions)
+                if (isVertex_) addVertices(direction, element.count);
+            for (row_ = 0; row_ < element.count; ++row_) readRow(element);
         }
         return std::move(points_);
     }
@@ -47,18 +51,25 @@ protected:
     /// Steps over all rows of an element, if that is possible without looking at each.
     virtual bool skipRows(const PlyElement& element) = 0;
 
-    virtual void readRow(const PlyElement& element, std::size_t row) = 0;
+    virtual void readRow(const PlyElement& element) = 0;
 
-    /// The axis that a column of the current element gives.
-    std::optional<std::size_t> axisOf(std::size_t column) const {
-        for (std::size_t axis = 0; isVertex_ && axis < 3; ++axis)
-            if (header_.axes[axis] == column) return axis;
-        return std::nullopt;
+    /// What a column of the vertices belongs to.
+    struct Slot {
+        PlyVectors* vectors = nullptr;  ///< null for what is passed over
+        std::size_t axis = 0;
+        Precision precision() const { return vectors->precisions[axis]; }
+    };
+
+    /// \return null if a column of the current element is passed over
+    const Slot* slotOf(std::size_t column) const {
+        return isVertex_ && slots_[column].vectors ? &slots_[column] : nullptr;
     }
 
-    void setCoordinate(std::size_t axis, double value, std::size_t place) {
-        points_.positions.back()[axis] = value;
-        points_.places.back()[axis] = place;
+    bool isPosition(const Slot& slot) const { return slot.vectors == &points_.positions; }
+
+    void set(const Slot& slot, double value, std::size_t place) {
+        slot.vectors->values[row_][slot.axis] = value;
+        slot.vectors->places[row_][slot.axis] = place;
     }
 
     /// How a message begins that finds fewer rows than the header claims.
@@ -70,10 +81,21 @@ protected:
     const std::filesystem::path& path_;
     const std::string_view bytes_;
     const PlyHeader& header_;
-    const std::array<Precision, 3> precisions_;
-    PlyPoints points_;
+    std::size_t row_ = 0;  ///< of the current element
 
 private:
+    void setSlots(const std::array<std::size_t, 3>& columns, PlyVectors& vectors) {
+        vectors.precisions = header_.precisions(columns);
+        for (std::size_t axis = 0; axis < 3; ++axis) slots_[columns[axis]] = {&vectors, axis};
+    }
+
+    static void addVertices(PlyVectors& vectors, std::size_t count) {
+        vectors.values.resize(count);
+        vectors.places.resize(count);
+    }
+
+    PlyPoints points_;
+    std::vector<Slot> slots_;  ///< of the columns of the vertices
     bool isVertex_ = false;
 };
 
@@ -92,12 +114,12 @@ private:
 
     bool skipRows(const PlyElement&) override { return false; }
 
-    void readRow(const PlyElement& element, std::size_t row) override {
+    void readRow(const PlyElement& element) override {
         std::string_view line;
         std::string_view word;
         while (word.empty()) {
             if (lines_.remaining() == 0)
-                lines_.fail(claimOf(element) + ", got " + std::to_string(row));
+                lines_.fail(claimOf(element) + ", got " + std::to_string(row_));
             line = lines_.restOfLine();
             word = takeWord(line);
         }
@@ -106,14 +128,19 @@ private:
             if (column > 0) word = needWord(line, property);
             if (property.lengthType)
                 skipList(line, word, property);
-            else if (const auto axis = axisOf(column))
-                setCoordinate(
-                    *axis, parseCoordinate(word, *axis, precisions_[*axis], path_, lines_.line()),
+            else if (const Slot* slot = slotOf(column))
+                set(*slot, parse(*slot, word),
                     static_cast<std::size_t>(word.data() - bytes_.data()));
         }
         if (const std::string_view more = takeWord(line); !more.empty())
             lines_.fail("expected the end of a row of the element " + inQuotes(element.name) +
                         ", got " + inQuotes(more));
+    }
+
+    double parse(const Slot& slot, std::string_view word) const {
+        return isPosition(slot)
+                   ? parseCoordinate(word, slot.axis, slot.precision(), path_, lines_.line())
+                   : parseReal(word, slot.precision());
     }
 
     std::string_view needWord(std::string_view& line, const PlyProperty& property) const {
@@ -158,14 +185,14 @@ private:
         return true;
     }
 
-    void readRow(const PlyElement& element, std::size_t) override {
+    void readRow(const PlyElement& element) override {
         for (std::size_t column = 0; column < element.properties.size(); ++column) {
             const PlyProperty& property = element.properties[column];
             const std::size_t size = plySize(property.type);
             if (property.lengthType)
                 skipList(property);
-            else if (const auto axis = axisOf(column))
-                readCoordinate(*axis, take(1, size, property));
+            else if (const Slot* slot = slotOf(column))
+                readReal(*slot, take(1, size, property));
             else
                 take(1, size, property);
         }
@@ -215,10 +242,12 @@ private:
         fail("the length of a list is not an integer");
     }
 
-    void readCoordinate(std::size_t axis, std::size_t at) {
-        const std::size_t point = points_.positions.size() - 1;
-        setCoordinate(
-            axis, loadCoordinate(bytes_, at, precisions_[axis], order_, axis, point, path_), at);
+    void readReal(const Slot& slot, std::size_t at) {
+        set(slot,
+            isPosition(slot)
+                ? loadCoordinate(bytes_, at, slot.precision(), order_, slot.axis, row_, path_)
+                : loadReal(bytes_, at, slot.precision(), order_),
+            at);
     }
 
     std::size_t at_;

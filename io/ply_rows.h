@@ -5,16 +5,24 @@
 #include <espalier/io/coordinates.h>
 #include <espalier/io/ply_header.h>
 
+#include <array>
 #include <filesystem>
 #include <string_view>
 #include <vector>
 
 namespace espalier::io {
 
-/// The points of a PLY file, and where in its bytes they are; one entry each a vertex.
-struct PlyPoints {
-    std::vector<Point3> positions;
+/// Three numbers of each vertex, and where in the bytes of the file they are.
+struct PlyVectors {
+    std::array<Precision, 3> precisions;
+    std::vector<Point3> values;
     std::vector<CoordinatePlaces> places;
+};
+
+struct PlyPoints {
+    PlyVectors positions;
+    /// Of the header's directions, in their order. What cannot be read as a number is NaN.
+    std::vector<PlyVectors> directions;
 };
 
 /// Walks through all rows of a PLY file.

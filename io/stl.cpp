@@ -57,6 +57,7 @@ class StlModel : public Model {
 public:
     std::span<const Point3> positions() const override { return positions_; }
     std::string_view extension() const override { return ".stl"; }
+    bool hasDirections() const override { return false; }
 
 protected:
     explicit StlModel(std::string bytes) : bytes_(std::move(bytes)) {}
@@ -89,8 +90,8 @@ private:
         return normalPlace(point / 3) + (point % 3 + 1) * kVectorSize + axis * sizeof(float);
     }
 
-    void writeChecked(const std::filesystem::path& path,
-                      std::span<const Point3> moved) const override {
+    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
+                      std::span<const DeformationGradient>) const override {
         std::string bytes = bytes_;
         for (std::size_t facet = 0; facet < facetCount(); ++facet) {
             const std::span<const Point3, 3> corners(moved.data() + 3 * facet, 3);
@@ -169,8 +170,8 @@ private:
         expect(reader, "endfacet");
     }
 
-    void writeChecked(const std::filesystem::path& path,
-                      std::span<const Point3> moved) const override {
+    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
+                      std::span<const DeformationGradient>) const override {
         writeFile(path, [&](std::ostream& out) {
             TextPatch patch(out, bytes_);
             for (std::size_t facet = 0; facet < facetCount(); ++facet) {

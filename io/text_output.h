@@ -46,7 +46,7 @@ private:
     std::string buffer_;
 };
 
-/// Writes a text again with some of its numbers replaced and all else as it was.
+/// Writes a text again with some of its numbers replaced, some text added, and all else as it was.
 class TextPatch {
 public:
     /// \param text must outlive the patch
@@ -61,7 +61,15 @@ public:
         position_ = begin + old.size();
     }
 
-    /// Copies what follows the last number.
+    /// Puts text in between, before the byte at `place`, which is not before what was replaced
+    /// last.
+    void insert(std::size_t place, std::string_view added) {
+        out_.text(text_.substr(position_, place - position_));
+        out_.text(added);
+        position_ = place;
+    }
+
+    /// Copies what follows the last change.
     void finish() {
         out_.text(text_.substr(position_));
         position_ = text_.size();

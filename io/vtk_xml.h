@@ -41,6 +41,9 @@ struct VtkDataArray {
 struct VtkSection {
     std::size_t line = 1;
     std::vector<VtkDataArray> arrays;
+    /// Which arrays are the active ones: of PointData and CellData, names by "Normals" and its
+    /// like.
+    std::map<std::string, std::string> active;
 
     /// \return null if there is none of this name
     const VtkDataArray* find(std::string_view name) const;

@@ -151,6 +151,8 @@ private:
     VtkSection readSection(pugi::xml_node node) {
         VtkSection section;
         section.line = lineOf(node);
+        for (const pugi::xml_attribute attribute : node.attributes())
+            section.active[attribute.name()] = attribute.value();
         for (const pugi::xml_node child : node.children()) {
             const std::string_view name = child.name();
             if (name == "DataArray" || name == "Array") section.arrays.push_back(readArray(child));

@@ -19,23 +19,47 @@ std::string_view indentOf(std::string_view bytes, std::size_t begin) {
     return before.find_first_not_of(" \t") == std::string_view::npos ? before : "";
 }
 
-/// The points as an array of their file holds them.
-std::vector<Point3> rounded(std::span<const Point3> points, VtkNumber type,
-                            std::size_t firstPoint) {
-    std::vector<Point3> result(points.begin(), points.end());
-    if (type == VtkNumber::Float32)
-        for (std::size_t i = 0; i < result.size(); ++i)
-            for (double& coordinate : result[i])
-                coordinate = roundTo(Precision::Float, coordinate, firstPoint + i);
-    return result;
+Precision precisionOf(VtkNumber type) {
+    return type == VtkNumber::Float32 ? Precision::Float : Precision::Double;
 }
 
-std::string pointElement(const VtkXmlFile& file, const VtkDataArray& array, VtkNumber type,
-                         std::span<const Point3> points) {
+/// What an array of this type holds of the points, or of directions there.
+std::vector<Point3> rounded(std::vector<Point3> values, VtkNumber type, std::size_t firstPoint) {
+    if (precisionOf(type) == Precision::Float)
+        for (std::size_t i = 0; i < values.size(); ++i)
+            for (double& number : values[i])
+                number = roundTo(Precision::Float, number, firstPoint + i);
+    return values;
+}
+
+std::string elementOf(const VtkXmlFile& file, const VtkDataArray& array, VtkNumber type,
+                      std::span<const Point3> points) {
     const auto form =
         array.format == VtkDataArray::Format::Ascii ? VtkArrayForm::Ascii : VtkArrayForm::Base64;
     return dataArrayElement<double>({array.name, type, 3}, coordinatesOf(points), form,
                                     file.coding(), indentOf(file.bytes(), array.begin));
+}
+
+/// How an array of PointData is carried; null if it does not hold directions.
+Carry carryOf(const VtkSection& pointData, const VtkDataArray& array) {
+    if (array.components != 3 || !array.type || isInteger(*array.type)) return nullptr;
+    const auto is = [&](const std::string& kind) {
+        const auto active = pointData.active.find(kind);
+        return array.name == kind ||
+               (active != pointData.active.end() && array.name == active->second);
+    };
+    return is("Normals") ? carryNormal : is("Tangents") ? carryTangent : nullptr;
+}
+
+std::vector<Point3> copyOf(std::span<const Point3> points) {
+    return {points.begin(), points.end()};
+}
+
+bool areSame(std::span<const Point3> a, std::span<const Point3> b) {
+    const auto isSamePoint = [](const Point3& p, const Point3& q) {
+        return std::equal(p.begin(), p.end(), q.begin(), isSame);
+    };
+    return std::equal(a.begin(), a.end(), b.begin(), isSamePoint);
 }
 
 }  // namespace
@@ -51,30 +75,58 @@ VtuModel VtuModel::read(const std::filesystem::path& path, std::string bytes) {
         const std::vector<Point3> points = readPoints(model.file_, piece);
         if (points.empty()) continue;
         model.positions_.insert(model.positions_.end(), points.begin(), points.end());
-        model.arrays_.push_back({pointArray(model.file_, piece), first, points.size()});
+        model.arrays_.push_back(
+            {pointArray(model.file_, piece), first, points.size(), nullptr, {}});
+        model.addDirections(piece, first, points.size());
     }
     checkFinite(path, model.positions_);
+    std::sort(
+        model.arrays_.begin(), model.arrays_.end(),
+        [](const PlacedArray& a, const PlacedArray& b) { return a.array.begin < b.array.begin; });
     return model;
 }
 
-void VtuModel::write(const std::filesystem::path& path, std::span<const Point3> positions) const {
+void VtuModel::addDirections(const VtkPiece& piece, std::size_t firstPoint,
+                             std::size_t pointCount) {
+    const auto pointData = piece.sections.find("PointData");
+    if (pointData == piece.sections.end()) return;
+    for (const VtkDataArray& array : pointData->second.arrays)
+        if (const Carry carry = carryOf(pointData->second, array))
+            arrays_.push_back(
+                {array, firstPoint, pointCount, carry, pointsOf(file_.reals(array, pointCount))});
+}
+
+bool VtuModel::hasDirections() const {
+    return std::any_of(arrays_.begin(), arrays_.end(),
+                       [](const PlacedArray& placed) { return placed.carry != nullptr; });
+}
+
+void VtuModel::write(const std::filesystem::path& path, std::span<const Point3> positions,
+                     std::span<const DeformationGradient> gradients) const {
     if (positions.size() != positions_.size())
         throw Error("got " + std::to_string(positions.size()) + " positions for a model of " +
                     std::to_string(positions_.size()) + " points");
     const std::string_view bytes = file_.bytes();
     writeFile(path, [&](std::ostream& out) {
         std::size_t done = 0;
-        for (const PointArray& points : arrays_) {
-            const VtkDataArray& array = points.array;
+        for (const PlacedArray& placed : arrays_) {
+            if (placed.carry && gradients.empty()) continue;
+            const VtkDataArray& array = placed.array;
             const VtkNumber type = isInteger(*array.type) ? VtkNumber::Float64 : *array.type;
-            const std::vector<Point3> moved = rounded(
-                positions.subspan(points.firstPoint, points.pointCount), type, points.firstPoint);
-            if (std::equal(moved.begin(), moved.end(),
-                           positions_.begin() + static_cast<std::ptrdiff_t>(points.firstPoint)))
-                continue;
+            const auto ofPiece = [&](auto values) {
+                return values.subspan(placed.firstPoint, placed.pointCount);
+            };
+            const std::vector<Point3> now =
+                rounded(placed.carry ? carried(placed.directions, ofPiece(gradients), placed.carry,
+                                               precisionOf(type))
+                                     : copyOf(ofPiece(positions)),
+                        type, placed.firstPoint);
+            const std::span<const Point3> before =
+                placed.carry ? placed.directions : ofPiece(std::span(positions_));
+            if (areSame(now, before)) continue;
             out << bytes.substr(done, array.begin - done);
             try {
-                out << pointElement(file_, array, type, moved);
+                out << elementOf(file_, array, type, now);
             } catch (const CodingError& error) {
                 throw FileError(path, error.what());
             }

@@ -106,6 +106,18 @@ vn 0 0 1
 f 1/1/1 2/1/1 \\
   -1//1
 """)
+    put("obj", "normals", """vn 0 1 0
+v 0 0 0
+v 1 0 0
+f 1//1 2//1 1//2
+v 0 1 0
+vn 0.6 0 0.8 # the last \\
+f 1//1 2//-1 -1/2/-2 \\
+ -2//2
+vn 0 0 1
+f 1//3 2//3 3//1
+surf 0 1 0 1 1//1 2//-1 9//3 1//9
+""")
     put("obj_mesh", "tags", """v 0 0 0
 v 1 0 0
 v 1 1 0
@@ -141,6 +153,27 @@ end_header
         rows = b"".join(struct.pack(order + "fdfB", i, 2 * i, 3 * i, i) for i in range(3))
         rows += struct.pack(order + "B3i", 3, 0, 1, 2)
         put("ply", name, header.format(name).encode() + rows)
+    header = header.replace("property uchar red", "property float nx\nproperty float nz\n"
+                            "property double tx\nproperty float ny\nproperty double ty\n"
+                            "property double tz")
+    put("ply", "directions-ascii", header.format("ascii") + """0 0 0 0 1 1 0 0 0
+1 0 0 0.6 0.8 0 0 1 0
+0 1 0 nan x 0 1e300 -0 1e39
+3 0 1 2
+""")
+    rows = b"".join(struct.pack(">fdfffdfdd", i, 2 * i, 3 * i, 0.6, 0.8, i, 0, 2, 1)
+                    for i in range(3))
+    put("ply", "directions-binary", header.format("binary_big_endian").encode() + rows +
+        struct.pack(">B3i", 3, 0, 1, 2))
+    numbers = struct.pack("<I6f", 24, 1, 0, 0, 0.6, 0, 0.8)
+    put("vtu_model", "directions", b"""<VTKFile type="UnstructuredGrid" byte_order="LittleEndian">
+<UnstructuredGrid><Piece NumberOfPoints="2" NumberOfCells="0">
+<PointData Normals="n"><DataArray type="Float64" Name="Tangents" NumberOfComponents="3">
+0 1 0 nan 0 1</DataArray>
+<DataArray type="Float32" Name="n" NumberOfComponents="3" format="appended" offset="0"/></PointData>
+<Points><DataArray type="Int8" NumberOfComponents="3">0 0 0 1 2 3</DataArray></Points>
+<Cells/></Piece></UnstructuredGrid><AppendedData encoding="raw">
+_""" + numbers + b"</AppendedData></VTKFile>")
     put("stl", "ascii", """solid thing
 facet normal 0 0 1
 outer loop

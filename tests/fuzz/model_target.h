@@ -11,8 +11,22 @@
 
 namespace espalier::fuzz {
 
-/// That a model is refused, or is written as it was read where no point moves, and with all its
-/// points where they have moved.
+/// Gradients made up of the bytes of an input, of all sizes and signs, singular ones among them.
+inline std::vector<io::DeformationGradient> gradientsFrom(std::string_view bytes,
+                                                          std::size_t count) {
+    std::vector<io::DeformationGradient> gradients(count);
+    std::size_t next = 0;
+    for (io::DeformationGradient& gradient : gradients) {
+        for (double& entry : gradient) {
+            const auto byte = static_cast<unsigned char>(bytes[next++ % bytes.size()]);
+            entry = std::scalbn(static_cast<double>(byte % 8) - 3, byte >= 0xFC ? 900 : byte / 64);
+        }
+    }
+    return gradients;
+}
+
+/// That a model is refused, or is written as it was read where no point moves and no gradient
+/// turns, and with all its points where they have moved.
 /// \param name gives the format
 inline void runModelTarget(const std::string& name, std::string_view bytes) {
     const auto read = readResult(name, [&] { return io::readModel(name, std::string(bytes)); });
@@ -21,26 +35,34 @@ inline void runModelTarget(const std::string& name, std::string_view bytes) {
     for (const Point3& point : model.positions())
         for (const double coordinate : point)
             require(std::isfinite(coordinate), "points are finite");
-    const auto writtenWith = [&](const io::Model& of, std::span<const Point3> points) {
-        return written(name, [&](const auto& path) { of.write(path, points); });
+    const auto writtenWith = [&](const io::Model& of, const auto&... arguments) {
+        return written(name, [&](const auto& path) { of.write(path, arguments...); });
     };
     require(writtenWith(model, model.positions()) == bytes,
             "a model that has not moved is written byte for byte");
+    const std::vector<io::DeformationGradient> still(model.positions().size(),
+                                                     {1, 0, 0, 0, 1, 0, 0, 0, 1});
+    require(writtenWith(model, model.positions(), still) == bytes,
+            "a model whose directions have not turned is written byte for byte");
 
     // Half of it, so that no point leaves the range of its numbers.
     std::vector<Point3> moved(model.positions().begin(), model.positions().end());
     for (Point3& point : moved)
         for (double& coordinate : point) coordinate = coordinate / 2 + 1;
-    const std::string once = writtenWith(model, moved);
-    const auto back = io::readModel(name, once);
-    require(back->positions().size() == moved.size(), "a moved model has all its points");
-    for (std::size_t i = 0; i < moved.size(); ++i)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double wanted = moved[i][axis];
-            const double got = back->positions()[i][axis];
-            require(got == wanted || got == double{static_cast<float>(wanted)},
-                    "a moved point is where it was put");
-        }
+    const auto requireMoved = [&](const std::string& once) {
+        const auto back = io::readModel(name, once);
+        require(back->hasDirections() == model.hasDirections(), "a moved model has its directions");
+        require(back->positions().size() == moved.size(), "a moved model has all its points");
+        for (std::size_t i = 0; i < moved.size(); ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double wanted = moved[i][axis];
+                const double got = back->positions()[i][axis];
+                require(got == wanted || got == double{static_cast<float>(wanted)},
+                        "a moved point is where it was put");
+            }
+    };
+    requireMoved(writtenWith(model, moved));
+    requireMoved(writtenWith(model, moved, gradientsFrom(bytes, moved.size())));
 }
 
 }  // namespace espalier::fuzz

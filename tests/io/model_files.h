@@ -23,11 +23,19 @@ inline void putFile(const std::filesystem::path& path, const std::string& bytes)
 }
 
 /// What a model writes.
-inline std::string written(const io::Model& model, std::span<const Point3> positions) {
+/// \param arguments positions, or positions and gradients
+template <class... Arguments>
+std::string written(const io::Model& model, const Arguments&... arguments) {
     const TemporaryFolder folder;
     const auto path = folder / ("out" + std::string(model.extension()));
-    model.write(path, positions);
+    model.write(path, arguments...);
     return io::readFile(path);
+}
+
+/// What a model writes whose points stay, each with this gradient.
+inline std::string turned(const io::Model& model, const io::DeformationGradient& gradient) {
+    return written(model, model.positions(),
+                   std::vector<io::DeformationGradient>(model.positions().size(), gradient));
 }
 
 inline std::vector<Point3> copyOf(std::span<const Point3> points) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/model.h>
+#include <io/gradient_samples.h>
 #include <io/model_files.h>
 
 #include <limits>
@@ -88,6 +89,20 @@ TEST(Model, RefusesAPositionThatIsNotFiniteAndLeavesTheOldFile) {
     EXPECT_THAT([&] { model->write(folder / "out.obj", moved); },
                 ThrowsMessage<Error>(HasSubstr("point 1 is not finite")));
     EXPECT_EQ(readFile(folder / "out.obj"), "old");
+}
+
+TEST(Model, RefusesGradientsThatItCannotUse) {
+    const auto model = readModel("a.obj", kTriangle);
+    std::vector<DeformationGradient> gradients(2, test::kIdentity);
+    const auto write = [&] { written(*model, model->positions(), gradients); };
+    EXPECT_THAT(write,
+                ThrowsMessage<Error>(AllOf(HasSubstr("2 gradients"), HasSubstr("3 points"))));
+    gradients.clear();
+    EXPECT_THAT(write, ThrowsMessage<Error>(HasSubstr("0 gradients")));
+    gradients.assign(3, test::kIdentity);
+    EXPECT_EQ(written(*model, model->positions(), gradients), kTriangle);
+    gradients[2][5] = std::numeric_limits<double>::infinity();
+    EXPECT_THAT(write, ThrowsMessage<Error>(HasSubstr("the gradient of point 2 is not finite")));
 }
 
 TEST(Model, IsNotWrittenUnderTheExtensionOfAnotherFormat) {

@@ -55,6 +55,13 @@ TEST(Stl, BinaryFacetsThatMoveGetTheirNormal) {
     EXPECT_EQ(written(*model, moved), binarySample({kFlat, line}));
 }
 
+TEST(Stl, NormalsFollowThePointsWhateverTheGradients) {
+    const std::string bytes = binarySample({kFlat, kOdd});
+    const auto model = readModel("a.stl", bytes);
+    EXPECT_FALSE(model->hasDirections());
+    EXPECT_EQ(test::turned(*model, {0, -1, 0, 1, 0, 0, 0, 0, 1}), bytes);
+}
+
 TEST(Stl, BinaryPositionsRoundToFloats) {
     const auto model = readModel("a.stl", binarySample({kOdd}));
     auto moved = copyOf(model->positions());

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/vector3.h>
+#include <espalier/io/directions.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace espalier::io {
+namespace {
+
+/// A matrix by rows, and for each entry the sum of the sizes of the terms that it was made of.
+struct Map {
+    std::array<double, 9> entries;
+    std::array<double, 9> sizes;
+};
+
+/// Exponent of the power of two that brings the largest of the numbers to [1, 2).
+template <class Numbers>
+int exponentOf(const Numbers& numbers) {
+    double largest = 0;
+    for (const double number : numbers) largest = std::max(largest, std::abs(number));
+    return largest > 0 ? std::ilogb(largest) : 0;
+}
+
+/// The numbers times a power of two: exact, but for one that is 2^1000 times smaller than another.
+template <class Numbers>
+Numbers timesPowerOfTwo(Numbers numbers, int exponent) {
+    for (double& number : numbers) number = std::scalbn(number, exponent);
+    return numbers;
+}
+
+Map gradientMap(const DeformationGradient& f) {
+    Map map{f, f};
+    for (double& size : map.sizes) size = std::abs(size);
+    return map;
+}
+
+Map cofactorMap(const DeformationGradient& f) {
+    Map map{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            const auto at = [&](std::size_t row, std::size_t column) {
+                return f[3 * ((i + row) % 3) + (j + column) % 3];
+            };
+            // Cyclic indices give the signs of the cofactors.
+            const double plus = at(1, 1) * at(2, 2);
+            const double minus = at(1, 2) * at(2, 1);
+            map.entries[3 * i + j] = plus - minus;
+            map.sizes[3 * i + j] = std::abs(plus) + std::abs(minus);
+        }
+    }
+    return map;
+}
+
+/// The vector along map · direction, of the length of `direction`.
+Point3 carryBy(const Map& map, const Point3& direction) {
+    // An entry, made of two products of rounded numbers, and the sum over a row are off by less
+    // than this part of their terms.
+    constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+    const int exponent = exponentOf(direction);
+    const Point3 from = timesPowerOfTwo(direction, -exponent);
+    Point3 to{};
+    bool isLost = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+        double size = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            to[i] += map.entries[3 * i + j] * from[j];
+            size += map.sizes[3 * i + j] * std::abs(from[j]);
+        }
+        isLost = isLost && std::abs(to[i]) <= kRounding * size;
+    }
+    if (isLost) return direction == Point3{} ? direction : Point3{};
+    to = timesPowerOfTwo(to, -exponentOf(to));
+    if (to == from) return direction;
+    return timesPowerOfTwo(scaled(to, length(from) / length(to)), exponent);
+}
+
+DeformationGradient balanced(const DeformationGradient& gradient) {
+    return timesPowerOfTwo(gradient, -exponentOf(gradient));
+}
+
+}  // namespace
+
+Point3 carryNormal(const DeformationGradient& gradient, const Point3& normal) {
+    return carryBy(cofactorMap(balanced(gradient)), normal);
+}
+
+Point3 carryTangent(const DeformationGradient& gradient, const Point3& tangent) {
+    return carryBy(gradientMap(balanced(gradient)), tangent);
+}
+
+}  // namespace espalier::io

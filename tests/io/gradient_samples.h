@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/io/directions.h>
+
+#include <cmath>
+#include <cstddef>
+#include <random>
+
+// Gradients for the tests of directions, and their products, the plain way.
+
+namespace espalier::test {
+
+inline constexpr io::DeformationGradient kIdentity = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+inline Point3 times(const io::DeformationGradient& f, const Point3& vector) {
+    Point3 result{};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) result[i] += f[3 * i + j] * vector[j];
+    return result;
+}
+
+inline io::DeformationGradient product(const io::DeformationGradient& f,
+                                       const io::DeformationGradient& g) {
+    io::DeformationGradient result{};
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            for (std::size_t k = 0; k < 3; ++k) result[3 * i + j] += f[3 * i + k] * g[3 * k + j];
+    return result;
+}
+
+/// By Rodrigues' formula.
+/// \param axis of any length
+inline io::DeformationGradient rotation(const Point3& axis, double angle) {
+    const double size = std::hypot(axis[0], axis[1], axis[2]);
+    const Point3 k = {axis[0] / size, axis[1] / size, axis[2] / size};
+    const io::DeformationGradient skew = {0, -k[2], k[1], k[2], 0, -k[0], -k[1], k[0], 0};
+    const io::DeformationGradient square = product(skew, skew);
+    io::DeformationGradient result = kIdentity;
+    for (std::size_t i = 0; i < 9; ++i)
+        result[i] += std::sin(angle) * skew[i] + (1 - std::cos(angle)) * square[i];
+    return result;
+}
+
+/// Entries from -1 to 1.
+inline io::DeformationGradient randomGradient(std::mt19937& random) {
+    std::uniform_real_distribution<double> entry(-1, 1);
+    io::DeformationGradient result{};
+    for (double& value : result) value = entry(random);
+    return result;
+}
+
+}  // namespace espalier::test
