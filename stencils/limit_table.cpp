@@ -57,11 +57,9 @@ public:
     /// \param vertices those that are asked for, once each
     IrregularLimits(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
                     const std::vector<Index>& vertices) {
-        // What fades, or is open, is decided by more than the ring.
-        const bool haveShapes =
-            !level.strata.hasSemiSharp() && refiner.boundary() != far::Boundary::Open;
         std::optional<Surroundings> surroundings;
-        if (haveShapes && vertices.size() > 1) surroundings.emplace(level);
+        if (vertices.size() > 1 && Surroundings::decideRows(level, refiner.boundary(), rules))
+            surroundings.emplace(level);
         std::vector<Index> firsts;
         std::map<Index, std::size_t> placeOfShape;
         for (const Index vertex : vertices) {

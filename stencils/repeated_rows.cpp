@@ -16,13 +16,10 @@ std::size_t at(Index index) {
 }  // namespace
 
 bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level, Rules rules) {
-    // RATS looks one vertex further, and MLCA at all parts of the cells around, of which a shape
-    // names those alone that touch the entity. On level 1 nothing is inside an entity but its own
-    // point. Rows are matched by their place among those of an entity: none may be missing.
-    const bool seesShapesOnly =
-        rules == Rules::Mlca ? refiner.dimension() < far::kMaxDimension : rules != Rules::Rats;
-    return level >= 2 && refiner.isUniform() && seesShapesOnly &&
-           refiner.boundary() != far::Boundary::Open && !refiner.level(0).strata.hasSemiSharp();
+    // On level 1 nothing is inside an entity but its own point. Rows are matched by their place
+    // among those of an entity: none may be missing.
+    return level >= 2 && refiner.isUniform() &&
+           Surroundings::decideRows(refiner.level(0), refiner.boundary(), rules);
 }
 
 RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,

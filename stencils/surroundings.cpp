@@ -25,6 +25,13 @@ Surroundings::Surroundings(const far::Level& level)
                               d >= 2 ? &complex.boundary(d) : nullptr});
 }
 
+bool Surroundings::decideRows(const far::Level& level, far::Boundary boundary, Rules rules) {
+    const bool seesShapesOnly = rules == Rules::Mlca
+                                    ? level.complex.dimension() < far::kMaxDimension
+                                    : rules != Rules::Rats;
+    return seesShapesOnly && boundary != far::Boundary::Open && !level.strata.hasSemiSharp();
+}
+
 Index Surroundings::shapeOf(const Entity& entity) {
     // What repeats is met early. Where nothing does, each shape takes some kilobytes.
     constexpr std::size_t kMostRemembered = 4096;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/masks.h>
 #include <espalier/stencils/place_map.h>
 
 #include <array>
@@ -26,6 +27,11 @@ namespace espalier::stencils {
 class Surroundings {
 public:
     explicit Surroundings(const far::Level& level);
+
+    /// Whether rows inside entities follow from shapes, under these rules. RATS looks one vertex
+    /// further, and MLCA at all parts of the cells around, of which a shape names those alone that
+    /// touch the entity.
+    static bool decideRows(const far::Level& level, far::Boundary boundary, Rules rules);
 
     /// The number of the shape around an entity; they count from 0 as they are first met. Once very
     /// many are known, new ones are no longer remembered, and have another number each time.

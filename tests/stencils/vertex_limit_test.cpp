@@ -72,10 +72,12 @@ TEST(VertexRing, EigenvaluesOfIrregularStars) {
     expectEigenvalues(ringIn(icosahedral, Rules::Siggraph96, 12), {0.6150, 0.6150, 0.6150},
                       kDecimals);
     expectEigenvalues(ringIn(icosahedral, Rules::Cse96, 12), {0.6289, 0.6289, 0.6289}, kDecimals);
+    expectEigenvalues(ringIn(icosahedral, Rules::Mlca, 12), {0.6289, 0.6289, 0.6289}, kDecimals);
     const auto tetrahedral = starOfTetrahedra(shapes::tetrahedron().complex);
     expectEigenvalues(ringIn(tetrahedral, Rules::Siggraph96, 4), {0.3476, 0.3476, 0.3476},
                       kDecimals);
     expectEigenvalues(ringIn(tetrahedral, Rules::Cse96, 4), {0.3632, 0.3632, 0.3632}, kDecimals);
+    expectEigenvalues(ringIn(tetrahedral, Rules::Mlca, 4), {0.3632, 0.3632, 0.3632}, kDecimals);
 }
 
 // Inside a regular lattice, the cubic B-spline takes the values (1, 4, 1)/6 at a knot: 8/27 P, and
@@ -87,6 +89,36 @@ TEST(VertexRing, RegularLimitIsThatOfTheSpline) {
         const std::array<double, 4> perEntity = {8.0 / 27, 4.0 / 9 / 6, 2.0 / 9 / 12, 1.0 / 27 / 8};
         EXPECT_NEAR(mask[static_cast<Eigen::Index>(i)],
                     perEntity[static_cast<std::size_t>(ring.entities[i].dimension)], 1e-15);
+    }
+}
+
+/// MLCA: among hexahedra the limit of a vertex inside is 8/27 P + 4/9 ē + 2/9 f̄ + 1/27 c̄, the
+/// regular one, whatever the valence, with ē the mean of the vertices across edges weighted by the
+/// number of cells at the edge; f̄ and c̄ those across faces and cells.
+TEST(VertexRing, LimitUnderMlcaIsThatOfTheSplineWeightedByCells) {
+    std::vector<far::CellComplex> stars = {
+        starOfTetrahedra(shapes::icosahedron().complex),
+        starOfTetrahedra(shapes::tetrahedron().complex),
+        starOfTetrahedra(shapes::octahedron().complex),
+        starOfTetrahedra(shapes::bipyramid({.sides = 5}).complex)};
+    for (const auto& star : stars) {
+        const Index centre = star.count(0) - 1;
+        const auto ring = ringIn(star, Rules::Mlca, centre);
+        const Eigen::VectorXd mask = limitMask(ring);
+        // The ring one level on is among hexahedra. Each face is in two cells, each cell in itself.
+        const std::array<double, 4> shares = {8.0 / 27, 4.0 / 9, 2.0 / 9, 1.0 / 27};
+        std::array<double, 4> totals = {};
+        const auto cellsAt = [&](const far::Entity& entity) {
+            return double(star.relation(entity.dimension, 3)[entity.index].size());
+        };
+        for (const auto& entity : ring.entities)
+            totals[std::size_t(entity.dimension)] += cellsAt(entity);
+        for (std::size_t i = 0; i < ring.entities.size(); ++i) {
+            const auto d = std::size_t(ring.entities[i].dimension);
+            // Sums of up to 63 terms, solved for.
+            EXPECT_NEAR(mask[Eigen::Index(i)], shares[d] * cellsAt(ring.entities[i]) / totals[d],
+                        1e-14);
+        }
     }
 }
 
@@ -137,6 +169,7 @@ TEST(VertexLimits, AreTheSameFromEveryLevel) {
     for (const auto& [name, lattice] : test::zoo()) {
         expectInvariant(name, lattice, Rules::Siggraph96, 2);
         expectInvariant(name, lattice, Rules::Cse96, 1);
+        expectInvariant(name, lattice, Rules::Mlca, 1);
     }
     for (const auto& [name, lattice] : test::featureLattices())
         expectInvariant(name, lattice, Rules::Siggraph96, 2);

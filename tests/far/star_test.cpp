@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/star.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/zoo.h"
+
+namespace espalier::far {
+namespace {
+
+/// Whether two rows of a level and of a star are the same, but for numbers.
+void expectSame(std::span<const Index> inStar, std::span<const Index> inLevel,
+                const std::vector<Index>& entities) {
+    ASSERT_EQ(inStar.size(), inLevel.size());
+    for (std::size_t i = 0; i < inStar.size(); ++i)
+        EXPECT_EQ(entities[static_cast<std::size_t>(inStar[i])], inLevel[i]);
+}
+
+// All that contains the vertex is there, with the same loops, signs and strata.
+TEST(Star, IsThePartOfTheLevelAroundAVertex) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
+        refiner.refineUniform(1);
+        for (int level = 0; level <= 1; ++level) {
+            const Level& whole = refiner.level(level);
+            for (Index vertex = 0; vertex < whole.complex.count(0); vertex += 1 + 7 * level) {
+                const Star star = starOf(whole, vertex);
+                EXPECT_EQ(star.entities[0][static_cast<std::size_t>(star.vertex)], vertex);
+                for (int d = 1; d <= 3; ++d) {
+                    const auto& entities = star.entities[static_cast<std::size_t>(d)];
+                    EXPECT_TRUE(std::is_sorted(entities.begin(), entities.end()));
+                    expectSame(star.level.complex.relation(0, d)[star.vertex],
+                               whole.complex.relation(0, d)[vertex], entities);
+                    for (const Index entity : star.level.complex.relation(0, d)[star.vertex]) {
+                        const Index there = entities[static_cast<std::size_t>(entity)];
+                        expectSame(star.level.complex.boundary(d)[entity],
+                                   whole.complex.boundary(d)[there],
+                                   star.entities[static_cast<std::size_t>(d) - 1]);
+                        EXPECT_TRUE(std::ranges::equal(star.level.complex.boundary(d).signs(entity),
+                                                       whole.complex.boundary(d).signs(there)));
+                        EXPECT_EQ(star.level.strata.of({d, entity}), whole.strata.of({d, there}))
+                            << name;
+                    }
+                }
+                EXPECT_EQ(star.level.strata.of({0, star.vertex}), whole.strata.of({0, vertex}))
+                    << name;
+            }
+        }
+    }
+}
+
+TEST(Star, OfTwoRingsHoldsTheStarsOfItsVertices) {
+    const TopologyRefiner refiner(test::grid({5, 5, 5}));
+    const Index middle = test::gridVertex({5, 5, 5}, 2, 2, 2);
+    EXPECT_EQ(starOf(refiner.level(0), middle).level.complex.count(3), 8);
+    EXPECT_EQ(starOf(refiner.level(0), middle, 2).level.complex.count(3), 64);
+}
+
+TEST(Star, OfWhatIsNotThereIsRefused) {
+    const TopologyRefiner refiner(test::grid({1, 1, 1}));
+    EXPECT_THROW(starOf(refiner.level(0), -1), Error);
+    EXPECT_THROW(starOf(refiner.level(0), 8), Error);
+}
+
+}  // namespace
+}  // namespace espalier::far
