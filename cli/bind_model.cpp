@@ -3,6 +3,7 @@
 
 #include <espalier/far/error.h>
 #include <espalier/io/file.h>
+#include <espalier/stencils/limit_binding.h>
 #include <espalier/stencils/local_binding.h>
 
 #include <functional>
@@ -50,7 +51,23 @@ BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3
                               const Lattice& lattice, Stages& stages) {
     auto bound = refineAndBind(stencils::bindPoints<double>, options, points, lattice, stages);
     const BindingReport report = reportOf(bound, bound.largestResidual);
-    return {std::move(bound.binding), report};
+    return {std::move(bound.binding), report, {}};
+}
+
+BoundPoints bindToLimit(const BindOptions& options, std::span<const Point3> points,
+                        const Lattice& lattice, Gradients gradients, Stages& stages) {
+    const auto base = refineLattice(options.rest, lattice, options.common, 0);
+    auto bound = stencils::bindLimit<double>(base, lattice.positions, options.common.rules, points,
+                                             {.embedding = options.common.embedding,
+                                              .tolerance = options.common.embedding.tolerance,
+                                              .gradients = gradients == Gradients::OfLimit},
+                                             progressOf(stages, points.size()));
+    const BindingReport report = reportOf(bound, bound.largestResidual);
+    auto& binding = bound.binding;
+    return {{std::move(binding.table.points), std::move(binding.kept), std::move(binding.keptAt),
+             binding.topologyHash},
+            report,
+            std::move(binding.table.gradients)};
 }
 
 stencils::TensorLattice tensorLattice(const BindOptions& options, const Lattice& lattice) {
@@ -71,7 +88,8 @@ BoundPoints bindToTensorProduct(const BindOptions& options, std::span<const Poin
     const auto embedding = stencils::embedPoints(tensor, points, options.common.embedding,
                                                  progressOf(stages, points.size()));
     return {stencils::makeBinding<double>(tensor, embedding, points),
-            reportOf(embedding, embedding.largestResidual())};
+            reportOf(embedding, embedding.largestResidual()),
+            {}};
 }
 
 }  // namespace
@@ -90,6 +108,12 @@ void addBindingOptions(CLI::App& command, BindOptions& options) {
                      "parallelepiped, Bernstein polynomials or cubic B-splines");
     const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
     addLevelOption(command, options.level, 1);
+    command
+        .add_flag(
+            "--limit", options.limit,
+            "Bind to the volume that refining goes to, not to a level on the way; --tolerance "
+            "also says how close. deform then carries normals and tangents too")
+        ->excludes(command.get_option("-n"));
     addRefinementOptions(command, options.common);
     const auto all = command.get_options();
     for (auto option = all.begin() + others; option != all.end(); ++option) {
@@ -108,10 +132,13 @@ void checkBasis(const BindOptions& options) {
 }
 
 BoundPoints bindPoints(const BindOptions& options, std::span<const Point3> points,
-                       const Lattice& lattice, Stages& stages) {
-    const auto bind = options.basis == Basis::Subdivision ? bindToSubdivision : bindToTensorProduct;
+                       const Lattice& lattice, Stages& stages, Gradients gradients) {
     return stages.run("binding", [&] {
-        BoundPoints bound = bind(options, points, lattice, stages);
+        BoundPoints bound = options.basis != Basis::Subdivision
+                                ? bindToTensorProduct(options, points, lattice, stages)
+                            : options.limit
+                                ? bindToLimit(options, points, lattice, gradients, stages)
+                                : bindToSubdivision(options, points, lattice, stages);
         stages.addBytes(bytesOf(bound.binding.table));
         return bound;
     });
@@ -121,7 +148,7 @@ std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& 
                                                              std::span<const Point3> points,
                                                              const Lattice& lattice,
                                                              Stages& stages) {
-    if (options.basis != Basis::Subdivision) return std::nullopt;
+    if (options.basis != Basis::Subdivision || options.limit) return std::nullopt;
     return stages.run("binding in factors", [&] {
         auto bound =
             refineAndBind(stencils::bindFactored<double>, options, points, lattice, stages);

@@ -26,6 +26,7 @@ struct BindOptions {
     std::string rest;
     Basis basis = Basis::Subdivision;
     int level = 3;
+    bool limit = false;                             ///< to the limit volume instead of a level
     std::vector<const CLI::Option*> ofSubdivision;  ///< those that no other basis has a use for
 };
 
@@ -49,15 +50,20 @@ struct BindingReport {
 struct BoundPoints {
     stencils::Binding<double> binding;
     BindingReport report;
+    /// stencils::LimitTable::gradients; 0 × 0 if they were not asked for, or bound to a level.
+    std::array<stencils::StencilTable<double>, 3> gradients = {};
 };
+
+/// What else binding may make.
+enum class Gradients { No, OfLimit };
 
 /// Freezes points to a lattice that was read from options.rest. Errors in the lattice name it.
 /// Stage: binding.
 BoundPoints bindPoints(const BindOptions& options, std::span<const Point3> points,
-                       const Lattice& lattice, Stages& stages);
+                       const Lattice& lattice, Stages& stages, Gradients gradients = Gradients::No);
 
 /// The matrix that bindPoints() finds, left in its factors; nothing for a basis without any: those
-/// other than subdivision. Stage: binding in factors.
+/// other than subdivision, and the limit. Stage: binding in factors.
 std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& options,
                                                              std::span<const Point3> points,
                                                              const Lattice& lattice,

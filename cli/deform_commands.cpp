@@ -2,13 +2,16 @@
 #include <espalier/far/parallel.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/binding_file.h>
+#include <espalier/io/directions.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/io/numbered_path.h>
 #include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/cpu_evaluator.h>
 #include <fmt/format.h>
 
+#include <array>
 #include <functional>
 #include <memory>
 
@@ -56,15 +59,46 @@ std::vector<std::vector<Point3>> readPoses(
     return poses;
 }
 
+/// The deformation gradient of each point.
+/// \param gradients as LimitTable has them
+/// \param rest, pose of the lattice
+std::vector<io::DeformationGradient> gradientsAt(
+    const std::array<stencils::StencilTable<double>, 3>& gradients, const std::vector<Point3>& rest,
+    const std::vector<Point3>& pose) {
+    // Of the displacements, so that what does not move has the identity to the last bit.
+    std::vector<double> moved;
+    for (std::size_t v = 0; v < pose.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - rest[v][c]);
+    const far::Index count = gradients[0].rowCount();
+    std::vector<io::DeformationGradient> result(static_cast<std::size_t>(count),
+                                                {1, 0, 0, 0, 1, 0, 0, 0, 1});
+    const auto layout = osd::BufferDescriptor::packed(3);
+    std::vector<double> column(3 * result.size());
+    for (std::size_t j = 0; j < 3; ++j) {
+        osd::CpuEvaluator::evaluate(gradients[j], std::span<const double>(moved), layout,
+                                    std::span(column), layout, {0, count});
+        for (std::size_t point = 0; point < result.size(); ++point)
+            for (std::size_t i = 0; i < 3; ++i) result[point][3 * i + j] += column[3 * point + i];
+    }
+    return result;
+}
+
+/// \param gradientsOf makes the gradients of the pose, if there are directions to carry
 void writePose(const io::Model& model, const Binding& binding, const std::vector<Point3>& pose,
-               const std::filesystem::path& path, Stages& stages) {
+               const std::filesystem::path& path, Stages& stages,
+               const std::function<std::vector<io::DeformationGradient>()>& gradientsOf = {}) {
+    std::vector<io::DeformationGradient> gradients;
     const auto points = stages.run("applying", [&] {
         auto moved = osd::evaluateBinding(binding, pose);
+        if (gradientsOf) gradients = gradientsOf();
         stages.addBytes(bytesOf(binding.table) + (pose.size() + moved.size()) * sizeof(Point3));
         return moved;
     });
     stages.run("writing", [&] {
-        model.write(path, points);
+        if (gradientsOf)
+            model.write(path, points, gradients);
+        else
+            model.write(path, points);
         stages.addFile(path);
     });
 }
@@ -80,9 +114,15 @@ void runDeform(const Options& options) {
     const auto poses = readPoses(options, stages, [&](const std::string& path) {
         return readPose(path, lattice, options.rest);
     });
-    const BoundPoints bound = bindPoints(options, model->positions(), lattice, stages);
-    for (std::size_t i = 0; i < poses.size(); ++i)
-        writePose(*model, bound.binding, poses[i], paths[i], stages);
+    const bool carries = options.limit && model->hasDirections();
+    const BoundPoints bound = bindPoints(options, model->positions(), lattice, stages,
+                                         carries ? Gradients::OfLimit : Gradients::No);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+        std::function<std::vector<io::DeformationGradient>()> gradients;
+        if (carries)
+            gradients = [&] { return gradientsAt(bound.gradients, lattice.positions, poses[i]); };
+        writePose(*model, bound.binding, poses[i], paths[i], stages, gradients);
+    }
     if (!options.common.quiet)
         print({bound.report, bound.binding, stages, peakMemory()}, options.report);
 }

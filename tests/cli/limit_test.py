@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Binds models to the limit volume of a lattice, and deforms them with it."""
+
+import json
+import math
+import sys
+import unittest
+
+import program
+from program import CliTest
+
+
+def bend(p):
+    """Far from affine, and smooth."""
+    x, y, z = p
+    return (x + 0.3 * z * z, y - 0.2 * x * z, z)
+
+
+def turn(p, angle=0.7):
+    x, y, z = p
+    return (math.cos(angle) * x - math.sin(angle) * y, math.sin(angle) * x + math.cos(angle) * y, z)
+
+
+class LimitTest(CliTest):
+    def write_model(self):
+        """A quadrilateral inside, with the normals of a sphere at its corners."""
+        points = [(0.2, 0.1, 0.3), (-0.2, 0.1, 0.2), (-0.1, -0.3, -0.1), (0.2, -0.2, 0.1)]
+        lines = ["# a model", *(f"v {x} {y} {z}" for x, y, z in points)]
+        for p in points:
+            length = math.sqrt(sum(c * c for c in p))
+            lines.append("vn " + " ".join(f"{c / length:.9f}" for c in p))
+        lines.append("f 1//1 2//2 3//3 4//4")
+        (self.path / "model.obj").write_text("\n".join(lines) + "\n")
+
+    def write_lattice(self):
+        self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 2, "--from", 0, 0, -1,
+                         "--to", 0, 0, 1, "-o", "rest.ovm")
+
+    def pose(self, move, name="pose.ovm"):
+        """The lattice with each vertex moved."""
+        lines = (self.path / "rest.ovm").read_text().splitlines()
+        first = lines.index("Vertices") + 2
+        for i, position in enumerate(self.read_ovm_positions("rest.ovm"), first):
+            lines[i] = "%.17g %.17g %.17g" % move(position)
+        (self.path / name).write_text("\n".join(lines) + "\n")
+        return name
+
+    def vectors(self, name, word):
+        return [[float(c) for c in line.split()[1:]]
+                for line in (self.path / name).read_text().splitlines() if line.startswith(word + " ")]
+
+    def setUp(self):
+        super().setUp()
+        self.write_lattice()
+        self.write_model()
+
+    def deform(self, *arguments, to="pose.ovm", output="out.obj"):
+        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", to, "-o", output,
+                         *arguments)
+        return self.vectors(output, "v")
+
+    def assert_near(self, got, expected, tolerance):
+        self.assertEqual(len(got), len(expected))
+        for a, b in zip(got, expected):
+            self.assertLess(math.dist(a, b), tolerance)
+
+    def test_at_rest_the_model_stays(self):
+        points = self.deform("--limit", to="rest.ovm")
+        self.assert_near(points, self.vectors("model.obj", "v"), 1e-15)
+        # Nothing moves: normals keep their text.
+        lines = [[line for line in (self.path / name).read_text().splitlines() if "v " not in line]
+                 for name in ("out.obj", "model.obj")]
+        self.assertEqual(lines[0], lines[1])
+
+    def test_a_turn_turns_points_and_normals(self):
+        self.pose(turn)
+        points = self.deform("--limit")
+        # The files' digits: the lattice's and the model's are exact, nine are written of normals.
+        self.assert_near(points, [turn(p) for p in self.vectors("model.obj", "v")], 1e-9)
+        self.assert_near(self.vectors("out.obj", "vn"),
+                         [turn(n) for n in self.vectors("model.obj", "vn")], 3e-9)
+
+    def test_levels_tend_to_it(self):
+        self.pose(bend)
+        limit = self.deform("--limit")
+        distances = []
+        for level in (2, 3, 4, 5):
+            points = self.deform("-n", level)
+            distances.append(max(math.dist(a, b) for a, b in zip(points, limit)))
+        self.assertGreater(distances[0], 1e-5)
+        # By a fourth a level, in the long run.
+        self.assertLess(distances[3], distances[0] / 20)
+
+    def test_bind_and_apply_do_the_same(self):
+        self.pose(bend)
+        expected = self.deform("--limit")
+        report = json.loads(self.run_program("bind", "model.obj", "--rest", "rest.ovm", "--limit",
+                                             "--tolerance", "1e-6", "-o", "bound.espb",
+                                             "--report", "json").stdout)
+        self.assertEqual(report["points"], {"inside": 4, "outside": 0, "not_converged": 0})
+        self.run_program("apply", "bound.espb", "--to", "pose.ovm", "-o", "applied.obj")
+        self.assertEqual(self.vectors("applied.obj", "v"), expected)
+        # The binding has no gradients.
+        self.assertEqual(self.vectors("applied.obj", "vn"), self.vectors("model.obj", "vn"))
+
+    def test_options_that_do_not_go_together_are_refused(self):
+        command = ["bind", "model.obj", "--rest", "rest.ovm", "--limit", "-o", "bound.espb"]
+        self.assertIn("--limit", self.error_of(*command, "-n", 3, code=2))
+        self.assertIn("--limit", self.error_of(*command, "--basis", "bspline", code=2))
+        self.assertRegex(self.error_of(*command, "--tolerance", 0.5),
+                         "the tolerance of the limit is 0.5.*; expected 1e-14 to 0.1")
+
+
+if __name__ == "__main__":
+    program.ESPALIER = sys.argv.pop(1)
+    unittest.main()
