@@ -138,12 +138,6 @@ private:
     LimitSearch search_;
 };
 
-void checkTolerance(double tolerance) {
-    if (tolerance >= 1e-14 && tolerance <= 0.1) return;
-    throw Error("the tolerance of the limit is " + std::to_string(tolerance) +
-                "; expected 1e-14 to 0.1");
-}
-
 }  // namespace
 
 template <class Real>
@@ -152,7 +146,7 @@ BoundModel<Real, LimitTable<Real>> bindLimit(const far::TopologyRefiner& base,
                                              std::span<const Point3> points,
                                              const LimitOptions& options,
                                              const std::function<void(Offset)>& progress) {
-    checkTolerance(options.tolerance);
+    checkLimitTolerance(options.tolerance);
     checkLimitRules(rules);
     checkBase(base, positions, 1);
     const LengthUnit unit(positions);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "limit_place.h"
 
-#include <espalier/far/standard_cells.h>
+#include <espalier/far/error.h>
+#include <espalier/stencils/composition.h>
 #include <espalier/stencils/limit_table.h>
-#include <espalier/stencils/trilinear.h>
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <string>
 
 #include "table_builder.h"
 
@@ -30,27 +31,12 @@ std::vector<VertexWeight> slope(const far::CellComplex& complex, CellPlace place
     return weights;
 }
 
-/// The same of any derivative.
+/// The same of the position or a first derivative.
 std::vector<VertexWeight> slope(const far::CellComplex& complex, const CellPlace& place,
                                 const Orders& orders) {
-    const int total = std::accumulate(orders.begin(), orders.end(), 0);
-    if (total == 0) return placeWeights(complex, place);
-    const auto axis =
-        static_cast<std::size_t>(std::max_element(orders.begin(), orders.end()) - orders.begin());
-    if (total == 1) return slope(complex, place, axis);
-    // Of second ones, a trilinear map has the mixed ones alone: differences of slopes, as these are
-    // linear along the other axis.
-    std::vector<VertexWeight> weights;
-    if (orders[axis] == 2 || !far::hexahedronVertices(complex, place.cell)) return weights;
-    const auto other = static_cast<std::size_t>(
-        std::find(orders.begin() + static_cast<std::ptrdiff_t>(axis) + 1, orders.end(), 1) -
-        orders.begin());
-    CellPlace end = place;
-    end.uvw[other] = 0;
-    add(weights, -1, slope(complex, end, axis));
-    end.uvw[other] = 1;
-    add(weights, 1, slope(complex, end, axis));
-    return weights;
+    if (orders == kPosition) return placeWeights(complex, place);
+    const auto axis = std::find(kFirst.begin(), kFirst.end(), orders) - kFirst.begin();
+    return slope(complex, place, static_cast<std::size_t>(axis));
 }
 
 }  // namespace
@@ -68,31 +54,114 @@ StencilTable<double> blendedRows(const far::TopologyRefiner& refiner, int level,
         });
 }
 
+namespace {
+
+/// Half the sum of the differences of two rows: how far apart they can put two points, as a
+/// fraction of the size of what they weigh.
+double spreadOf(const StencilTable<double>& rows, Index a, Index b) {
+    double sum = 0;
+    std::size_t i = 0, k = 0;
+    const auto first = rows.columns(a), second = rows.columns(b);
+    while (i < first.size() || k < second.size()) {
+        const bool isFirst = k == second.size() || (i < first.size() && first[i] <= second[k]);
+        const bool isSecond = i == first.size() || (k < second.size() && second[k] <= first[i]);
+        sum += std::abs((isFirst ? rows.weights(a)[i] : 0) - (isSecond ? rows.weights(b)[k] : 0));
+        i += isFirst;
+        k += isSecond;
+    }
+    return sum / 2;
+}
+
+void sortUnique(std::vector<Index>& values) {
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+Index placeIn(const std::vector<Index>& ascending, Index value) {
+    return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
+                              ascending.begin());
+}
+
+/// The factor of a corner of the unit interval in a derivative of the blend along it.
+double blendFactor(std::size_t bit, double at, int order) {
+    if (order == 0) return bit != 0 ? at : 1 - at;
+    return order > 1 ? 0 : bit != 0 ? 1 : -1;
+}
+
+std::vector<VertexWeight> blendWeights(const FramePlace& place, const Orders& orders) {
+    std::vector<VertexWeight> weights;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        double weight = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            weight *= blendFactor(bitOf(corner, axis), place.uvw[axis], orders[axis]);
+        if (weight != 0) weights.push_back({place.frame.corners[corner], weight});
+    }
+    return weights;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int level,
+                                   std::span<const StencilTable<double>> tables,
+                                   std::span<const Index> cells, double tolerance) {
+    const far::Incidence& vertices = refiner.level(level).complex.relation(3, 0);
+    std::vector<Index> corners;
+    for (const Index cell : cells)
+        corners.insert(corners.end(), vertices[cell].begin(), vertices[cell].end());
+    sortUnique(corners);
+    const auto rows = composeStencils<double>(refiner, tables, corners);
+    std::vector<std::uint8_t> result;
+    for (const Index cell : cells) {
+        double spread = 0;
+        for (const Index vertex : vertices[cell])
+            spread = std::max(spread, spreadOf(rows, placeIn(corners, vertices[cell][0]),
+                                               placeIn(corners, vertex)));
+        // No two are further apart than twice that.
+        result.push_back(2 * spread <= tolerance);
+    }
+    return result;
+}
+
+void checkLimitTolerance(double tolerance) {
+    if (tolerance >= 1e-14 && tolerance <= 0.1) return;
+    throw Error("the tolerance of the limit is " + std::to_string(tolerance) +
+                "; expected 1e-14 to 0.1");
+}
+
+int leastLevelOfSmall(double tolerance) {
+    return std::max(1, static_cast<int>(std::ceil(-std::log2(tolerance))));
+}
+
 PlaceRows::PlaceRows(const far::TopologyRefiner& refiner, int level, Rules rules,
                      std::span<const LimitPlace> places)
     : level_(refiner.level(level)), places_(places), patches_(places.size()) {
+    const auto blend = [&](std::span<const Index> corners) {
+        vertices_.insert(vertices_.end(), corners.begin(), corners.end());
+    };
     for (std::size_t i = 0; i < places.size(); ++i) {
-        if (const auto* patch = std::get_if<PatchPlace>(&places[i].where)) {
+        const auto* place = std::get_if<FramePlace>(&places[i].where);
+        if (!place) {
+            blend(level_.complex.relation(3, 0)[std::get<CellPlace>(places[i].where).cell.value]);
+        } else if (place->isBlended) {
+            blend(place->frame.corners);
+        } else {
             // Points come along a curve: the one before is often in the same cell.
-            const auto* before = i > 0 ? std::get_if<PatchPlace>(&places[i - 1].where) : nullptr;
-            if (before && before->frame.corners == patch->frame.corners)
+            const auto* before = i > 0 ? std::get_if<FramePlace>(&places[i - 1].where) : nullptr;
+            if (before && patches_[i - 1] && before->frame.corners == place->frame.corners)
                 patches_[i] = patches_[i - 1];
             else
-                patches_[i].emplace(level_, patch->frame);
-        } else {
-            const auto corners =
-                level_.complex.relation(3, 0)[std::get<CellPlace>(places[i].where).cell.value];
-            vertices_.insert(vertices_.end(), corners.begin(), corners.end());
+                patches_[i].emplace(level_, place->frame);
         }
     }
-    std::sort(vertices_.begin(), vertices_.end());
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    sortUnique(vertices_);
     if (!vertices_.empty()) limits_ = blendedRows(refiner, level, rules, vertices_);
 }
 
 std::vector<VertexWeight> PlaceRows::weights(std::size_t i, const Orders& orders) const {
-    const auto* place = std::get_if<PatchPlace>(&places_[i].where);
-    if (!place) return blend(std::get<CellPlace>(places_[i].where), orders);
+    const auto* place = std::get_if<FramePlace>(&places_[i].where);
+    if (!place)
+        return inLimits(slope(level_.complex, std::get<CellPlace>(places_[i].where), orders));
+    if (place->isBlended) return inLimits(blendWeights(*place, orders));
     const Eigen::Vector3d uvw(place->uvw.data());
     auto weights = patches_[i]->weights(uvw, orders);
     if (orders == kPosition)
@@ -102,15 +171,15 @@ std::vector<VertexWeight> PlaceRows::weights(std::size_t i, const Orders& orders
     return weights;
 }
 
-std::vector<VertexWeight> PlaceRows::blend(const CellPlace& place, const Orders& orders) const {
-    std::vector<VertexWeight> weights;
-    for (const auto& [vertex, weight] : slope(level_.complex, place, orders)) {
-        const auto row = static_cast<Index>(
-            std::lower_bound(vertices_.begin(), vertices_.end(), vertex) - vertices_.begin());
+/// Weights of vertices, of those of their limits.
+std::vector<VertexWeight> PlaceRows::inLimits(std::span<const VertexWeight> weights) const {
+    std::vector<VertexWeight> result;
+    for (const auto& [vertex, weight] : weights) {
+        const Index row = placeIn(vertices_, vertex);
         for (std::size_t k = 0; k < limits_.columns(row).size(); ++k)
-            weights.push_back({limits_.columns(row)[k], weight * limits_.weights(row)[k]});
+            result.push_back({limits_.columns(row)[k], weight * limits_.weights(row)[k]});
     }
-    return weights;
+    return result;
 }
 
 }  // namespace espalier::stencils

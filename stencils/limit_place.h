@@ -16,19 +16,20 @@
 // Places in the limit volume, and their weights over the vertices of the level that they are in.
 namespace espalier::stencils {
 
-/// In a regular cell: (u, v, w) in its frame. `offset`, in the same coordinates, goes on from there
+/// In a hexahedron: (u, v, w) in its frame. `offset`, in the same coordinates, goes on from there
 /// along the tangent.
-struct PatchPlace {
+struct FramePlace {
     CellFrame frame;
     std::array<double, 3> uvw = {};
     std::array<double, 3> offset = {};
+    bool isBlended = false;  ///< of the limits of its corners; else the cell is regular
 };
 
-/// A place in a cell of a level, either as above, or in what is left at irregular features: there
-/// the limits of the cell's vertices are blended.
+/// A place in a cell of a level, either as above, or as in a level (of any cell), but between the
+/// limits of its vertices.
 struct LimitPlace {
     int level = 0;
-    std::variant<PatchPlace, CellPlace> where;
+    std::variant<FramePlace, CellPlace> where;
 };
 
 /// Derivatives by u, v and w: each 0, 1 or 2; all 0 is the position.
@@ -45,6 +46,20 @@ inline constexpr std::array<Orders, 6> kSecond = {
 StencilTable<double> blendedRows(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const Index> vertices);
 
+/// Which cells of a level are so small that they may be blended: no two of their vertices are
+/// further apart than a fraction of the size of level 0, in any pose.
+/// \param tables R_1 to that of the level; the level is 1 or above
+/// \param cells of the level
+std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int level,
+                                   std::span<const StencilTable<double>> tables,
+                                   std::span<const Index> cells, double tolerance);
+
+/// \throws Error if it is not 1e-14 to 0.1
+void checkLimitTolerance(double tolerance);
+
+/// The level from which on cells may be that small: refining halves a cell at best, or nearly so.
+int leastLevelOfSmall(double tolerance);
+
 /// The weights of places of one level over its vertices.
 class PlaceRows {
 public:
@@ -55,11 +70,11 @@ public:
               std::span<const LimitPlace> places);
 
     /// A derivative at place i, along its tangent if it has an offset: that changes the position
-    /// alone. Second derivatives of a blend by u, v or w twice are 0.
+    /// alone. Second ones of a FramePlace alone; those of a blend by u, v or w twice are 0.
     std::vector<VertexWeight> weights(std::size_t i, const Orders& orders) const;
 
 private:
-    std::vector<VertexWeight> blend(const CellPlace& place, const Orders& orders) const;
+    std::vector<VertexWeight> inLimits(std::span<const VertexWeight> weights) const;
 
     const far::Level& level_;
     std::span<const LimitPlace> places_;

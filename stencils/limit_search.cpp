@@ -2,7 +2,6 @@
 #include "limit_search.h"
 
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/limit_table.h>
 #include <espalier/stencils/regular_cells.h>
 
 #include <Eigen/Geometry>
@@ -40,22 +39,6 @@ constexpr int kMostLevelOfBoxes = 12;
 /// How many cells may become the nearest one of a point from there on: those around a vertex, which
 /// are all as near as that, and some more.
 constexpr std::size_t kMostNearest = 48;
-
-/// How far apart two rows of weights can put two points, as a fraction of the size of what they
-/// weigh.
-double spreadOf(const StencilTable<double>& rows, Index a, Index b) {
-    double sum = 0;
-    std::size_t i = 0, k = 0;
-    const auto first = rows.columns(a), second = rows.columns(b);
-    while (i < first.size() || k < second.size()) {
-        const bool isFirst = k == second.size() || (i < first.size() && first[i] <= second[k]);
-        const bool isSecond = i == first.size() || (k < second.size() && second[k] <= first[i]);
-        sum += std::abs((isFirst ? rows.weights(a)[i] : 0) - (isSecond ? rows.weights(b)[k] : 0));
-        i += isFirst;
-        k += isSecond;
-    }
-    return sum / 2;
-}
 
 }  // namespace
 
@@ -119,19 +102,11 @@ private:
                 boxes_.back().extend(at(positions_, vertex));
         }
         if (!search.isFineEnough(level)) return;
-        const auto rows = composeStencils<double>(descent.refiner, descent.tables, corners);
-        for (std::size_t i = 0; i < isBlended_.size(); ++i) {
-            double spread = 0;
-            const auto vertices = level_.complex.relation(3, 0)[descent.candidates.cells[i]];
-            const auto rowOf = [&](Index vertex) {
-                return static_cast<Index>(std::lower_bound(corners.begin(), corners.end(), vertex) -
-                                          corners.begin());
-            };
-            for (const Index vertex : vertices)
-                spread = std::max(spread, spreadOf(rows, rowOf(vertices[0]), rowOf(vertex)));
-            // No two corners are further apart than twice that.
-            isBlended_[i] = 2 * spread <= search.tolerance_ || isThin(vertices, search.scale_);
-        }
+        isBlended_ = areSmall(descent.refiner, level, descent.tables, descent.candidates.cells,
+                              search.tolerance_);
+        for (std::size_t i = 0; i < isBlended_.size(); ++i)
+            isBlended_[i] |=
+                isThin(level_.complex.relation(3, 0)[descent.candidates.cells[i]], search.scale_);
     }
 
     bool isThin(std::span<const Index> vertices, const CellSolver::Scale& scale) const {
@@ -158,7 +133,7 @@ LimitSearch::LimitSearch(const far::TopologyRefiner& base, std::span<const Point
       tolerance_(options.tolerance),
       seekNearest_(options.embedding.outside == OutsidePolicy::Nearest),
       scale_(CellSolver::scaleOf(positions, options.embedding.tolerance)),
-      finestLevel_(std::max(1, static_cast<int>(std::ceil(-std::log2(options.tolerance))))),
+      finestLevel_(leastLevelOfSmall(options.tolerance)),
       descent_(base, positions, rules, scale_) {}
 
 /// \param settle is called for each level: settle(descent, cells) leaves the candidates that are to
@@ -195,9 +170,10 @@ FoundPlaces LimitSearch::findInside(std::span<const Point3> points, Bounding bou
                     isNear[static_cast<std::size_t>(p)] = 1;
                     const auto [answer, uvw] = patch->find(point);
                     if (answer == PatchSolver::Answer::Here) {
-                        located = {PointStatus::Inside,
-                                   LimitPlace{level, PatchPlace{cells.frame(i), toArray(uvw), {}}},
-                                   0, (patch->map().position(uvw) - point).norm()};
+                        located = {
+                            PointStatus::Inside,
+                            LimitPlace{level, FramePlace{cells.frame(i), toArray(uvw), {}, false}},
+                            0, (patch->map().position(uvw) - point).norm()};
                         return false;
                     }
                     if (answer == PatchSolver::Answer::NotHere) return false;
@@ -271,7 +247,7 @@ FoundPlaces LimitSearch::findBeside(std::span<const Point3> points) const {
                 if (patch) {
                     const Vector3d uvw = patch->nearest(point);
                     distance = (patch->map().position(uvw) - point).norm();
-                    place.where = PatchPlace{cells.frame(i), toArray(uvw), {}};
+                    place.where = FramePlace{cells.frame(i), toArray(uvw), {}, false};
                 } else {
                     const auto there = cells.blend().locateBeside(point, CellId(cell), true);
                     if (!there.place) return false;
@@ -313,7 +289,7 @@ LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const Desce
             result += weight * at(positions[level], vertex);
         return result;
     };
-    if (auto* patch = std::get_if<PatchPlace>(&place.where)) {
+    if (auto* patch = std::get_if<FramePlace>(&place.where)) {
         Eigen::Matrix3d jacobian;
         for (std::size_t axis = 0; axis < 3; ++axis)
             jacobian.col(static_cast<Eigen::Index>(axis)) = sum(kFirst[axis]);
@@ -325,7 +301,7 @@ LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const Desce
     if (residual <= kResidual * std::max(scale_.size, point.norm()))
         return {status, place, distance, residual};
     if (!isInside) return {PointStatus::NotConverged, {}, distance, 0};
-    if (auto* patch = std::get_if<PatchPlace>(&place.where)) patch->offset = {};
+    if (auto* patch = std::get_if<FramePlace>(&place.where)) patch->offset = {};
     return {PointStatus::Inside, place, distance, (sum(kPosition) - point).norm()};
 }
 

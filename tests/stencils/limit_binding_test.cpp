@@ -141,9 +141,9 @@ std::vector<Point3> pointsInside(const Lattice& lattice, unsigned seed) {
     const auto limits = limitPoints(lattice, 2, lattice.positions);
     std::mt19937 random(seed);
     std::vector<Point3> points;
-    for (int i = 0; i < 30; ++i) points.push_back(limits[random() % limits.size()]);
+    for (int i = 0; i < 10; ++i) points.push_back(limits[random() % limits.size()]);
     const auto& cells = refiner.level(2).complex.relation(3, 0);
-    for (int i = 0; i < 30; ++i) {
+    for (int i = 0; i < 10; ++i) {
         const auto corners =
             cells[static_cast<Index>(random() % static_cast<unsigned>(cells.rowCount()))];
         Vector3d sum = Vector3d::Zero();
@@ -206,11 +206,16 @@ TEST(LimitBinding, CarriesLimitsOfVerticesToTheirLimits) {
         for (Point3& p : pose)
             p = {p[0] + 0.2 * p[1] * p[1], p[1] - 0.1 * p[2] * p[0], p[2] + 0.3 * p[0]};
         const auto expected = limitPoints(lattice, 1, pose);
-        const Bound result = bound(lattice, rest);
+        std::vector<Point3> some, moved;
+        for (std::size_t i = 0; i < rest.size(); i += 1 + rest.size() / 30) {
+            some.push_back(rest[i]);
+            moved.push_back(expected[i]);
+        }
+        const Bound result = bound(lattice, some);
         // A place in what is blended is off by its size at most, a part of the tolerance of 1e-6.
-        EXPECT_LT(test::largestDistance(times(result.binding.table.points, pose),
-                                        test::asMatrix(expected)),
-                  2e-6)
+        EXPECT_LT(
+            test::largestDistance(times(result.binding.table.points, pose), test::asMatrix(moved)),
+            2e-6)
             << name;
     }
 }
@@ -242,7 +247,7 @@ TEST(LimitBinding, FIsTheDerivativeOfTheDeformation) {
     constexpr double kStep = 1e-5;
     std::vector<Point3> points;
     const auto centres = pointsInside(lattice, 6);
-    for (std::size_t i = 30; i < centres.size(); ++i)
+    for (std::size_t i = 10; i < centres.size(); ++i)
         for (int k = 0; k < 7; ++k) {
             Vector3d point = vec(centres[i]);
             if (k > 0) point[(k - 1) / 2] += k % 2 == 0 ? kStep : -kStep;
@@ -319,7 +324,7 @@ TEST(LimitBinding, ATightToleranceIsMet) {
 TEST(LimitBinding, DoesNotDependOnTheNumberOfThreads) {
     const Lattice lattice = shapes::star();
     std::vector<Point3> points;
-    for (unsigned seed = 0; seed < 100; ++seed)
+    for (unsigned seed = 0; seed < 210; ++seed)
         for (const Point3& p : pointsInside(lattice, seed)) points.push_back(p);
     ASSERT_GT(points.size(), 4096U) << "else there is one group";
     const auto bind = [&] { return bound(lattice, points).binding; };
