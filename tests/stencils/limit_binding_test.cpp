@@ -166,10 +166,10 @@ TEST(LimitBinding, KeepsTheRestPose) {
             const auto column = times(rows, lattice.positions);
             for (Index i = 0; i < rows.rowCount(); ++i) {
                 if (rows.columns(i).empty()) continue;
-                // Where the limit is blended, cells are some 1e-7 of the lattice, and corners are
-                // rounded by 1e-16.
+                // Where the limit is blended, cells may be plates 2^-30 thick, and corners are
+                // rounded by some 1e-15.
                 EXPECT_LT((column.row(i).transpose() - Vector3d::Unit(Eigen::Index(axis))).norm(),
-                          1e-6)
+                          5e-5)
                     << name << ' ' << i;
             }
         }
@@ -322,11 +322,11 @@ TEST(LimitBinding, ATightToleranceIsMet) {
 }
 
 TEST(LimitBinding, DoesNotDependOnTheNumberOfThreads) {
-    const Lattice lattice = shapes::star();
-    std::vector<Point3> points;
-    for (unsigned seed = 0; seed < 210; ++seed)
-        for (const Point3& p : pointsInside(lattice, seed)) points.push_back(p);
-    ASSERT_GT(points.size(), 4096U) << "else there is one group";
+    const Lattice lattice = shapes::cylinder({.sectors = 5});
+    auto points = pointsInside(lattice, 9);
+    std::mt19937 random(10);
+    std::uniform_real_distribution<double> along(0.05, 0.6);
+    while (points.size() < 5000) points.push_back({along(random), along(random), along(random)});
     const auto bind = [&] { return bound(lattice, points).binding; };
     const auto one = test::withThreads(1, bind);
     EXPECT_TRUE(test::withThreads(5, bind) == one);
