@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/compare/open_subdiv_refiner.h>
+#include <espalier/compare/surface.h>
+#include <espalier/stencils/limit_table.h>
+#include <espalier/stencils/vertex_ring.h>
+#include <gtest/gtest.h>
+#include <opensubdiv/far/primvarRefiner.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+
+#include "compare/shapes.h"
+#include "support/named_polyhedra.h"
+#include "support/tables.h"
+
+namespace espalier::compare {
+namespace {
+
+namespace Far = OpenSubdiv::Far;
+using stencils::Rules;
+
+/// What OpenSubdiv interpolates.
+struct Value {
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    void Clear(void* = nullptr) { point.setZero(); }
+    void AddWithWeight(const Value& other, double weight) { point += weight * other.point; }
+};
+
+/// OpenSubdiv's limits of the vertices of level 0, through level 2, where faces are quadrilaterals.
+struct Limits {
+    std::vector<Value> points, first, second;
+};
+
+Limits limitsOf(const Far::TopologyRefiner& refiner, std::vector<Value> values) {
+    const Far::PrimvarRefinerReal<double> primvar(refiner);
+    std::vector<int> vertices;
+    for (int v = 0; v < refiner.GetLevel(0).GetNumVertices(); ++v) vertices.push_back(v);
+    for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
+        std::vector<Value> next(static_cast<std::size_t>(refiner.GetLevel(level).GetNumVertices()));
+        primvar.Interpolate(level, values, next);
+        values = std::move(next);
+        for (int& v : vertices) v = refiner.GetLevel(level - 1).GetVertexChildVertex(v);
+    }
+    Limits all{values, values, values}, result;
+    primvar.Limit(values, all.points, all.first, all.second);
+    for (const int v : vertices) {
+        result.points.push_back(all.points[static_cast<std::size_t>(v)]);
+        result.first.push_back(all.first[static_cast<std::size_t>(v)]);
+        result.second.push_back(all.second[static_cast<std::size_t>(v)]);
+    }
+    return result;
+}
+
+/// The points of a ring.
+Eigen::MatrixXd firstRing(const stencils::VertexRing& ring, const test::Positions& positions) {
+    return ring.start * positions(ring.vertices, Eigen::all);
+}
+
+/// The normal of the limit surface at a vertex, by the left eigenvectors of the second and the
+/// third eigenvalue of its ring on the surface.
+Eigen::Vector3d normalAt(const far::Level& level, const stencils::VertexRing& ring,
+                         const test::Positions& positions) {
+    std::vector<Eigen::Index> onSurface;
+    for (std::size_t i = 0; i < ring.entities.size(); ++i)
+        if (level.strata.smoothStratum(ring.entities[i]) == 2)
+            onSurface.push_back(static_cast<Eigen::Index>(i));
+    const Eigen::MatrixXd whole(ring.subdivision);
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(whole(onSurface, onSurface).transpose());
+    std::vector<Eigen::Index> order(onSurface.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
+    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+        return solver.eigenvalues()[a].real() > solver.eigenvalues()[b].real();
+    });
+    const Eigen::MatrixXd first = firstRing(ring, positions)(onSurface, Eigen::all);
+    const auto tangent = [&](std::size_t i) {
+        return Eigen::Vector3d(
+            (solver.eigenvectors().col(order[i]).real().transpose() * first).transpose());
+    };
+    return tangent(1).cross(tangent(2)).normalized();
+}
+
+/// The direction of a crease: its points in the ring lie on either side of the vertex, and come
+/// nearer by half each level, for ever.
+Eigen::Vector3d creaseAt(const far::Level& level, const stencils::VertexRing& ring,
+                         const test::Positions& positions) {
+    const Eigen::MatrixXd first = firstRing(ring, positions);
+    std::vector<Eigen::Vector3d> ends;
+    for (std::size_t i = 0; i < ring.entities.size(); ++i)
+        if (ring.entities[i].dimension == 1 &&
+            level.strata.inSubcomplex(ring.entities.front(), 1, ring.entities[i]))
+            ends.push_back(first.row(static_cast<Eigen::Index>(i)).transpose());
+    return ends.size() == 2 ? (ends[1] - ends[0]).normalized() : Eigen::Vector3d::Constant(1e9);
+}
+
+void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth, int& creases) {
+    const far::TopologyRefiner refiner = test::refined(shape, 2);
+    const far::Level& level = refiner.level(0);
+    const Surface surface = surfaceOf(level.complex);
+    const auto theirs = makeOpenSubdivRefiner(refiner, surface);
+    const auto pose = test::shaken(shape.positions, 1);
+    std::vector<Value> values;
+    for (const Index vertex : surface.vertices)
+        values.push_back({Eigen::Vector3d(pose[static_cast<std::size_t>(vertex)].data())});
+    const Limits limits = limitsOf(*theirs.refiner, values);
+    const auto ours = test::times(
+        stencils::buildVertexLimits<double>(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
+    const auto positions = test::asMatrix(pose);
+    for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
+        const Index vertex = surface.vertices[i];
+        const auto edges = level.complex.relation(0, 1)[vertex];
+        const auto sharp = std::count_if(edges.begin(), edges.end(), [&](Index edge) {
+            return level.strata.smoothStratum({1, edge}) == 2 &&
+                   level.strata.sharpness({1, edge}) > far::kSmooth;
+        });
+        const int stratum = level.strata.of({0, vertex});
+        // OpenSubdiv takes a dart for a smooth vertex in the limit, which changes with the level.
+        if (stratum == 2 && sharp == 1) continue;
+        EXPECT_LT(
+            (ours.row(static_cast<Eigen::Index>(i)).transpose() - limits.points[i].point).norm(),
+            1e-12)
+            << name << " vertex " << vertex;
+        if (stratum == 0) continue;
+        const auto ring = stencils::ringOf(level, refiner.options(), Rules::Siggraph96, vertex);
+        if (stratum == 1) {
+            // On each of its sides a crease has a plane; along it there is one tangent.
+            EXPECT_LT(creaseAt(level, ring, positions).cross(limits.first[i].point).norm(), 1e-12)
+                << name << " vertex " << vertex;
+        } else {
+            const Eigen::Vector3d normal = normalAt(level, ring, positions);
+            for (const Value& tangent : {limits.first[i], limits.second[i]})
+                // Eigenvectors of values that are 0.1 apart, of up to 50 points.
+                EXPECT_LT(std::abs(normal.dot(tangent.point.normalized())), 1e-9)
+                    << name << " vertex " << vertex;
+        }
+        ++(stratum == 2 ? smooth : creases);
+    }
+}
+
+// Limits everywhere; tangent planes of smooth vertices, tangents of creases.
+TEST(Limits, AreOpenSubdivs) {
+    int smooth = 0, creases = 0;
+    for (const auto& [name, lattice] : test::zoo())
+        expectSameLimits(name, lattice, smooth, creases);
+    for (const auto& [name, mesh] : test::namedPolyhedra())
+        expectSameLimits(name, mesh, smooth, creases);
+    expectSameLimits("grid", {test::gridMesh(3, 4), test::gridPositions({3, 4, 0}), {}, {}}, smooth,
+                     creases);
+    EXPECT_GT(smooth, 150);
+    EXPECT_GT(creases, 50);
+}
+
+}  // namespace
+}  // namespace espalier::compare
