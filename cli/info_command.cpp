@@ -10,12 +10,14 @@
 #include "commands.h"
 #include "lattice_report.h"
 #include "pipeline.h"
+#include "smoothness_report.h"
 
 namespace espalier::cli {
 namespace {
 
 struct Options : LatticeOptions {
     bool json = false;
+    bool smoothness = false;
 };
 
 constexpr const char* kDimensions[] = {"vertices", "edges", "faces", "cells"};
@@ -56,6 +58,19 @@ nlohmann::json toJson(const LatticeReport& report, const std::string& name) {
             {"attributes", report.attributes},
             {"interior_edges_of_two_faces", report.edgesOfTwoFaces},
             {"levels", levels}};
+}
+
+nlohmann::json toJson(const std::vector<Smoothness>& entries) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const Smoothness& entry : entries) {
+        nlohmann::json values = nlohmann::json::array();
+        for (const auto& value : entry.eigenvalues) values.push_back({value.real(), value.imag()});
+        list.push_back({{far::dimensionName(entry.entity.dimension), entry.entity.index},
+                        {"stratum", kStrata[entry.stratum]},
+                        {"eigenvalues", values},
+                        {"limit_mask", entry.mask}});
+    }
+    return list;
 }
 
 /// "3: 8, 4: 12": values and how many there are of each.
@@ -100,6 +115,28 @@ void printText(const LatticeReport& report, const Options& options) {
         printLevel(level, report.levels[level]);
 }
 
+std::string toText(const std::complex<double>& value) {
+    // Below rounding: real values of matrices that are not symmetric may come out so.
+    constexpr double kReal = 1e-9;
+    if (std::abs(value.imag()) < kReal) return fmt::format("{:.4f}", value.real());
+    return fmt::format("{:.4f}{:+.4f}i", value.real(), value.imag());
+}
+
+void printSmoothness(const std::vector<Smoothness>& entries) {
+    fmt::print("\nsmoothness, where it is not that of the tricubic spline\n");
+    if (entries.empty()) fmt::print("  everywhere\n");
+    for (const Smoothness& entry : entries) {
+        std::vector<std::string> values;
+        for (const auto& value : entry.eigenvalues) values.push_back(toText(value));
+        fmt::print("  {:<6} {:>6}  {:<8}  eigenvalues 1 {}\n",
+                   far::dimensionName(entry.entity.dimension), entry.entity.index,
+                   kStrata[entry.stratum], fmt::join(values, " "));
+        fmt::print(
+            "  {:25}limit {:.4f} of itself, {:.4f} of edges, {:.4f} of faces, {:.4f} of cells\n",
+            "", entry.mask[0], entry.mask[1], entry.mask[2], entry.mask[3]);
+    }
+}
+
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
@@ -109,10 +146,16 @@ void run(const Options& options) {
         positions.push_back(
             stencils::refinePositions(refiner, level, options.common.rules, lattice.positions));
     const LatticeReport report = reportLattice(lattice, refiner, positions);
-    if (options.json)
-        fmt::print("{}\n", toJson(report, options.lattice).dump(2));
-    else if (!options.common.quiet)
+    std::vector<Smoothness> smoothness;
+    if (options.smoothness) smoothness = reportSmoothness(refiner, options.common.rules);
+    if (options.json) {
+        nlohmann::json object = toJson(report, options.lattice);
+        if (options.smoothness) object["smoothness"] = toJson(smoothness);
+        fmt::print("{}\n", object.dump(2));
+    } else if (!options.common.quiet) {
         printText(report, options);
+        if (options.smoothness) printSmoothness(smoothness);
+    }
 }
 
 }  // namespace
@@ -124,6 +167,9 @@ void addInfoCommand(CLI::App& program) {
         "Counts per level, valences, types of cells, strata and quality of a lattice",
         FileKind::Lattice, *options);
     command.add_flag("--json", options->json, "Print JSON");
+    command.add_flag("--smoothness", options->smoothness,
+                     "Of each irregular vertex and edge the leading eigenvalues of refinement, and "
+                     "the limit mask");
     command.callback([options] { run(*options); });
 }
 

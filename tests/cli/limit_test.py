@@ -110,6 +110,24 @@ class LimitTest(CliTest):
         self.assertRegex(self.error_of(*command, "--tolerance", 0.5),
                          "the tolerance of the limit is 0.5.*; expected 1e-14 to 0.1")
 
+    def test_smoothness_of_what_is_irregular(self):
+        report = json.loads(self.run_program("info", "rest.ovm", "--smoothness", "--json").stdout)
+        axis = [entry for entry in report["smoothness"]
+                if "edge" in entry and entry["stratum"] == "interior"]
+        # Five cells around two edges. The eigenvalues across an edge are 0.55, along it 1/2.
+        self.assertEqual(len(axis), 2)
+        for entry in axis:
+            self.assertAlmostEqual(sum(entry["limit_mask"]), 1, places=12)
+            for (real, imaginary), expected in zip(entry["eigenvalues"], (0.55, 0.55, 0.5)):
+                self.assertAlmostEqual(real, expected, places=4)
+                self.assertAlmostEqual(imaginary, 0, places=9)
+        text = self.run_program("info", "rest.ovm", "--smoothness").stdout
+        self.assertRegex(text, r"edge +\d+  interior  eigenvalues 1 0.5500 0.5500 0.5000 0.3401 ")
+
+    def test_a_box_is_smooth_everywhere(self):
+        self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "box.ovm")
+        self.assertIn("everywhere", self.run_program("info", "box.ovm", "--smoothness").stdout)
+
 
 if __name__ == "__main__":
     program.ESPALIER = sys.argv.pop(1)

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "smoothness_report.h"
+
+#include <espalier/far/parallel.h>
+#include <espalier/stencils/regular_cells.h>
+#include <espalier/stencils/vertex_ring.h>
+
+#include <algorithm>
+
+namespace espalier::cli {
+namespace {
+
+Smoothness smoothnessOf(const far::Entity& entity, const far::Level& level, far::Index vertex,
+                        const far::RefinerOptions& options, stencils::Rules rules) {
+    constexpr std::size_t kMostEigenvalues = 6;
+    const auto ring = stencils::ringOf(level, options, rules, vertex);
+    auto values = stencils::eigenvalues(ring);
+    values.erase(values.begin());
+    values.resize(std::min(values.size(), kMostEigenvalues));
+    Smoothness result{entity, level.strata.of({0, vertex}), std::move(values), {}};
+    const Eigen::VectorXd mask = stencils::limitMask(ring);
+    for (std::size_t i = 0; i < ring.entities.size(); ++i)
+        result.mask[static_cast<std::size_t>(ring.entities[i].dimension)] +=
+            mask[static_cast<Eigen::Index>(i)];
+    return result;
+}
+
+}  // namespace
+
+std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
+                                         stencils::Rules rules) {
+    far::TopologyRefiner refiner(lattice.level(0), lattice.options());
+    refiner.refineUniform(1);
+    const far::Level& level = refiner.level(1);
+    std::vector<std::pair<far::Entity, far::Index>> irregular;
+    for (int d = 0; d <= 1; ++d)
+        for (far::Index index = 0; index < refiner.level(0).complex.count(d); ++index) {
+            const far::Entity entity{d, index};
+            const auto point = refiner.refinement(1).childOf({entity, entity});
+            if (point && !level.strata.isOpen(*point) &&
+                !stencils::isRegularVertex(level, point->index))
+                irregular.emplace_back(entity, point->index);
+        }
+    std::vector<Smoothness> result(irregular.size());
+    far::parallelFor(std::ssize(irregular), 1, [&](far::Offset first, far::Offset last) {
+        for (far::Offset i = first; i < last; ++i) {
+            const auto& [entity, vertex] = irregular[static_cast<std::size_t>(i)];
+            result[static_cast<std::size_t>(i)] =
+                smoothnessOf(entity, level, vertex, refiner.options(), rules);
+        }
+    });
+    return result;
+}
+
+}  // namespace espalier::cli
