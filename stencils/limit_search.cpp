@@ -2,6 +2,7 @@
 #include "limit_search.h"
 
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/place_points.h>
 #include <espalier/stencils/regular_cells.h>
 
 #include <Eigen/Geometry>
@@ -26,10 +27,6 @@ constexpr double kThinnest = 1e-13;
 
 Vector3d at(std::span<const Point3> points, Index i) {
     return Vector3d(points[static_cast<std::size_t>(i)].data());
-}
-
-std::array<double, 3> toArray(const Vector3d& v) {
-    return {v[0], v[1], v[2]};
 }
 
 /// On further levels cells may be so thin that there are many in a box, and so small that there are
