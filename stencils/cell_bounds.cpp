@@ -69,6 +69,7 @@ bool CellBounds::staysInHull(Index cell) const {
     for (const Index vertex : level_.complex.relation(3, 0)[cell]) {
         std::size_t surfaceEdges = 0;
         for (const Index edge : level_.complex.relation(0, 1)[vertex]) {
+            if (level_.strata.isOpen({1, edge})) continue;  // It has no new point.
             if (level_.strata.smoothStratum({1, edge}) == 2)
                 ++surfaceEdges;
             else if (level_.complex.relation(1, 2)[edge].size() == 2)

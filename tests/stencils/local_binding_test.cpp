@@ -15,6 +15,7 @@
 
 #include "support/random_lattices.h"
 #include "support/refined_lattice.h"
+#include "support/sanitizers.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -24,13 +25,6 @@ namespace {
 using Eigen::Vector3d;
 using far::TopologyRefiner;
 using test::vec;
-
-/// Under the sanitizers, and not optimised, all this takes 200 times as long: there a part is run.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kIsSlow = true;
-#else
-constexpr bool kIsSlow = false;
-#endif
 
 double diagonal(std::span<const Point3> positions) {
     Eigen::AlignedBox3d box;
@@ -138,7 +132,7 @@ void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base
 TEST(LocalBinding, IsThatOfTheWholeLevelToTheLastBit) {
     int number = 0;
     for (const auto& [name, lattice] : test::zoo()) {
-        if (kIsSlow && number++ % 5 != 0) continue;
+        if (test::kIsSlow && number++ % 5 != 0) continue;
         for (const far::Boundary boundary :
              {far::Boundary::Sharp, far::Boundary::EdgeOnly, far::Boundary::Open}) {
             const TopologyRefiner base(lattice.complex,
@@ -164,7 +158,7 @@ TEST(LocalBinding, IsThatOfTheWholeLevelToTheLastBit) {
 }
 
 TEST(LocalBinding, HeedsMarksThatFadeInEveryMode) {
-    for (unsigned seed = 0; seed < (kIsSlow ? 2 : 16); ++seed) {
+    for (unsigned seed = 0; seed < (test::kIsSlow ? 2 : 16); ++seed) {
         const Lattice lattice = test::randomLattice(seed);
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice, {}));
         expectSameAsWholeLevel("seed " + std::to_string(seed), base, bent(lattice.positions, 0.01),
@@ -203,7 +197,7 @@ TEST(LocalBinding, FindsWhatIsExtrapolatedOutOfItsHull) {
 
 // More groups than one, where most cells hold points.
 TEST(LocalBinding, GroupsGiveWhatOneWould) {
-    if (kIsSlow) GTEST_SKIP() << "takes minutes here; run without sanitizers";
+    if (test::kIsSlow) GTEST_SKIP() << "takes minutes here; run without sanitizers";
     const Lattice lattice = shapes::cylinder({.sectors = 5, .pattern = {1}, .layers = 2});
     const TopologyRefiner base(lattice.complex);
     TopologyRefiner whole(base);
@@ -216,7 +210,7 @@ TEST(LocalBinding, GroupsGiveWhatOneWould) {
 
 // Where there are points for every cell, the whole level is taken.
 TEST(LocalBinding, ManyPointsInFewCells) {
-    if (kIsSlow) GTEST_SKIP() << "takes minutes here; run without sanitizers";
+    if (test::kIsSlow) GTEST_SKIP() << "takes minutes here; run without sanitizers";
     const Lattice lattice = shapes::star();
     expectSameAsWholeLevel("star", TopologyRefiner(lattice.complex), lattice.positions, 2,
                            Rules::Siggraph96, 17'000, 4);
@@ -236,7 +230,7 @@ TEST(LocalBinding, TellsOfEachPointOnce) {
 }
 
 TEST(LocalBinding, DoesNotDependOnTheNumberOfThreads) {
-    if (kIsSlow) GTEST_SKIP() << "takes minutes here; run without sanitizers";
+    if (test::kIsSlow) GTEST_SKIP() << "takes minutes here; run without sanitizers";
     const Lattice lattice = shapes::torus();
     const TopologyRefiner base(lattice.complex);
     const WholeLevel whole(base, lattice.positions, 1, Rules::Siggraph96, {}, {});
@@ -265,7 +259,7 @@ TEST(LocalBinding, BindsAtLevelEight) {
     const auto rest = bent(lattice.positions, 0.02);
     std::mt19937 random(3);
     std::uniform_real_distribution<double> unit(0.1, 0.9);
-    std::vector<Point3> points(kIsSlow ? 3 : 300);
+    std::vector<Point3> points(test::kIsSlow ? 3 : 300);
     for (Point3& point : points) point = {unit(random), unit(random), unit(random)};
     const auto bound = bindPoints<double>(base, rest, 8, Rules::Siggraph96, points);
     EXPECT_EQ(bound.count(PointStatus::Inside), static_cast<Index>(points.size()));
