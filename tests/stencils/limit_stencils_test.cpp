@@ -247,12 +247,13 @@ TEST(LimitStencils, SaysWhatIsWrong) {
     EXPECT_THROW(build({0, {}}, {.tolerance = 1}), Error);
     EXPECT_THROW(build({0, {}}, {.derivatives = 3}), Error);
     EXPECT_THROW(build({0, {}}, {}, Rules::Rats), Error);
+    const std::vector<LimitLocation> first = {{0, {}}};
     const TopologyRefiner tetrahedron(test::singleCell(far::StandardCell::Tetrahedron));
-    EXPECT_THROW(buildLimitStencils<double>(tetrahedron, 0, Rules::Siggraph96, {{{0, {}}}}), Error);
+    EXPECT_THROW(buildLimitStencils<double>(tetrahedron, 0, Rules::Siggraph96, first), Error);
     const TopologyRefiner open(test::grid({3, 3, 3}), {.boundary = far::Boundary::Open});
-    EXPECT_THROW(buildLimitStencils<double>(open, 0, Rules::Siggraph96, {{{0, {}}}}), Error);
+    EXPECT_THROW(buildLimitStencils<double>(open, 0, Rules::Siggraph96, first), Error);
     const TopologyRefiner mesh(test::gridMesh(2, 2));
-    EXPECT_THROW(buildLimitStencils<double>(mesh, 0, Rules::Siggraph96, {{{0, {}}}}), Error);
+    EXPECT_THROW(buildLimitStencils<double>(mesh, 0, Rules::Siggraph96, first), Error);
 }
 
 }  // namespace
