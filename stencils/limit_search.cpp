@@ -37,6 +37,10 @@ constexpr int kMostLevelOfBoxes = 12;
 /// are all as near as that, and some more.
 constexpr std::size_t kMostNearest = 48;
 
+/// How many cells a point may be sought in at all: of a lattice without volume, or one of which no
+/// bounds are known, eight times as many would hold it on each level.
+constexpr std::size_t kMostCells = 128;
+
 }  // namespace
 
 /// The candidates of a level that need not be refined.
@@ -144,8 +148,10 @@ FoundPlaces LimitSearch::search(std::span<const Point3> points, Sought sought, B
         found.positions.push_back(found.descent.positions);
         settle(found, Cells(*this, found.descent, sought));
         if (found.descent.candidates.cells.empty()) return found;
-        if (sought == Sought::Nearest || found.descent.refiner.maxLevel() >= kMostLevelOfBoxes)
-            found.descent.margin = descent_.rounding();
+        const bool isDeep = found.descent.refiner.maxLevel() >= kMostLevelOfBoxes;
+        keepFew(found.descent, points,
+                sought == Sought::Nearest && isDeep ? kMostNearest : kMostCells);
+        if (sought == Sought::Nearest || isDeep) found.descent.margin = descent_.rounding();
         // What is likely allows for a part of a cell, which is more, until cells are as small.
         if (bounding == Bounding::Likely) found.descent.margin = 0;
         descent_.refine(found.descent, points, sought, Extent::Ring, bounding);
@@ -205,25 +211,39 @@ FoundPlaces LimitSearch::findInside(std::span<const Point3> points, Bounding bou
     return result;
 }
 
-/// Leaves of each point's cells the nearest ones as they are, whatever they may become.
-void LimitSearch::keepFew(Descent& descent, std::span<const Point3> points) const {
-    const far::Level& level = descent.refiner.level(descent.refiner.maxLevel());
-    const CellSolver solver(level.complex, descent.positions, scale_);
+/// Leaves of each point's cells no more than so many, the nearest ones as they are, whatever they
+/// may become.
+void LimitSearch::keepFew(Descent& descent, std::span<const Point3> points,
+                          std::size_t most) const {
     Candidates& candidates = descent.candidates;
     std::vector<std::vector<std::pair<double, Index>>> cellsOf(points.size());
     for (std::size_t i = 0; i < candidates.cells.size(); ++i)
         for (const Index p : candidates.pointsOf(i))
-            cellsOf[static_cast<std::size_t>(p)].emplace_back(
-                solver.distance(at(points, p), CellId(candidates.cells[i])), candidates.cells[i]);
-    for (auto& cells : cellsOf) {
-        if (cells.size() <= kMostNearest) continue;
-        std::nth_element(cells.begin(), cells.begin() + kMostNearest, cells.end());
-        cells.resize(kMostNearest);
+            cellsOf[static_cast<std::size_t>(p)].emplace_back(0, candidates.cells[i]);
+    const bool areFew = std::all_of(cellsOf.begin(), cellsOf.end(),
+                                    [&](const auto& cells) { return cells.size() <= most; });
+    // Base cells may be of any kind, and have no distances yet.
+    if (areFew || descent.refiner.maxLevel() == 0) return;
+    const far::Level& level = descent.refiner.level(descent.refiner.maxLevel());
+    const CellSolver solver(level.complex, descent.positions, scale_);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+        auto& cells = cellsOf[p];
+        if (cells.size() <= most) continue;
+        for (auto& [distance, cell] : cells)
+            distance = solver.distance(at(points, static_cast<Index>(p)), CellId(cell));
+        std::nth_element(cells.begin(), cells.begin() + static_cast<std::ptrdiff_t>(most),
+                         cells.end());
+        cells.resize(most);
+        std::sort(cells.begin(), cells.end(),
+                  [](const auto& a, const auto& b) { return a.second < b.second; });
     }
     candidates.filter([&](std::size_t i, Index p) {
+        // Ascending, as they were given.
         const auto& cells = cellsOf[static_cast<std::size_t>(p)];
-        return std::any_of(cells.begin(), cells.end(),
-                           [&](const auto& cell) { return cell.second == candidates.cells[i]; });
+        const auto found =
+            std::lower_bound(cells.begin(), cells.end(), candidates.cells[i],
+                             [](const auto& cell, Index number) { return cell.second < number; });
+        return found != cells.end() && found->second == candidates.cells[i];
     });
 }
 
@@ -259,7 +279,6 @@ FoundPlaces LimitSearch::findBeside(std::span<const Point3> points) const {
                 return false;
             });
             descent_.keepNearest(found.descent, points, nearest);
-            if (level >= kMostLevelOfBoxes) keepFew(found.descent, points);
         });
     for (std::size_t p = 0; p < points.size(); ++p)
         result.points[p] = continued(result.points[p], result.descent, result.positions,

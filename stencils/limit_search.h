@@ -49,7 +49,7 @@ public:
 
 private:
     class Cells;
-    void keepFew(Descent& descent, std::span<const Point3> points) const;
+    void keepFew(Descent& descent, std::span<const Point3> points, std::size_t most) const;
     bool isFineEnough(int level) const { return level >= finestLevel_; }
     template <class Settle>
     FoundPlaces search(std::span<const Point3> points, Sought sought, Bounding bounding,

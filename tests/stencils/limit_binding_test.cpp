@@ -352,6 +352,29 @@ TEST(LimitBinding, WorksWithoutBoundaryControl) {
     EXPECT_THAT(model.statuses, testing::ElementsAre(Inside, Inside, Inside, Outside));
 }
 
+// Of a lattice without volume, ever more cells hold a point: an end, and a status.
+TEST(LimitBinding, LatticesWithoutVolumeGiveAStatus) {
+    const std::vector<std::pair<Vector3d, Lattice>> cases = {
+        {{0, 0, 0}, shapes::box({.cells = {2, 1, 2}})},
+        {{1, 1, 0}, shapes::box({.cells = {2, 1, 2}})},
+        {{1, 0, 0}, shapes::tetrahedron()}};
+    for (auto [scale, lattice] : cases) {
+        if (test::kIsSlow && scale[0] != 0) continue;
+        for (Point3& p : lattice.positions) p = toPoint(vec(p).cwiseProduct(scale));
+        const std::vector<Point3> points = {toPoint(scale * 0.3), {0.1, 0.2, 0.4}};
+        for (const OutsidePolicy outside : {OutsidePolicy::Keep, OutsidePolicy::Nearest}) {
+            const Bound result = bound(lattice, points, {.embedding = {.outside = outside}});
+            const auto moved = times(result.binding.table.points, lattice.positions);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                if (result.statuses[i] != PointStatus::Inside) continue;
+                EXPECT_LT((moved.row(Eigen::Index(i)).transpose() - vec(points[i])).norm(),
+                          2 * result.largestResidual + 1e-12);
+            }
+            EXPECT_NE(result.statuses[1], PointStatus::Inside);
+        }
+    }
+}
+
 TEST(LimitBinding, RefusesWhatItCannotBind) {
     const Lattice lattice = shapes::box();
     EXPECT_THROW(bound(lattice, {}, {.tolerance = 0}), Error);
