@@ -72,11 +72,6 @@ double spreadOf(const StencilTable<double>& rows, Index a, Index b) {
     return sum / 2;
 }
 
-void sortUnique(std::vector<Index>& values) {
-    std::sort(values.begin(), values.end());
-    values.erase(std::unique(values.begin(), values.end()), values.end());
-}
-
 Index placeIn(const std::vector<Index>& ascending, Index value) {
     return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
                               ascending.begin());
@@ -100,6 +95,11 @@ std::vector<VertexWeight> blendWeights(const FramePlace& place, const Orders& or
 }
 
 }  // namespace
+
+void sortUnique(std::vector<Index>& values) {
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+}
 
 std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int level,
                                    std::span<const StencilTable<double>> tables,

@@ -88,8 +88,7 @@ private:
             const auto row = level_.complex.relation(3, 0)[cell];
             corners.insert(corners.end(), row.begin(), row.end());
         }
-        std::sort(corners.begin(), corners.end());
-        corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+        sortUnique(corners);
         if (corners.empty()) return;
         const auto limits = blendedRows(descent.refiner, level, search.rules_, corners);
         const auto places = applyLevelTable(limits, positions_);

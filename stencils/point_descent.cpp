@@ -2,6 +2,7 @@
 #include "point_descent.h"
 
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/regular_cells.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,14 +71,6 @@ double reach(const far::CellComplex& complex, std::span<const Point3> positions,
     return nearest + bound->drift->norm();
 }
 
-/// Whether a cell becomes anything: without boundary control, a vertex must be left.
-bool isLeft(const far::Level& level, Index cell) {
-    const auto vertices = level.complex.relation(3, 0)[cell];
-    return std::any_of(vertices.begin(), vertices.end(), [&](Index vertex) {
-        return !level.strata.isOpen({0, vertex});
-    });
-}
-
 }  // namespace
 
 PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Point3> positions,
@@ -114,7 +107,8 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
         } else {
             const auto reachOf = [&](Index i) {
                 const Index cell = bounded_[static_cast<std::size_t>(i)];
-                if (!isLeft(base_.level(0), cell)) return std::numeric_limits<double>::infinity();
+                if (!isLasting(base_.level(0), cell))
+                    return std::numeric_limits<double>::infinity();
                 return reach(base_.level(0).complex, positions_, cell,
                              bounds_[static_cast<std::size_t>(cell)], position);
             };
@@ -135,8 +129,9 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
 Descent PointDescent::begin(std::span<const Point3> points, Sought sought) const {
     Descent descent{
         base_, {}, {positions_.begin(), positions_.end()}, baseCandidates(points, sought), margin_};
-    descent.candidates.filter(
-        [&](std::size_t i, Index) { return isLeft(base_.level(0), descent.candidates.cells[i]); });
+    descent.candidates.filter([&](std::size_t i, Index) {
+        return isLasting(base_.level(0), descent.candidates.cells[i]);
+    });
     return descent;
 }
 

@@ -51,4 +51,11 @@ bool isRegularCell(const far::Level& level, Index cell) {
                        [&](Index vertex) { return isRegularVertex(level, vertex); });
 }
 
+bool isLasting(const far::Level& level, Index cell) {
+    const auto vertices = level.complex.relation(3, 0)[cell];
+    return std::any_of(vertices.begin(), vertices.end(), [&](Index vertex) {
+        return !level.strata.isOpen({0, vertex});
+    });
+}
+
 }  // namespace espalier::stencils

@@ -5,7 +5,7 @@
 #include <espalier/far/index.h>
 #include <espalier/far/topology_refiner.h>
 
-// Where refinement is that of a uniform tricubic B-spline.
+// Where refinement is that of a uniform tricubic B-spline, and where it comes to nothing.
 namespace espalier::stencils {
 
 using far::Index;
@@ -18,5 +18,9 @@ ESPALIER_API bool isRegularVertex(const far::Level& level, Index vertex);
 /// Whether all vertices of a cell are regular. The volume in it is then one tricubic polynomial,
 /// now and on all levels to come; at a boundary that of a spline with a phantom layer 2P₀ − P₁.
 ESPALIER_API bool isRegularCell(const far::Level& level, Index cell);
+
+/// Whether a cell becomes anything in the limit: under Boundary::Open, one shrinks away of which
+/// all vertices are on the boundary.
+ESPALIER_API bool isLasting(const far::Level& level, Index cell);
 
 }  // namespace espalier::stencils
