@@ -7,44 +7,63 @@
 #include <cstddef>
 #include <utility>
 
-// Jacobian determinants as Bernstein polynomials. The determinant of a trilinear map is of degree
-// (2, 2, 2) in (u, v, w): 27 coefficients. All values lie between the least and the greatest, and
-// those at the corners are values themselves; halving the cube closes the gap, by a fourth each
-// time. So "positive in the whole cell" can be proved, where samples can only suggest it
-// (bernstein_bounds.h).
+// Jacobian determinants as Bernstein polynomials: that of a trilinear map is of degree (2, 2, 2) in
+// (u, v, w), with 27 coefficients, that of a tricubic one of degree (8, 8, 8), with 729. All values
+// lie between the least and the greatest, and those at the corners are values themselves; halving
+// the cube closes the gap, by a fourth each time. So "positive in the whole cell" can be proved,
+// where samples can only suggest it (bernstein_bounds.h).
 
 namespace espalier::solve {
 
-/// The derivatives of a trilinear map by u, v and w: along each axis four edges, at the Bernstein
-/// coefficients of the derivative. Edge i + 2j of an axis is that at place i (0 or 1) of the next
-/// axis and place j of the one after that, in the order u, v, w, u, v.
-using Derivatives = std::array<std::array<Point3, 4>, 3>;
-
-/// So many polynomials of degree (2, 2, 2), by their Bernstein coefficients: coefficient (a, b, c)
-/// of each is at a + 3 (b + 3 c).
-template <std::size_t Lanes>
-using Triquadratics = std::array<std::array<double, Lanes>, 27>;
+/// So many polynomials of a degree along each axis, by their Bernstein coefficients: coefficient
+/// (a, b, c) of each is at a + n (b + n c), n being Degree + 1.
+template <std::size_t Degree, std::size_t Lanes>
+struct Trivariate
+    : std::array<std::array<double, Lanes>, (Degree + 1) * (Degree + 1) * (Degree + 1)> {};
 
 /// From one coefficient to the next along an axis.
-inline constexpr std::array<std::size_t, 3> kAxisStride = {1, 3, 9};
+template <std::size_t Degree>
+inline constexpr std::array<std::size_t, 3> kAxisStride = {1, Degree + 1,
+                                                           (Degree + 1) * (Degree + 1)};
 
 /// The coefficients that are values, at the corners of the cube.
-inline constexpr std::array<std::size_t, 8> kCornerCoefficients = {0, 2, 6, 8, 18, 20, 24, 26};
+template <std::size_t Degree>
+inline constexpr std::array<std::size_t, 8> kCornerCoefficients = [] {
+    std::array<std::size_t, 8> result{};
+    for (std::size_t corner = 0; corner < 8; ++corner)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            result[corner] += (corner >> axis & 1) * Degree * kAxisStride<Degree>[axis];
+    return result;
+}();
 
-/// The determinant of the Jacobian.
-Triquadratics<1> determinant(const Derivatives& derivatives);
+/// The derivatives by u, v and w of a map of a degree along each axis, by Bernstein coefficients:
+/// one fewer along its own axis than along the others. Those of each are in order of places along
+/// u, then v, then w.
+template <std::size_t Degree>
+struct Derivatives : std::array<std::array<Point3, Degree*(Degree + 1) * (Degree + 1)>, 3> {};
+
+/// A determinant has three factors, one of each derivative.
+template <std::size_t Degree>
+inline constexpr std::size_t kDeterminantDegree = 3 * Degree - 1;
+
+/// The determinant of the Jacobian. For maps of degree 1 and 3.
+template <std::size_t Degree>
+Trivariate<kDeterminantDegree<Degree>, 1> determinant(const Derivatives<Degree>& derivatives);
 
 /// The same while the map goes over from one to another linearly: cubic in that, too. Lane m is
 /// Bernstein coefficient m of degree 3; lanes 0 and 3 are the determinants at the ends.
-Triquadratics<4> determinant(const Derivatives& first, const Derivatives& last);
+template <std::size_t Degree>
+Trivariate<kDeterminantDegree<Degree>, 4> determinant(const Derivatives<Degree>& first,
+                                                      const Derivatives<Degree>& last);
 
 /// The coefficients on the lower and on the upper half of an axis, by de Casteljau.
-template <std::size_t Lanes>
-std::pair<Triquadratics<Lanes>, Triquadratics<Lanes>> halves(
-    const Triquadratics<Lanes>& polynomials, std::size_t axis);
+template <std::size_t Degree, std::size_t Lanes>
+std::pair<Trivariate<Degree, Lanes>, Trivariate<Degree, Lanes>> halves(
+    const Trivariate<Degree, Lanes>& polynomials, std::size_t axis);
 
 /// A polynomial up to a time between 0 and 1, and from there on.
-std::pair<Triquadratics<4>, Triquadratics<4>> partsInTime(const Triquadratics<4>& polynomial,
-                                                          double time);
+template <std::size_t Degree>
+std::pair<Trivariate<Degree, 4>, Trivariate<Degree, 4>> partsInTime(
+    const Trivariate<Degree, 4>& polynomial, double time);
 
 }  // namespace espalier::solve

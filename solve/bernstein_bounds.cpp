@@ -21,32 +21,36 @@ bool isAboveZero(double value) {
 }
 
 /// Whether all coefficients are, and so all values.
-template <std::size_t Lanes>
-bool isProvedPositive(const Triquadratics<Lanes>& polynomials) {
+template <std::size_t Degree, std::size_t Lanes>
+bool isProvedPositive(const Trivariate<Degree, Lanes>& polynomials) {
     return std::all_of(polynomials.begin(), polynomials.end(), [](const auto& lanes) {
         return std::all_of(lanes.begin(), lanes.end(), isAboveZero);
     });
 }
 
 /// Whether a value of a lane that is known is not above 0.
-template <std::size_t Lanes>
-bool isSeenToFail(const Triquadratics<Lanes>& polynomials, std::size_t lane) {
-    return std::any_of(kCornerCoefficients.begin(), kCornerCoefficients.end(),
+template <std::size_t Degree, std::size_t Lanes>
+bool isSeenToFail(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane) {
+    const auto& corners = kCornerCoefficients<Degree>;
+    return std::any_of(corners.begin(), corners.end(),
                        [&](std::size_t at) { return !isAboveZero(polynomials[at][lane]); });
 }
 
 /// How far a lane is from linear along each axis: what is linear along all has its least
 /// coefficient at a corner, so that nothing is gained by halving.
-template <std::size_t Lanes>
-std::array<double, 3> bends(const Triquadratics<Lanes>& polynomials, std::size_t lane) {
+template <std::size_t Degree, std::size_t Lanes>
+std::array<double, 3> bends(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane) {
     std::array<double, 3> result{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        for (std::size_t at = 0; at < 27; ++at)
-            if (at / kAxisStride[axis] % 3 == 1)
-                result[axis] =
-                    std::max(result[axis], std::abs(polynomials[at - kAxisStride[axis]][lane] -
-                                                    2 * polynomials[at][lane] +
-                                                    polynomials[at + kAxisStride[axis]][lane]));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t stride = kAxisStride<Degree>[axis];
+        for (std::size_t at = 0; at < polynomials.size(); ++at) {
+            const std::size_t place = at / stride % (Degree + 1);
+            if (place == 0 || place == Degree) continue;
+            result[axis] = std::max(
+                result[axis], std::abs(polynomials[at - stride][lane] - 2 * polynomials[at][lane] +
+                                       polynomials[at + stride][lane]));
+        }
+    }
     return result;
 }
 
@@ -57,9 +61,9 @@ std::size_t largestOf(const std::array<double, Count>& values) {
 }
 
 /// A part of the cube.
-template <std::size_t Lanes>
+template <std::size_t Degree, std::size_t Lanes>
 struct Part {
-    Triquadratics<Lanes> polynomials;
+    Trivariate<Degree, Lanes> polynomials;
     int depth = 0;
 
     std::pair<Part, Part> halved(std::size_t axis) const {
@@ -69,15 +73,18 @@ struct Part {
 };
 
 /// A part of the cube, and what the least quotient in it lies between.
-struct QuotientPart : Part<2> {
+template <std::size_t Degree>
+struct QuotientPart : Part<Degree, 2> {
+    using Part<Degree, 2>::polynomials;
+
     double low = kInfinity;
     double high = kInfinity;
 
-    explicit QuotientPart(const Part<2>& part) : Part(part) {
+    explicit QuotientPart(const Part<Degree, 2>& part) : Part<Degree, 2>(part) {
         // The quotient is a mean of those of the coefficients, if all of its weights are positive.
         for (const auto& [upper, lower] : polynomials)
             low = std::min(low, lower > 0 ? upper / lower : -kInfinity);
-        for (const std::size_t at : kCornerCoefficients)
+        for (const std::size_t at : kCornerCoefficients<Degree>)
             if (polynomials[at][1] > 0)
                 high = std::min(high, polynomials[at][0] / polynomials[at][1]);
     }
@@ -97,7 +104,10 @@ struct QuotientPart : Part<2> {
 };
 
 /// A part of the cube for a part of the time.
-struct MovingPart : Part<4> {
+template <std::size_t Degree>
+struct MovingPart : Part<Degree, 4> {
+    using Part<Degree, 4>::polynomials, Part<Degree, 4>::depth;
+
     double first = 0;
     double last = 1;
 
@@ -114,7 +124,7 @@ struct MovingPart : Part<4> {
         return {{{before, depth}, first, middle}, {{after, depth}, middle, last}};
     }
     std::pair<MovingPart, MovingPart> halvedInSpace() const {
-        const auto [lower, upper] = halved(axis());
+        const auto [lower, upper] = this->halved(axis());
         return {{lower, first, last}, {upper, first, last}};
     }
 
@@ -136,12 +146,13 @@ private:
 
 }  // namespace
 
-bool isPositive(const Triquadratics<1>& polynomial) {
+template <std::size_t Degree>
+bool isPositive(const Trivariate<Degree, 1>& polynomial) {
     constexpr int kMostHalvings = 500;
     if (isProvedPositive(polynomial)) return true;
-    std::vector<Part<1>> open = {{polynomial, 0}};
+    std::vector<Part<Degree, 1>> open = {{polynomial, 0}};
     for (int halvings = 0; !open.empty(); ++halvings) {
-        const Part<1> part = open.back();
+        const Part<Degree, 1> part = open.back();
         open.pop_back();
         if (isSeenToFail(part.polynomials, 0) || part.depth == kDeepest ||
             halvings == kMostHalvings)
@@ -153,14 +164,15 @@ bool isPositive(const Triquadratics<1>& polynomial) {
     return true;
 }
 
-double leastQuotient(const Triquadratics<2>& quotient) {
+template <std::size_t Degree>
+double leastQuotient(const Trivariate<Degree, 2>& quotient) {
     // More than isPositive() may take to prove that the second is: then it shows here, too.
     constexpr int kMostHalvings = 2000;
     constexpr double kPrecision = 1e-3, kSmall = 1e-6;
-    QuotientPart lowest({quotient, 0});
+    QuotientPart<Degree> lowest({quotient, 0});
     double high = lowest.high;
-    std::vector<QuotientPart> others;
-    const auto isHigher = [](const QuotientPart& a, const QuotientPart& b) {
+    std::vector<QuotientPart<Degree>> others;
+    const auto isHigher = [](const QuotientPart<Degree>& a, const QuotientPart<Degree>& b) {
         return a.low > b.low;
     };
     for (int halvings = 0; halvings < kMostHalvings && lowest.depth < kDeepest; ++halvings) {
@@ -182,12 +194,14 @@ double leastQuotient(const Triquadratics<2>& quotient) {
     return lowest.low;
 }
 
-ProvedTime positiveUpTo(const Triquadratics<4>& polynomial, double upTo) {
+template <std::size_t Degree>
+ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
+    using Moving = MovingPart<Degree>;
     constexpr int kMostHalvings = 2000;
     constexpr double kPrecision = 1e-6, kNone = 1e-12;
-    std::vector<MovingPart> open;  // a heap, the earliest first
-    const auto isLater = [](const MovingPart& a, const MovingPart& b) { return a.first > b.first; };
-    const auto keepUnlessProved = [&](const MovingPart& part) {
+    std::vector<Moving> open;  // a heap, the earliest first
+    const auto isLater = [](const Moving& a, const Moving& b) { return a.first > b.first; };
+    const auto keepUnlessProved = [&](const Moving& part) {
         if (isProvedPositive(part.polynomials)) return;
         open.push_back(part);
         std::push_heap(open.begin(), open.end(), isLater);
@@ -195,7 +209,7 @@ ProvedTime positiveUpTo(const Triquadratics<4>& polynomial, double upTo) {
     keepUnlessProved({{upTo < 1 ? partsInTime(polynomial, upTo).first : polynomial, 0}, 0, upTo});
     for (int halvings = 0; !open.empty(); ++halvings) {
         std::pop_heap(open.begin(), open.end(), isLater);
-        const MovingPart part = open.back();
+        const Moving part = open.back();
         open.pop_back();
         // All times before it have been proved.
         const bool failsAtLast = isSeenToFail(part.polynomials, 3);
@@ -212,5 +226,12 @@ ProvedTime positiveUpTo(const Triquadratics<4>& polynomial, double upTo) {
     }
     return {upTo, true};
 }
+
+template bool isPositive(const Trivariate<2, 1>&);
+template bool isPositive(const Trivariate<8, 1>&);
+template double leastQuotient(const Trivariate<2, 2>&);
+template double leastQuotient(const Trivariate<8, 2>&);
+template ProvedTime positiveUpTo(const Trivariate<2, 4>&, double);
+template ProvedTime positiveUpTo(const Trivariate<8, 4>&, double);
 
 }  // namespace espalier::solve

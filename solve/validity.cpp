@@ -2,8 +2,8 @@
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
 #include <espalier/solve/bernstein_bounds.h>
+#include <espalier/solve/checked_volume.h>
 #include <espalier/solve/validity.h>
-#include <espalier/solve/validity_pieces.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +15,10 @@ namespace {
 
 using far::CellComplex;
 using far::Offset;
+using stencils::LimitPositions;
 
-/// Cells that one thread takes at a time.
-constexpr Offset kGrain = 1024;
+/// Parts that one thread takes at a time.
+constexpr Offset kGrain = 256;
 
 std::size_t at(Index index) {
     return static_cast<std::size_t>(index);
@@ -38,42 +39,39 @@ void checkPositions(const CellComplex& complex, std::span<const Point3> position
                     (std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
 }
 
-const CellComplex& checkedLattice(const CellComplex& complex) {
-    if (complex.dimension() != 3)
-        throw Error("cells are checked in a lattice only, not in a complex of dimension " +
-                    std::to_string(complex.dimension()));
-    for (Index face = 0; face < complex.count(2); ++face)
-        if (complex.relation(2, 0)[face].size() != 4)
-            throw Error("face " + std::to_string(face) +
-                        " is not a quadrilateral: checking cells needs a lattice refined at least "
-                        "once");
-    return complex;
-}
-
 /// What is left of a determinant above its floor, turned so that it is positive at rest.
-template <std::size_t Lanes>
-Triquadratics<Lanes> aboveFloor(Triquadratics<Lanes> determinant, int orientation,
-                                const std::array<double, Lanes>& floor) {
+template <std::size_t Degree, std::size_t Lanes>
+Trivariate<Degree, Lanes> aboveFloor(Trivariate<Degree, Lanes> determinant, int orientation,
+                                     const std::array<double, Lanes>& floor) {
     for (auto& lanes : determinant)
         for (std::size_t lane = 0; lane < Lanes; ++lane)
             lanes[lane] = orientation * lanes[lane] - floor[lane];
     return determinant;
 }
 
-/// The sign of the determinant all over a cell; 0 if it has none.
-std::int8_t orientationOf(const CellComplex& complex, Index cell, std::span<const Point3> rest) {
-    const CellPieces pieces(complex, cell);
-    std::int8_t orientation = 0;
-    for (Index i = 0; i < pieces.count(); ++i) {
-        const Piece piece = pieces.piece(i, rest);
-        const auto polynomial = determinant(piece.derivatives);
-        const std::int8_t sign = polynomial[0][0] > 0 ? 1 : -1;
-        if (sign == -orientation ||
-            !isPositive(aboveFloor(polynomial, sign, {determinantFloor(piece)})))
-            return 0;
-        orientation = sign;
-    }
-    return orientation;
+/// The sign of the determinant all over a part; 0 if it has none.
+std::int8_t orientationOf(const CheckedVolume& volume, Index part, const LimitPositions& rest) {
+    std::optional<std::int8_t> common;
+    volume.forEachPiece(
+        part,
+        [&](const auto& piece) {
+            if (common == 0) return;
+            const auto polynomial = determinant(piece.derivatives);
+            const std::int8_t sign = polynomial[0][0] > 0 ? 1 : -1;
+            if (common.value_or(sign) != sign ||
+                !isPositive(aboveFloor(polynomial, sign, {determinantFloor(piece.size)})))
+                common = 0;
+            else
+                common = sign;
+        },
+        rest);
+    return common.value_or(0);
+}
+
+/// A cell has the orientation that all of its parts have.
+void join(std::vector<std::optional<std::int8_t>>& ofCells, Index cell, std::int8_t ofPart) {
+    auto& common = ofCells[at(cell)];
+    common = common.value_or(ofPart) == ofPart ? ofPart : 0;
 }
 
 /// Takes their orientation from cells that are turned against most of those that they are joined
@@ -107,63 +105,108 @@ void dropTurned(const CellComplex& complex, std::vector<std::int8_t>& orientatio
     }
 }
 
-/// A lower bound of the least volume ratio of a cell; its sign is sure.
-double leastRatio(const CellComplex& complex, Index cell, int orientation,
-                  std::span<const Point3> rest, std::span<const Point3> pose) {
-    const CellPieces pieces(complex, cell);
+/// A lower bound of the least volume ratio of a part; its sign is sure.
+double leastRatio(const CheckedVolume& volume, Index part, int orientation,
+                  const LimitPositions& rest, const LimitPositions& pose) {
     double least = std::numeric_limits<double>::max();  // where the quotient is beyond it
-    for (Index i = 0; i < pieces.count(); ++i) {
-        const Piece posed = pieces.piece(i, pose);
-        const auto now = determinant(posed.derivatives);
-        const auto before = determinant(pieces.piece(i, rest).derivatives);
-        const double floor = determinantFloor(posed);
-        Triquadratics<2> quotient;
-        for (std::size_t k = 0; k < quotient.size(); ++k)
-            quotient[k] = {orientation * now[k][0] - floor, orientation * before[k][0]};
-        least = std::min(least, leastQuotient(quotient));
-    }
+    volume.forEachPiece(
+        part,
+        [&]<std::size_t Degree>(const Piece<Degree>& before, const Piece<Degree>& posed) {
+            const auto upper = aboveFloor(determinant(posed.derivatives), orientation,
+                                          {determinantFloor(posed.size)});
+            const auto lower = determinant(before.derivatives);
+            Trivariate<kDeterminantDegree<Degree>, 2> quotient;
+            for (std::size_t k = 0; k < quotient.size(); ++k)
+                quotient[k] = {upper[k][0], orientation * lower[k][0]};
+            least = std::min(least, leastQuotient(quotient));
+        },
+        rest, pose);
     return least;
 }
 
-/// A piece at the end of the way that is looked at, beyond the pose perhaps.
+/// Of a piece at the end of the way that is looked at, beyond the pose perhaps.
 ///
-/// \param end where the vertices are there: rest + most (pose − rest)
-Piece pieceAtEnd(const CellPieces& pieces, Index number, const Piece& rest,
-                 std::span<const Point3> end, double most) {
-    Piece piece = pieces.piece(number, end);
-    // That of rest and pose grows by the way: most (|rest| + |pose|), of which the latter is at
-    // most |rest| + (|rest| + |end|) / most.
-    piece.uncertainty = 2 * (piece.uncertainty + (1 + most) * rest.uncertainty);
-    return piece;
+/// \param end its size there, at rest + most (pose − rest)
+PieceSize sizeAtEnd(PieceSize end, const PieceSize& rest, double most) {
+    // Its uncertainty is that of rest and pose, which grow by the way: most (|rest| + |pose|), of
+    // which the latter is at most |rest| + (|rest| + |end|) / most.
+    end.uncertainty = 2 * (end.uncertainty + (1 + most) * rest.uncertainty);
+    return end;
+}
+
+/// Takes a step back to where a part is proved valid.
+void shorten(LargestStep& step, const CheckedVolume& volume, Index part, int orientation,
+             const LimitPositions& rest, const LimitPositions& end, double most) {
+    volume.forEachPiece(
+        part,
+        [&](const auto& before, const auto& after) {
+            if (!(step.length > 0)) return;
+            const ProvedTime proved = positiveUpTo(
+                aboveFloor(determinant(before.derivatives, after.derivatives), orientation,
+                           determinantFloor(before.size, sizeAtEnd(after.size, before.size, most))),
+                step.length);
+            if (proved.time < step.length)
+                step = {proved.time, volume.cellOf(part), proved.isTight};
+        },
+        rest, end);
+}
+
+/// Calls visit(range, part) for all parts, ranges of them in parallel. What a range does does not
+/// depend on the number of threads.
+template <class Visit>
+void forEachPart(const CheckedVolume& volume, Visit visit) {
+    far::parallelFor(volume.partCount(), kGrain, [&](Offset first, Offset last) {
+        for (auto part = static_cast<Index>(first); part < last; ++part)
+            visit(static_cast<std::size_t>(first / kGrain), part);
+    });
 }
 
 }  // namespace
 
 ValidityCheck::ValidityCheck(const CellComplex& complex, std::span<const Point3> rest)
-    : complex_(checkedLattice(complex)) {
-    checkPositions(complex_, rest, "rest");
+    : ValidityCheck(CheckedVolume(complex), rest) {}
+
+ValidityCheck::ValidityCheck(const stencils::LimitParts& limit, std::span<const Point3> rest)
+    : ValidityCheck(CheckedVolume(limit), rest) {}
+
+ValidityCheck::ValidityCheck(CheckedVolume checked, std::span<const Point3> rest)
+    : volume_(std::make_shared<const CheckedVolume>(std::move(checked))) {
+    const CheckedVolume& volume = *volume_;
+    checkPositions(volume.cells(), rest, "rest");
     rest_.assign(rest.begin(), rest.end());
-    orientation_.resize(at(complex_.count(3)));
-    far::parallelFor(complex_.count(3), kGrain, [&](Offset first, Offset last) {
-        for (auto cell = static_cast<Index>(first); cell < last; ++cell)
-            orientation_[at(cell)] = orientationOf(complex_, cell, rest_);
+    const LimitPositions placed = volume.place(rest_);
+    std::vector<std::int8_t> ofParts(at(volume.partCount()));
+    forEachPart(volume, [&](std::size_t, Index part) {
+        ofParts[at(part)] = orientationOf(volume, part, placed);
     });
-    dropTurned(complex_, orientation_);
-    for (Index cell = 0; cell < complex_.count(3); ++cell)
-        if (orientation_[at(cell)] == 0) badAtRest_.push_back(cell);
+    std::vector<std::optional<std::int8_t>> ofCells(at(volume.cells().count(3)));
+    for (Index part = 0; part < volume.partCount(); ++part)
+        join(ofCells, volume.cellOf(part), ofParts[at(part)]);
+    for (const auto& orientation : ofCells) orientation_.push_back(orientation.value_or(0));
+    dropTurned(volume.cells(), orientation_);
+    for (Index cell = 0; cell < volume.cells().count(3); ++cell)
+        if (ofCells[at(cell)] && orientation_[at(cell)] == 0) badAtRest_.push_back(cell);
 }
 
 PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
-    checkPositions(complex_, pose, "pose");
+    const CheckedVolume& volume = *volume_;
+    checkPositions(volume.cells(), pose, "pose");
+    const LimitPositions rest = volume.place(rest_), posed = volume.place(pose);
+    std::vector<double> ofParts(at(volume.partCount()));
+    forEachPart(volume, [&](std::size_t, Index part) {
+        const int orientation = orientation_[at(volume.cellOf(part))];
+        if (orientation != 0)
+            ofParts[at(part)] = leastRatio(volume, part, orientation, rest, posed);
+    });
     PoseValidity result;
     result.ratios.resize(orientation_.size());
-    far::parallelFor(complex_.count(3), kGrain, [&](Offset first, Offset last) {
-        for (auto cell = static_cast<Index>(first); cell < last; ++cell)
-            if (orientation_[at(cell)] != 0)
-                result.ratios[at(cell)] =
-                    leastRatio(complex_, cell, orientation_[at(cell)], rest_, pose);
-    });
-    for (Index cell = 0; cell < complex_.count(3); ++cell) {
+    for (Index part = 0; part < volume.partCount(); ++part) {
+        const Index cell = volume.cellOf(part);
+        if (orientation_[at(cell)] == 0) continue;
+        auto& ratio = result.ratios[at(cell)];
+        ratio = std::min(ratio.value_or(ofParts[at(part)]), ofParts[at(part)]);
+    }
+    for (Index cell = 0; cell < volume.cells().count(3); ++cell) {
         const auto& ratio = result.ratios[at(cell)];
         if (!ratio) continue;
         if (!(*ratio > 0)) result.inverted.push_back(cell);
@@ -177,30 +220,20 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most
     if (!(most > 0 && most <= kMostAsked))
         throw Error("the largest step was asked for up to " + std::to_string(most) +
                     "; expected a number above 0, up to a million");
-    checkPositions(complex_, pose, "pose");
-    std::vector<Point3> end(rest_);
-    for (std::size_t vertex = 0; vertex < end.size(); ++vertex)
+    const CheckedVolume& volume = *volume_;
+    checkPositions(volume.cells(), pose, "pose");
+    std::vector<Point3> ends(rest_);
+    for (std::size_t vertex = 0; vertex < ends.size(); ++vertex)
         for (std::size_t c = 0; c < 3; ++c)
-            end[vertex][c] += most * (pose[vertex][c] - rest_[vertex][c]);
-    // In parts of `most`. The digits of a cell's depend on how far the cells before it have brought
-    // the step down. So each range has a step of its own: ranges do not depend on the threads.
+            ends[vertex][c] += most * (pose[vertex][c] - rest_[vertex][c]);
+    const LimitPositions rest = volume.place(rest_), end = volume.place(ends);
+    // In parts of `most`. The digits of a part's depend on how far the parts before it have brought
+    // the step down. So each range has a step of its own.
     std::vector<LargestStep> ofRanges(
-        static_cast<std::size_t>((complex_.count(3) + kGrain - 1) / kGrain), {1, {}, true});
-    far::parallelFor(complex_.count(3), kGrain, [&](Offset first, Offset last) {
-        LargestStep& step = ofRanges[static_cast<std::size_t>(first / kGrain)];
-        for (auto cell = static_cast<Index>(first); cell < last; ++cell) {
-            if (orientation_[at(cell)] == 0) continue;
-            const CellPieces pieces(complex_, cell);
-            for (Index i = 0; i < pieces.count() && step.length > 0; ++i) {
-                const Piece before = pieces.piece(i, rest_);
-                const Piece after = pieceAtEnd(pieces, i, before, end, most);
-                const ProvedTime proved = positiveUpTo(
-                    aboveFloor(determinant(before.derivatives, after.derivatives),
-                               orientation_[at(cell)], determinantFloor(before, after)),
-                    step.length);
-                if (proved.time < step.length) step = {proved.time, cell, proved.isTight};
-            }
-        }
+        static_cast<std::size_t>((volume.partCount() + kGrain - 1) / kGrain), {1, {}, true});
+    forEachPart(volume, [&](std::size_t range, Index part) {
+        const int orientation = orientation_[at(volume.cellOf(part))];
+        if (orientation != 0) shorten(ofRanges[range], volume, part, orientation, rest, end, most);
     });
     LargestStep result{1, {}, true};
     for (const LargestStep& step : ofRanges)

@@ -34,12 +34,39 @@ std::array<double, 4> volumes(const std::array<double, 3>& first,
 }
 
 /// As long as they may be: both ends may be off, along all three axes.
-std::array<double, 3> longestEdges(const Piece& piece) {
-    const double longer = 2 * std::numbers::sqrt3 * piece.uncertainty;
-    return {piece.lengths[0] + longer, piece.lengths[1] + longer, piece.lengths[2] + longer};
+std::array<double, 3> longest(const PieceSize& size) {
+    const double longer = 2 * std::numbers::sqrt3 * size.uncertainty;
+    return {size.lengths[0] + longer, size.lengths[1] + longer, size.lengths[2] + longer};
+}
+
+constexpr double kUnit = std::numeric_limits<double>::epsilon();
+
+/// A map by its Bézier points: that at places (i, j, k) is at i + n (j + n k).
+template <std::size_t Degree>
+Piece<Degree> pieceOf(
+    const std::array<Point3, (Degree + 1) * (Degree + 1) * (Degree + 1)>& points) {
+    Piece<Degree> piece;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t stride = kAxisStride<Degree>[axis];
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (i / stride % (Degree + 1) == Degree) continue;
+            const Point3 derivative =
+                scaled(difference(points[i + stride], points[i]), static_cast<double>(Degree));
+            piece.derivatives[axis][count++] = derivative;
+            piece.size.lengths[axis] = std::max(piece.size.lengths[axis], length(derivative));
+        }
+    }
+    return piece;
 }
 
 }  // namespace
+
+Piece<3> pieceOf(const stencils::BezierPatch& patch) {
+    Piece<3> piece = pieceOf<3>(patch.points);
+    piece.size.uncertainty = 3 * 48 * kUnit * patch.largestCoordinate;
+    return piece;
+}
 
 CellPieces::CellPieces(const far::CellComplex& complex, Index cell)
     : complex_(complex), cell_(cell), corners_(far::hexahedronVertices(complex, cell_)) {}
@@ -48,32 +75,23 @@ Index CellPieces::count() const {
     return corners_ ? 1 : stencils::tetrahedronCount(complex_, cell_);
 }
 
-Piece CellPieces::piece(Index number, std::span<const Point3> positions) const {
-    constexpr double kUnits = 16 * std::numeric_limits<double>::epsilon();
-    Piece piece = corners_ ? hexahedron(positions) : tetrahedron(number, positions);
+Piece<1> CellPieces::piece(Index number, std::span<const Point3> positions) const {
+    Piece<1> piece = corners_ ? hexahedron(positions) : tetrahedron(number, positions);
     for (const Index vertex : complex_.relation(3, 0)[cell_.value])
         for (const double coordinate : at(positions, vertex))
-            piece.uncertainty = std::max(piece.uncertainty, kUnits * std::abs(coordinate));
+            piece.size.uncertainty =
+                std::max(piece.size.uncertainty, 16 * kUnit * std::abs(coordinate));
     return piece;
 }
 
-Piece CellPieces::hexahedron(std::span<const Point3> positions) const {
-    Piece piece{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        for (std::size_t i = 0; i < 4; ++i) {
-            std::array<std::size_t, 3> place{};
-            place[(axis + 1) % 3] = i % 2;
-            place[(axis + 2) % 3] = i / 2;
-            const Point3& from = at(positions, (*corners_)[cornerAt(place)]);
-            place[axis] = 1;
-            const Point3& to = at(positions, (*corners_)[cornerAt(place)]);
-            piece.derivatives[axis][i] = difference(to, from);
-            piece.lengths[axis] = std::max(piece.lengths[axis], length(piece.derivatives[axis][i]));
-        }
-    return piece;
+Piece<1> CellPieces::hexahedron(std::span<const Point3> positions) const {
+    std::array<Point3, 8> points;
+    for (std::size_t i = 0; i < 8; ++i)
+        points[i] = at(positions, (*corners_)[cornerAt({i % 2, i / 2 % 2, i / 4})]);
+    return pieceOf<1>(points);
 }
 
-Piece CellPieces::tetrahedron(Index number, std::span<const Point3> positions) const {
+Piece<1> CellPieces::tetrahedron(Index number, std::span<const Point3> positions) const {
     // From one of the vertices, so that where the cell lies does not cost digits.
     const auto vertices = complex_.relation(3, 0)[cell_.value];
     const Point3& origin = at(positions, vertices.front());
@@ -88,23 +106,23 @@ Piece CellPieces::tetrahedron(Index number, std::span<const Point3> positions) c
     auto base = stencils::tetrahedronBase(complex_, cell_, number);
     const auto face = static_cast<std::size_t>(number / 2);
     if (complex_.boundary(3).signs(cell_.value)[face] < 0) std::swap(base[1], base[2]);
-    Piece piece{};
+    Piece<1> piece;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         piece.derivatives[axis].fill(
             difference(difference(at(positions, base[axis]), origin), apex));
-        piece.lengths[axis] = size;
+        piece.size.lengths[axis] = size;
     }
     return piece;
 }
 
-double determinantFloor(const Piece& piece) {
-    return determinantFloor(piece, piece)[0];
+double determinantFloor(const PieceSize& size) {
+    return determinantFloor(size, size)[0];
 }
 
-std::array<double, 4> determinantFloor(const Piece& first, const Piece& last) {
-    constexpr double kRounding = 256 * std::numeric_limits<double>::epsilon();
+std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last) {
+    constexpr double kRounding = 256 * kUnit;
     const auto exact = volumes(first.lengths, last.lengths);
-    const auto longer = volumes(longestEdges(first), longestEdges(last));
+    const auto longer = volumes(longest(first), longest(last));
     std::array<double, 4> floor;
     // Below the least normal number, products lose digits.
     for (std::size_t i = 0; i < 4; ++i)

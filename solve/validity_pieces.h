@@ -4,6 +4,7 @@
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/point.h>
 #include <espalier/solve/bernstein.h>
+#include <espalier/stencils/limit_parts.h>
 
 #include <array>
 #include <optional>
@@ -13,19 +14,29 @@ namespace espalier::solve {
 
 using far::Index;
 
-/// The map of a hexahedron, or of one of the tetrahedra of a type-n cell.
-struct Piece {
-    Derivatives derivatives;  ///< of a tetrahedron the same everywhere
+/// How large derivatives are, and what they are known to.
+struct PieceSize {
+    /// The longest derivative along each axis; in a tetrahedron the size of the cell instead, as
+    /// its apex is a mean over it. The rounding of derivatives is in proportion.
+    std::array<double, 3> lengths = {};
 
-    /// Along each axis the longest edge; in a tetrahedron the size of the cell instead, as its apex
-    /// is a mean over it. The rounding of derivatives is in proportion.
-    std::array<double, 3> lengths;
-
-    /// How far positions may be off by rounding, each coordinate. They are sums of the products of
-    /// up to 27 numbers, level by level: 16 units of the largest coordinate of the cell is more
-    /// than that amounts to.
-    double uncertainty;
+    /// How far the ends of what derivatives are differences of may be off by rounding, each
+    /// coordinate. Positions are sums of the products of up to 27 numbers, level by level: 16 units
+    /// of the largest coordinate is more than that amounts to. Another 32 are more than what makes
+    /// Bézier points of them, 3 times a sum of |weights| of 2.4 and of 6 terms along each axis; and
+    /// derivatives of a cubic are 3 times differences.
+    double uncertainty = 0;
 };
+
+/// A map from the cube: of degree 1 that of a hexahedron, or of one of the tetrahedra of a type-n
+/// cell (whose derivatives are the same everywhere), of degree 3 a patch of the limit.
+template <std::size_t Degree>
+struct Piece {
+    Derivatives<Degree> derivatives;
+    PieceSize size = {};
+};
+
+Piece<3> pieceOf(const stencils::BezierPatch& patch);
 
 /// What a cell of a refined lattice is taken apart into, as for embedding: a type-3 cell into its
 /// trilinear map, a type-n cell into 4n tetrahedra around its cell point. In a lattice that is
@@ -41,11 +52,11 @@ public:
 
     /// \param positions one a vertex of the complex
     /// \cost O(vertices of the cell)
-    Piece piece(Index number, std::span<const Point3> positions) const;
+    Piece<1> piece(Index number, std::span<const Point3> positions) const;
 
 private:
-    Piece hexahedron(std::span<const Point3> positions) const;
-    Piece tetrahedron(Index number, std::span<const Point3> positions) const;
+    Piece<1> hexahedron(std::span<const Point3> positions) const;
+    Piece<1> tetrahedron(Index number, std::span<const Point3> positions) const;
 
     const far::CellComplex& complex_;
     far::CellId cell_;
@@ -56,11 +67,12 @@ private:
 /// longer by their uncertainty, and 6e-14 of the product of the lengths, 512 units of rounding.
 /// That holds all that its coefficients were rounded by: 3 units for the edges, 12 for the
 /// determinants of edges, 24 for their sums, 60 for halvings; and 2n + 2 for each edge of the
-/// tetrahedra of a type-n cell, for n up to 50 or so.
-double determinantFloor(const Piece& piece);
+/// tetrahedra of a type-n cell, for n up to 50 or so. For a patch, 12 for determinants, 96 for sums
+/// of up to 48 of them, and 240 for halvings, 8 for each.
+double determinantFloor(const PieceSize& size);
 
 /// The same while a piece goes over from one to another linearly: Bernstein coefficients of degree
 /// 3 in time, as determinant() has them.
-std::array<double, 4> determinantFloor(const Piece& first, const Piece& last);
+std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last);
 
 }  // namespace espalier::solve

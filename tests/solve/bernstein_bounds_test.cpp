@@ -43,7 +43,7 @@ TEST(BernsteinBounds, TellsTheSignOfWhatIsLeastInside) {
 TEST(BernsteinBounds, LeastQuotientIsBelowAllSamplesAndNotByMuch) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         const auto values = test::randomValues(54, seed);
-        Triquadratics<2> quotient;
+        Trivariate<2, 2> quotient;
         for (std::size_t i = 0; i < 27; ++i)
             quotient[i] = {values[i] + (seed % 3 == 0 ? 0.8 : 0), 1.5 + values[27 + i]};
         double sampled = std::numeric_limits<double>::infinity();
@@ -61,7 +61,7 @@ TEST(BernsteinBounds, LeastQuotientIsBelowAllSamplesAndNotByMuch) {
 
 // ((2u − 1)² + (2v − 1)² + (2w − 1)² + 0.3) / 2: 0.15 in the middle.
 TEST(BernsteinBounds, LeastQuotientIsWithinAThousandth) {
-    Triquadratics<2> quotient;
+    Trivariate<2, 2> quotient;
     for (std::size_t i = 0; i < 27; ++i)
         quotient[i] = {kSquare[i % 3] + kSquare[i / 3 % 3] + kSquare[i / 9] + 0.3, 2};
     const double least = leastQuotient(quotient);
@@ -78,8 +78,8 @@ TEST(BernsteinBounds, LeastQuotientIsWithinAThousandth) {
 
 /// Cubic in time at each coefficient: `ofTime` has its Bernstein coefficients, to which `inSpace`
 /// is added.
-Triquadratics<4> moving(const std::array<double, 4>& ofTime, const Triquadratics<1>& inSpace) {
-    Triquadratics<4> result;
+Trivariate<2, 4> moving(const std::array<double, 4>& ofTime, const Trivariate<2, 1>& inSpace) {
+    Trivariate<2, 4> result;
     for (std::size_t i = 0; i < 27; ++i)
         for (std::size_t lane = 0; lane < 4; ++lane) result[i][lane] = ofTime[lane] + inSpace[i][0];
     return result;
@@ -88,16 +88,16 @@ Triquadratics<4> moving(const std::array<double, 4>& ofTime, const Triquadratics
 /// Of (2t − 1)², raised to degree 3: 1, −1, 1 is 1, −1/3, −1/3, 1.
 constexpr std::array<double, 4> kSquareInTime = {1, -1.0 / 3, -1.0 / 3, 1};
 
-Triquadratics<1> nothing() {
+Trivariate<2, 1> nothing() {
     return polynomial([](std::size_t, std::size_t, std::size_t) { return 0; });
 }
 
 TEST(BernsteinBounds, TheFirstTimeIsFound) {
     // 1 − 4t, of which the three squares, 0 in the middle, leave 0 at t = 1/4.
-    const Triquadratics<1> squares = polynomial([](std::size_t a, std::size_t b, std::size_t c) {
+    const Trivariate<2, 1> squares = polynomial([](std::size_t a, std::size_t b, std::size_t c) {
         return kSquare[a] + kSquare[b] + kSquare[c];
     });
-    const Triquadratics<4> linear = moving({1, 1 - 4.0 / 3, 1 - 8.0 / 3, -3}, squares);
+    const Trivariate<2, 4> linear = moving({1, 1 - 4.0 / 3, 1 - 8.0 / 3, -3}, squares);
     EXPECT_LE(positiveUpTo(linear, 1).time, 0.25);
     EXPECT_GE(positiveUpTo(linear, 1).time, 0.25 * (1 - 2e-6));
     EXPECT_TRUE(positiveUpTo(linear, 1).isTight);
@@ -120,7 +120,7 @@ TEST(BernsteinBounds, TheFirstTimeIsFound) {
 
 // (2t − 1)² + (2u − 1)² + ε: all but 0 at one place and time, along a plane of the cube.
 TEST(BernsteinBounds, NearMissesAreProved) {
-    const Triquadratics<1> square =
+    const Trivariate<2, 1> square =
         polynomial([](std::size_t a, std::size_t, std::size_t) { return kSquare[a]; });
     for (const double least : {1e-3, 1e-6, 1e-9, 1e-11}) {
         auto miss = moving(kSquareInTime, square);
@@ -140,7 +140,7 @@ TEST(BernsteinBounds, NearMissesAreProved) {
 // are. What is returned then has been proved all the same.
 TEST(BernsteinBounds, WorkIsBounded) {
     // (2t − 1 + (2u − 1))² + ε is all but 0 on a diagonal: 1/√ε parts.
-    Triquadratics<4> diagonal;
+    Trivariate<2, 4> diagonal;
     // In monomials of a = 2u − 1 and b = 2t − 1: a² + 2ab + b²; b has the coefficients −1, −1/3,
     // 1/3, 1, and a −1, 0, 1.
     for (std::size_t i = 0; i < 27; ++i)

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 
 /// A cube whose vertices are moved at random.
 struct RandomCell {
-    Piece piece;
+    Piece<1> piece;
     stencils::Trilinear map;
 };
 
@@ -44,7 +44,7 @@ TEST(Bernstein, DeterminantIsThatOfTheTrilinearMap) {
         const auto polynomial = determinant(cell.piece.derivatives);
         forGrid(3, [&](const Vector3d& uvw) {
             EXPECT_NEAR(valueAt(polynomial, 0, uvw), cell.map.jacobian(uvw).determinant(),
-                        determinantFloor(cell.piece));
+                        determinantFloor(cell.piece.size));
         });
     }
 }
@@ -54,7 +54,7 @@ TEST(Bernstein, DeterminantOnTheWayIsThatOfTheMapOnTheWay) {
     for (unsigned seed = 0; seed < 5; ++seed) {
         const RandomCell first = randomCell(seed), last = randomCell(seed + 100);
         const auto polynomials = determinant(first.piece.derivatives, last.piece.derivatives);
-        const auto floor = determinantFloor(first.piece, last.piece);
+        const auto floor = determinantFloor(first.piece.size, last.piece.size);
         for (const double t : {0.0, 0.3, 0.7, 1.0}) {
             const std::array<double, 4> weights = {(1 - t) * (1 - t) * (1 - t),
                                                    3 * t * (1 - t) * (1 - t), 3 * t * t * (1 - t),
@@ -73,9 +73,67 @@ TEST(Bernstein, DeterminantOnTheWayIsThatOfTheMapOnTheWay) {
     }
 }
 
+/// A tricubic map of random points, and its derivatives by the definition.
+struct RandomPatch {
+    stencils::BezierPatch patch;
+    Piece<3> piece;
+
+    explicit RandomPatch(unsigned seed) {
+        const auto values = test::randomValues(192, seed);
+        for (std::size_t i = 0; i < 192; ++i) patch.points[i / 3][i % 3] = values[i];
+        patch.largestCoordinate = 1;
+        piece = pieceOf(patch);
+    }
+    Eigen::Matrix3d jacobian(const Vector3d& uvw) const {
+        const auto basis = [](std::size_t i, double t) {
+            const double s = 1 - t;
+            return std::array{s * s * s, 3 * t * s * s, 3 * t * t * s, t * t * t}[i];
+        };
+        const auto slope = [](std::size_t i, double t) {
+            const double s = 1 - t;
+            return std::array{-3 * s * s, 3 * s * s - 6 * t * s, 6 * t * s - 3 * t * t,
+                              3 * t * t}[i];
+        };
+        Eigen::Matrix3d result = Eigen::Matrix3d::Zero();
+        for (std::size_t i = 0; i < 64; ++i)
+            for (Eigen::Index axis = 0; axis < 3; ++axis) {
+                double weight = 1;
+                const std::array<std::size_t, 3> place = {i % 4, i / 4 % 4, i / 16};
+                for (Eigen::Index along = 0; along < 3; ++along)
+                    weight *= (along == axis ? slope(place[std::size_t(along)], uvw[along])
+                                             : basis(place[std::size_t(along)], uvw[along]));
+                result.col(axis) += weight * Vector3d(patch.points[i].data());
+            }
+        return result;
+    }
+};
+
+// Degree 8 is known by values at 9 places along each axis; some of them will do.
+TEST(Bernstein, DeterminantIsThatOfTheTricubicMap) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
+        const RandomPatch first(seed), last(seed + 10);
+        const auto polynomial = determinant(first.piece.derivatives);
+        const auto onTheWay = determinant(first.piece.derivatives, last.piece.derivatives);
+        forGrid(5, [&](const Vector3d& uvw) {
+            const double expected = first.jacobian(uvw).determinant();
+            EXPECT_NEAR(valueAt(polynomial, 0, uvw), expected, determinantFloor(first.piece.size));
+            EXPECT_NEAR(valueAt(onTheWay, 0, uvw), expected, determinantFloor(first.piece.size));
+            EXPECT_NEAR(valueAt(onTheWay, 3, uvw), last.jacobian(uvw).determinant(),
+                        determinantFloor(last.piece.size));
+            // Half way: (c₀ + 3c₁ + 3c₂ + c₃) / 8.
+            double half = 0;
+            for (std::size_t lane = 0; lane < 4; ++lane)
+                half += (lane % 3 == 0 ? 0.125 : 0.375) * valueAt(onTheWay, lane, uvw);
+            const auto floor = determinantFloor(first.piece.size, last.piece.size);
+            EXPECT_NEAR(half, ((first.jacobian(uvw) + last.jacobian(uvw)) / 2).determinant(),
+                        *std::max_element(floor.begin(), floor.end()));
+        });
+    }
+}
+
 // A tetrahedron has the same determinant everywhere: all coefficients are that, exactly.
 TEST(Bernstein, ConstantsStayConstant) {
-    Derivatives derivatives;
+    Derivatives<1> derivatives;
     derivatives[0].fill({1, 2, 3});
     derivatives[1].fill({-1, 1, 0.5});
     derivatives[2].fill({0.25, 0, 2});
@@ -83,10 +141,11 @@ TEST(Bernstein, ConstantsStayConstant) {
     for (const auto& lanes : determinant(derivatives)) EXPECT_EQ(lanes[0], 5.5);
 }
 
-TEST(Bernstein, HalvesAreTheSamePolynomials) {
-    const auto values = test::randomValues(54, 3);
-    Triquadratics<2> whole;
-    for (std::size_t i = 0; i < 54; ++i) whole[i / 2][i % 2] = values[i];
+template <std::size_t Degree>
+void expectHalvesAreTheSame() {
+    Trivariate<Degree, 2> whole;
+    const auto values = test::randomValues(2 * whole.size(), 3);
+    for (std::size_t i = 0; i < values.size(); ++i) whole[i / 2][i % 2] = values[i];
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto both = halves(whole, axis);
         for (std::size_t lane = 0; lane < 2; ++lane)
@@ -95,16 +154,21 @@ TEST(Bernstein, HalvesAreTheSamePolynomials) {
                 inLower[static_cast<Eigen::Index>(axis)] /= 2;
                 inUpper[static_cast<Eigen::Index>(axis)] =
                     (1 + uvw[static_cast<Eigen::Index>(axis)]) / 2;
-                // Sums of 27 numbers of size 1.
+                // Means of numbers of size 1.
                 EXPECT_NEAR(valueAt(both.first, lane, uvw), valueAt(whole, lane, inLower), 1e-14);
                 EXPECT_NEAR(valueAt(both.second, lane, uvw), valueAt(whole, lane, inUpper), 1e-14);
             });
     }
 }
 
+TEST(Bernstein, HalvesAreTheSamePolynomials) {
+    expectHalvesAreTheSame<2>();
+    expectHalvesAreTheSame<8>();
+}
+
 TEST(Bernstein, PartsInTimeAreTheSamePolynomial) {
     const auto values = test::randomValues(108, 5);
-    Triquadratics<4> whole;
+    Trivariate<2, 4> whole;
     for (std::size_t i = 0; i < 108; ++i) whole[i / 4][i % 4] = values[i];
     const auto cubic = [](const std::array<double, 4>& c, double t) {
         const double s = 1 - t;

@@ -4,29 +4,34 @@
 #include <espalier/solve/bernstein.h>
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 
 namespace espalier::solve {
 
 /// Coefficient a + 3 (b + 3 c) of each polynomial from what makes it up along each axis.
 template <class Coefficient>
-Triquadratics<1> polynomial(Coefficient coefficient) {
-    Triquadratics<1> result;
+Trivariate<2, 1> polynomial(Coefficient coefficient) {
+    Trivariate<2, 1> result;
     for (std::size_t i = 0; i < 27; ++i) result[i][0] = coefficient(i % 3, i / 3 % 3, i / 9);
     return result;
 }
 
 /// By the definition, to compare with.
-template <std::size_t Lanes>
-double valueAt(const Triquadratics<Lanes>& polynomials, std::size_t lane,
+template <std::size_t Degree, std::size_t Lanes>
+double valueAt(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane,
                const Eigen::Vector3d& uvw) {
     const auto weight = [](std::size_t i, double t) {
-        return i == 0 ? (1 - t) * (1 - t) : i == 1 ? 2 * t * (1 - t) : t * t;
+        double factor = 1;  // of i in Degree
+        for (std::size_t k = 0; k < i; ++k)
+            factor = factor * static_cast<double>(Degree - k) / static_cast<double>(k + 1);
+        return factor * std::pow(t, static_cast<double>(i)) *
+               std::pow(1 - t, static_cast<double>(Degree - i));
     };
     double sum = 0;
-    for (std::size_t i = 0; i < 27; ++i)
-        sum += weight(i % 3, uvw[0]) * weight(i / 3 % 3, uvw[1]) * weight(i / 9, uvw[2]) *
-               polynomials[i][lane];
+    for (std::size_t i = 0; i < polynomials.size(); ++i)
+        sum += weight(i % (Degree + 1), uvw[0]) * weight(i / (Degree + 1) % (Degree + 1), uvw[1]) *
+               weight(i / kAxisStride<Degree>[2], uvw[2]) * polynomials[i][lane];
     return sum;
 }
 

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/solve/checked_volume.h>
+#include <espalier/solve/validity.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/limit_binding.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "polynomials.h"
+#include "support/random_lattices.h"
+#include "support/refined_lattice.h"
+#include "support/threads.h"
+#include "support/zoo.h"
+
+namespace espalier::solve {
+namespace {
+
+using Positions = std::vector<Point3>;
+using stencils::LimitParts;
+using stencils::LimitPositions;
+using stencils::Rules;
+using test::vec;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::ThrowsMessage;
+
+LimitParts partsOf(const Lattice& lattice, int level) {
+    const far::TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+    return LimitParts(base, Rules::Siggraph96, level);
+}
+
+Positions moved(const Positions& rest, const Positions& pose, double t) {
+    Positions result = rest;
+    for (std::size_t v = 0; v < rest.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c) result[v][c] += t * (pose[v][c] - rest[v][c]);
+    return result;
+}
+
+Positions randomlyMoved(Positions positions, double size, unsigned seed) {
+    const auto moves = test::randomValues(3 * positions.size(), seed);
+    for (std::size_t i = 0; i < moves.size(); ++i) positions[i / 3][i % 3] += size * moves[i];
+    return positions;
+}
+
+/// A bar of three cells along x, its vertices at 0, 1 + a, 2 − a, 3.
+Positions pinched(const Lattice& bar, double a) {
+    Positions result = bar.positions;
+    for (Point3& p : result)
+        if (p[0] == 1 || p[0] == 2) p[0] += p[0] == 1 ? a : -a;
+    return result;
+}
+
+const Lattice& bar() {
+    static const Lattice lattice = shapes::box({.cells = {3, 1, 1}, .max = {3, 1, 1}});
+    return lattice;
+}
+
+// A spline whose differences are 1 + a, 1 − 2a, 1 + a. Its derivative, a quadratic spline of these,
+// is least in the middle: (1 + a + 6 (1 − 2a) + 1 + a) / 8 = 1 − 5a/4; at the ends it is 1 + a, the
+// phantom's difference being that of the end.
+TEST(LimitValidity, PinchedBar) {
+    const ValidityCheck validity(partsOf(bar(), 1), bar().positions);
+    EXPECT_THAT(validity.badAtRest(), IsEmpty());
+    const PoseValidity half = validity.check(pinched(bar(), 0.4));
+    EXPECT_THAT(half.inverted, IsEmpty());
+    EXPECT_EQ(half.smallest->cell, 1);
+    EXPECT_LE(half.smallest->value, 0.5);
+    EXPECT_GE(half.smallest->value, 0.5 * (1 - 1.1e-3));
+    const PoseValidity folded = validity.check(pinched(bar(), 1));
+    EXPECT_THAT(folded.inverted, ElementsAre(1));
+    EXPECT_NEAR(folded.smallest->value, -0.25, 1e-3);
+    const LargestStep step = validity.largestStep(pinched(bar(), 1), 3);
+    EXPECT_LE(step.length, 0.8);
+    EXPECT_GE(step.length, 0.8 * (1 - 2e-6));
+    EXPECT_EQ(step.limitingCell, 1);
+    EXPECT_TRUE(step.isTight);
+    // The cells of level 0 fold at 1 − 2a = 0.
+    EXPECT_NEAR(ValidityCheck(bar().complex, bar().positions).largestStep(pinched(bar(), 1)).length,
+                0.5, 1e-6);
+}
+
+// The limit of a single cell is its trilinear map: a spline of two points is linear.
+TEST(LimitValidity, OneCellIsTrilinear) {
+    const Lattice cube = shapes::box();
+    Positions pose = cube.positions;
+    pose[7] = {-2, -2, -2};  // Of determinant 1 − 3 (vw + uw + uv): see ValidityTest.
+    const ValidityCheck validity(partsOf(cube, 1), cube.positions);
+    EXPECT_NEAR(validity.check(pose).smallest->value, -8, 8e-3);
+    EXPECT_NEAR(validity.largestStep(pose).length, 1.0 / 9, 1e-6);
+}
+
+// The determinant of the gradient of the deformation, as a binding has it: another way to all of
+// this, by the weights of derivatives and by Newton's method.
+TEST(LimitValidity, NoGradientContradictsIt) {
+    int invertedCount = 0, limitedCount = 0;
+    for (const Lattice& lattice :
+         {shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}}), shapes::cylinder({.sectors = 5}),
+          shapes::octahedron(), test::mixedLattice()}) {
+        const test::Refined refined(lattice, 1);
+        stencils::LimitOptions options;
+        options.gradients = true;
+        const auto points = test::pointsIn(refined, 100, 3);
+        const far::TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+        const auto bound = stencils::bindLimit<double>(base, lattice.positions, Rules::Siggraph96,
+                                                       points, options);
+        /// The least determinant, of those in cells.
+        const auto sampled = [&](const Positions& pose) {
+            std::array<Positions, 3> columns;
+            for (std::size_t c = 0; c < 3; ++c)
+                columns[c] = stencils::applyLevelTable(bound.binding.table.gradients[c], pose);
+            double least = std::numeric_limits<double>::infinity();
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                if (bound.statuses[i] != stencils::PointStatus::Inside) continue;
+                Eigen::Matrix3d gradient;
+                for (std::size_t c = 0; c < 3; ++c)
+                    gradient.col(static_cast<Eigen::Index>(c)) = vec(columns[c][i]);
+                least = std::min(least, gradient.determinant());
+            }
+            return least;
+        };
+        ASSERT_LT(sampled(lattice.positions), 2);  // there are some
+        const ValidityCheck validity(partsOf(lattice, 3), lattice.positions);
+        ASSERT_THAT(validity.badAtRest(), IsEmpty());
+        for (unsigned seed = 0; seed < 4; ++seed) {
+            const Positions pose = randomlyMoved(lattice.positions, 0.8, seed);
+            const PoseValidity checked = validity.check(pose);
+            // Blends of level 3 are not those of a binding, which are 1e-6 in size: a tenth.
+            const double least = sampled(pose);
+            EXPECT_LE(checked.smallest->value, least + 0.1 * std::abs(least));
+            invertedCount += !checked.inverted.empty();
+            const LargestStep step = validity.largestStep(pose, 1.5);
+            for (const double part : {0.2, 0.6, 0.95})
+                EXPECT_GT(sampled(moved(lattice.positions, pose, part * step.length)), 0);
+            if (!step.limitingCell) continue;
+            ++limitedCount;
+            EXPECT_THAT(
+                validity.check(moved(lattice.positions, pose, step.length * (1 + 1e-4))).inverted,
+                Contains(*step.limitingCell));
+            EXPECT_THAT(validity.check(moved(lattice.positions, pose, step.length)).inverted,
+                        IsEmpty());
+        }
+    }
+    EXPECT_GT(invertedCount, 3);
+    EXPECT_GT(limitedCount, 8);
+}
+
+/// The volume: that of a part is the mean of the coefficients of its determinant.
+/// \param lattice whose cells become hexahedra
+double volumeOf(const Lattice& lattice, int level) {
+    const CheckedVolume volume(partsOf(lattice, level));
+    const LimitPositions positions = volume.place(lattice.positions);
+    double sum = 0;
+    for (Index part = 0; part < volume.partCount(); ++part) {
+        volume.forEachPiece(
+            part,
+            [&](const auto& piece) {
+                const auto polynomial = determinant(piece.derivatives);
+                for (const auto& lanes : polynomial)
+                    sum += lanes[0] / static_cast<double>(polynomial.size());
+            },
+            positions);
+    }
+    return sum;
+}
+
+// Parts of all levels fill the limit, without gaps that matter and nothing twice: its volume does
+// not depend on how far features are refined, but for blends, whose volume falls by 4 a level or
+// faster and whose error does by 4 once more.
+TEST(LimitValidity, PartsFillTheLimit) {
+    const Lattice box = shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}});
+    EXPECT_NEAR(volumeOf(box, 1), 12, 1e-12);
+    const Lattice fan = shapes::cylinder({.sectors = 5, .layers = 2});
+    double before = 0, difference = 0;
+    for (int level = 1; level <= 5; ++level) {
+        const double now = volumeOf(fan, level);
+        if (level > 2) {
+            EXPECT_LT(std::abs(now - before), difference / 4) << level;
+        }
+        difference = std::abs(now - before);
+        before = now;
+    }
+    EXPECT_LT(difference, 1e-4);
+}
+
+TEST(LimitValidity, NothingChangesAtRest) {
+    for (const auto& [name, lattice] : test::zoo()) {
+        const ValidityCheck validity(partsOf(lattice, 2), lattice.positions);
+        if (name == "tripod") continue;  // Its limit folds.
+        EXPECT_THAT(validity.badAtRest(), IsEmpty()) << name;
+        const PoseValidity same = validity.check(lattice.positions);
+        EXPECT_THAT(same.inverted, IsEmpty()) << name;
+        // Less the floor, over a determinant that is not below 1e-4 of lengths.
+        EXPECT_NEAR(same.smallest->value, 1, 1e-8) << name;
+        EXPECT_EQ(validity.largestStep(lattice.positions, 5).length, 5) << name;
+    }
+}
+
+// Of three cells along each axis, only that in the middle is left.
+TEST(LimitValidity, WhatShrinksAwayIsNeitherGoodNorBad) {
+    const Lattice lattice = shapes::box({.cells = {3, 3, 3}, .max = {3, 3, 3}});
+    const far::TopologyRefiner base(lattice.complex, {.boundary = far::Boundary::Open});
+    const ValidityCheck validity(LimitParts(base, Rules::Siggraph96, 2), lattice.positions);
+    EXPECT_THAT(validity.badAtRest(), IsEmpty());
+    Positions pose = lattice.positions;
+    for (Point3& p : pose) p[0] *= 2;
+    const PoseValidity checked = validity.check(pose);
+    EXPECT_THAT(checked.ratios, SizeIs(27));
+    ASSERT_TRUE(checked.ratios[13]);
+    EXPECT_NEAR(*checked.ratios[13], 2, 1e-9);
+}
+
+TEST(LimitValidity, DoesNotDependOnThreads) {
+    const Lattice lattice = shapes::cylinder({.sectors = 4, .layers = 3});
+    const Positions pose = randomlyMoved(lattice.positions, 0.4, 8);
+    const auto work = [&] {
+        const ValidityCheck validity(partsOf(lattice, 3), lattice.positions);
+        const LargestStep step = validity.largestStep(pose);
+        return std::tuple(validity.check(pose).ratios, step.length, step.limitingCell);
+    };
+    const auto one = test::withThreads(1, work);
+    for (const int threads : {2, 5}) EXPECT_EQ(test::withThreads(threads, work), one);
+}
+
+TEST(LimitValidity, RefusesBadInputByName) {
+    const Lattice cube = shapes::box();
+    const auto expectRefused = [](const auto& call, const char* why) {
+        EXPECT_THAT(call, ThrowsMessage<Error>(HasSubstr(why)));
+    };
+    const Positions few(7);
+    expectRefused([&] { ValidityCheck(partsOf(cube, 1), few); },
+                  "got 7 positions of the rest for 8");
+    const ValidityCheck validity(partsOf(cube, 1), cube.positions);
+    Positions broken = cube.positions;
+    broken[5][1] = std::numeric_limits<double>::quiet_NaN();
+    expectRefused([&] { validity.check(broken); }, "the pose of vertex 5 is not finite");
+}
+
+}  // namespace
+}  // namespace espalier::solve
