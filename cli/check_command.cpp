@@ -30,6 +30,7 @@ struct Options {
     std::string pose;
     std::string rest;
     int level = 3;  ///< that of `deform`, whose cells these are
+    bool limit = false;
     double maxStep = 2;
     std::size_t listed = 5;  ///< cells of a kind, by name
     std::string output;
@@ -39,7 +40,8 @@ struct Options {
 /// What was checked, and what came out.
 struct Checked {
     const far::TopologyRefiner& refiner;
-    int level;
+    std::optional<int> limitLevel;   ///< to which features were refined, if this is of the limit
+    int level;                       ///< of the cells: 0 in the limit
     std::vector<Point3> rest, pose;  ///< of the level
     std::vector<Index> badAtRest;
     solve::PoseValidity validity;
@@ -83,7 +85,8 @@ ordered_json toJson(const Checked& checked, const std::vector<Index>& cells,
 
 /// An object:
 ///
-///     level, cells           which, and how many there are
+///     level, cells           which, and how many there are; of the limit those of the base
+///     limit_level            to which irregular features were refined; null if not of the limit
 ///     bad_at_rest            {count, first: [{cell, base_cell, centre}]}: at rest, ascending, no
 ///                            more than --list
 ///     inverted               {count, first: [{cell, base_cell, centre, volume_ratio}]}: of the
@@ -96,6 +99,7 @@ ordered_json toJson(const Checked& checked) {
     const auto& limiting = checked.step.limitingCell;
     return {
         {"level", checked.level},
+        {"limit_level", checked.limitLevel ? ordered_json(*checked.limitLevel) : ordered_json()},
         {"cells", checked.complex().count(3)},
         {"bad_at_rest", toJson(checked, checked.badAtRest, checked.rest)},
         {"inverted", toJson(checked, checked.validity.inverted, checked.pose)},
@@ -109,6 +113,7 @@ ordered_json toJson(const Checked& checked) {
 
 /// "cell 12 of base cell 0".
 std::string name(const Checked& checked, Index cell) {
+    if (checked.limitLevel) return fmt::format("base cell {}", cell);
     return fmt::format("cell {} of base cell {}", cell, checked.baseCell(cell));
 }
 
@@ -126,9 +131,13 @@ void printCells(const Checked& checked, const char* title, const std::vector<Ind
     if (cells.size() > checked.listed) fmt::print("  and {} more\n", cells.size() - checked.listed);
 }
 
+std::string title(const Checked& checked) {
+    return checked.limitLevel ? "cells in the limit"
+                              : fmt::format("cells of level {}", checked.level);
+}
+
 void printText(const Checked& checked) {
-    fmt::print("{:<21} {}\n", fmt::format("cells of level {}", checked.level),
-               checked.complex().count(3));
+    fmt::print("{:<21} {}\n", title(checked), checked.complex().count(3));
     printCells(checked, "bad at rest", checked.badAtRest, checked.rest);
     printCells(checked, "inverted", checked.validity.inverted, checked.pose);
     const auto& [cell, ratio] = *checked.validity.smallest;
@@ -162,17 +171,21 @@ Lattice withRatios(const Checked& checked) {
 
 Checked check(const Options& options, const far::TopologyRefiner& refiner, const Lattice& rest,
               const std::vector<Point3>& pose, Stages& stages) {
+    const int level = refiner.maxLevel();
     const auto refined = [&](const std::vector<Point3>& positions) {
         return stages.run("placing", [&] {
-            return stencils::refinePositions(refiner, options.level, options.common.rules,
-                                             positions);
+            return stencils::refinePositions(refiner, level, options.common.rules, positions);
         });
     };
-    Checked checked{refiner, options.level,   refined(rest.positions), refined(pose), {}, {},
-                    {},      options.maxStep, options.listed};
+    Checked checked{refiner, {}, level, refined(rest.positions), refined(pose),
+                    {},      {}, {},    options.maxStep,         options.listed};
+    if (options.limit) checked.limitLevel = options.level;
     stages.run("checking", [&] {
-        const auto validity = ofFile(
-            options.rest, [&] { return solve::ValidityCheck(checked.complex(), checked.rest); });
+        const auto validity = ofFile(options.rest, [&] {
+            if (!options.limit) return solve::ValidityCheck(checked.complex(), checked.rest);
+            return solve::ValidityCheck(
+                stencils::LimitParts(refiner, options.common.rules, options.level), checked.rest);
+        });
         checked.badAtRest = validity.badAtRest();
         checked.validity = ofFile(options.pose, [&] { return validity.check(checked.pose); });
         checked.step = validity.largestStep(checked.pose, options.maxStep);
@@ -195,7 +208,8 @@ void run(const Options& options) {
     const auto pose =
         stages.run("reading", [&] { return readPose(options.pose, lattice, options.rest); });
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
-        return refineLattice(options.rest, lattice, options.common, options.level);
+        return refineLattice(options.rest, lattice, options.common,
+                             options.limit ? 0 : options.level);
     });
     const Checked checked = check(options, refiner, lattice, pose, stages);
     if (!options.output.empty()) {
@@ -210,8 +224,8 @@ void run(const Options& options) {
     const auto& inverted = checked.validity.inverted;
     if (!inverted.empty())
         throw io::FileError(options.pose,
-                            fmt::format("{} of {} cells of level {} are inverted, first {}",
-                                        inverted.size(), checked.complex().count(3), options.level,
+                            fmt::format("{} of {} {} are inverted, first {}", inverted.size(),
+                                        checked.complex().count(3), title(checked),
                                         name(checked, inverted.front())));
 }
 
@@ -226,6 +240,10 @@ void addCheckCommand(CLI::App& program) {
     command.add_option("LATTICE", options->pose, "The pose: .ovm, .vtu or .vtk")->required();
     command.add_option("--rest", options->rest, "The lattice at rest: same topology")->required();
     addLevelOption(command, options->level, 1);
+    command.add_flag(
+        "--limit", options->limit,
+        "Check the limit volume of the cells of LATTICE instead: its tricubic patches, "
+        "and what is left around irregular features that are refined to level N");
     command
         .add_option("--max-step", options->maxStep,
                     "How far to look for the largest step: 1 is the way from rest to pose")
@@ -236,9 +254,9 @@ void addCheckCommand(CLI::App& program) {
                     "How many cells of a kind to name, the first of them")
         ->capture_default_str();
     command.add_option("-o,--output", options->output,
-                       "Write the pose at level N with the vertex attributes volume_ratio, the "
-                       "smallest of the cells around, and bad_at_rest, how many of them are: .ovm, "
-                       ".vtu or .vtk");
+                       "Write the pose at level N (at level 0 with --limit) with the vertex "
+                       "attributes volume_ratio, the smallest of the cells around, and "
+                       "bad_at_rest, how many of them are: .ovm, .vtu or .vtk");
     addRefinementOptions(command, options->common);
     addRunOptions(command, options->common);
     addReportOption(command, options->report);

@@ -24,14 +24,20 @@ namespace {
 
 using far::Index;
 
-/// The check of a level, for poses of the base.
-class LevelCheck {
+/// The check of a level, or of the limit, for poses of the base.
+class PoseCheck {
 public:
-    LevelCheck(std::shared_ptr<const Refiner> refiner, int level)
+    /// \param limit whether to check the limit of the base's cells, with features refined to
+    /// `level`
+    PoseCheck(std::shared_ptr<const Refiner> refiner, int level, bool limit)
         : refiner_(std::move(refiner)),
-          level_(level),
-          levels_(refiner_->upTo(level)),
-          check_(levels_->level(level).complex, refined(refiner_->lattice()->positions)) {}
+          level_(limit ? 0 : level),
+          levels_(refiner_->upTo(level_)),
+          check_(
+              limit ? solve::ValidityCheck(stencils::LimitParts(*levels_, refiner_->rules(), level),
+                                           refiner_->lattice()->positions)
+                    : solve::ValidityCheck(levels_->level(level_).complex,
+                                           refined(refiner_->lattice()->positions))) {}
 
     const std::vector<Index>& badAtRest() const { return check_.badAtRest(); }
 
@@ -58,18 +64,19 @@ private:
     }
 
     std::shared_ptr<const Refiner> refiner_;
-    int level_;
+    int level_;  ///< of the cells
     std::shared_ptr<const far::TopologyRefiner> levels_;
     solve::ValidityCheck check_;
 };
 
-std::unique_ptr<LevelCheck> makeCheck(const RefinerLike& lattice, int level) {
+std::unique_ptr<PoseCheck> makeCheck(const RefinerLike& lattice, int level, bool limit) {
     checkLevel(level);
     auto refiner = refinerOf(lattice);
-    return withoutGil([&] { return std::make_unique<LevelCheck>(std::move(refiner), level); });
+    return withoutGil(
+        [&] { return std::make_unique<PoseCheck>(std::move(refiner), level, limit); });
 }
 
-solve::PoseValidity checkPose(const LevelCheck& check, const ArrayLike& pose) {
+solve::PoseValidity checkPose(const PoseCheck& check, const ArrayLike& pose) {
     const auto points = check.toPose(pose);
     return withoutGil([&] { return check.check(points); });
 }
@@ -82,8 +89,9 @@ py::array_t<double> ratiosOf(const solve::PoseValidity& validity) {
 }
 
 void addResults(py::module_& module) {
-    py::class_<solve::PoseValidity>(module, "PoseValidity",
-                                    "What a pose does to the cells of a level: see check().")
+    py::class_<solve::PoseValidity>(
+        module, "PoseValidity",
+        "What a pose does to the cells of a level, or of a limit: see check().")
         .def_property_readonly("ratios", &ratiosOf,
                                "By what factor each cell's volume changes, the least over the "
                                "cell: array (C,) of float64; nan for cells that are bad at rest.")
@@ -114,22 +122,23 @@ void addResults(py::module_& module) {
 
 void addValidity(py::module_& module) {
     addResults(module);
-    py::class_<LevelCheck>(module, "ValidityCheck", R"(
+    py::class_<PoseCheck>(module, "ValidityCheck", R"(
 Tells where poses of a lattice turn cells of a level inside out. Cells are numbered as in
-refine(lattice, level).
+refine(lattice, level). In the limit they are those of the lattice itself.
 
 lattice : Lattice at rest, or Refiner
-level   : 1 or more
+level   : 1 or more; in the limit, how far irregular features are refined
+limit   : whether to check the limit volume of the lattice's cells instead
 )")
-        .def(py::init(&makeCheck), "lattice"_a, "level"_a = 3)
+        .def(py::init(&makeCheck), "lattice"_a, "level"_a = 3, "limit"_a = false)
         .def_property_readonly(
-            "bad_at_rest", [](const LevelCheck& self) { return toArray(self.badAtRest()); },
+            "bad_at_rest", [](const PoseCheck& self) { return toArray(self.badAtRest()); },
             "The cells that are flat or folded at rest, ascending: array of int32.")
         .def("check", &checkPose, "pose"_a,
              "What a pose, array (V, 3) of the base vertices, does: PoseValidity.")
         .def(
             "largest_step",
-            [](const LevelCheck& self, const ArrayLike& pose, double most) {
+            [](const PoseCheck& self, const ArrayLike& pose, double most) {
                 const auto points = self.toPose(pose);
                 return withoutGil([&] { return self.largestStep(points, most); });
             },
@@ -138,19 +147,20 @@ How far the lattice can go from rest towards a pose before a cell folds: Largest
 
 pose : array (V, 3); most : how far to look, 1 is the whole way, up to 1e6
 )")
-        .def("base_cell", &LevelCheck::baseCell, "cell"_a,
+        .def("base_cell", &PoseCheck::baseCell, "cell"_a,
              "The cell of the base that a cell of the level descends from: int.");
     module.def(
         "check",
-        [](const RefinerLike& lattice, const ArrayLike& pose, int level) {
-            return checkPose(*makeCheck(lattice, level), pose);
+        [](const RefinerLike& lattice, const ArrayLike& pose, int level, bool limit) {
+            return checkPose(*makeCheck(lattice, level, limit), pose);
         },
-        "lattice"_a, "pose"_a, "level"_a = 3, R"(
+        "lattice"_a, "pose"_a, "level"_a = 3, "limit"_a = false, R"(
 What a pose does to the cells of a level of a lattice: PoseValidity. For many poses: ValidityCheck.
 
 lattice : Lattice at rest, or Refiner
 pose    : array (V, 3)
 level   : 1 or more
+limit   : as of ValidityCheck
 )");
 }
 

@@ -117,6 +117,28 @@ class Check(CliTest):
         out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 1).stdout
         self.assertRegex(out, r"largest valid step    0\.\d+ of the way at least, for cell")
 
+    def test_the_limit(self):
+        # The pinched bar of tests/solve/limit_validity_test.cpp: 1 - 5a/4 in the middle.
+        self.run_program("shape", "box", "--cells", 3, 1, 1, "--max", 3, 1, 1, "-o", "rest.ovm")
+        self.write_pose(lambda x, y, z: ({1: 2, 2: 1}.get(x, x), y, z))
+        report, error = self.check("--limit", code=1)
+        self.assertEqual((report["level"], report["limit_level"], report["cells"]), (0, 3, 3))
+        self.assertEqual(report["inverted"]["first"][0]["cell"], 1)
+        self.assertAlmostEqual(report["smallest_volume_ratio"]["volume_ratio"], -0.25, delta=1e-3)
+        self.assertAlmostEqual(report["largest_step"]["length"], 0.8, delta=1e-5)
+        self.assertIn("1 of 3 cells in the limit are inverted, first base cell 1", error)
+        out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "--limit", "-o",
+                               "cells.vtu", code=1).stdout
+        self.assertIn("cells in the limit    3\n", out)
+        self.assertRegex(out, r"largest valid step    0\.\d+ of the way, for base cell 1")
+        self.assertEqual(self.info("cells.vtu", "-n", 0)["attributes"],
+                         ["volume_ratio", "bad_at_rest"])
+        # Level by level the cells come to it from below: they fold earlier.
+        self.assertIsNone(self.check("-n", 1, code=1)[0]["limit_level"])
+        self.run_program("shape", "box", "-o", "rest.ovm")
+        self.assertIn("it has no interior vertex", self.error_of(
+            "check", "rest.ovm", "--rest", "rest.ovm", "--limit", "--boundary", "open"))
+
     def test_cells_bad_at_rest_do_not_count(self):
         # The upper layer of cells is flat at rest.
         self.write_pose(lambda x, y, z: (x, y, min(z, 0.5)), name="flat.ovm")

@@ -75,6 +75,23 @@ def test_poses_that_fold(rest):
         check.base_cell(96)
 
 
+def test_limits_that_fold():
+    # A bar whose inner vertices, at 1 and 2, come a closer on both sides: in the middle of the
+    # limit it shrinks to 1 - 5a/4 (tests/solve/limit_validity_test.cpp).
+    bar = espalier.shapes.box(cells=(3, 1, 1), max=(3, 1, 1))
+    pinched = bar.positions.copy()
+    pinched[bar.positions[:, 0] == 1, 0] += 1
+    pinched[bar.positions[:, 0] == 2, 0] -= 1
+    check = espalier.ValidityCheck(bar, level=1, limit=True)
+    folded = check.check(pinched)
+    assert len(folded.ratios) == 3 and folded.inverted.tolist() == [1]
+    assert folded.smallest[1] == pytest.approx(-0.25, abs=1e-3)
+    step = check.largest_step(pinched)
+    assert step.length == pytest.approx(0.8, abs=1e-5) and step.limiting_cell == 1
+    assert check.base_cell(1) == 1
+    assert espalier.check(bar, pinched, limit=True).inverted.tolist() == [1]
+
+
 def test_cells_that_are_bad_at_rest_have_no_ratio():
     box = espalier.shapes.box(cells=(2, 1, 1))
     folded = box.positions.copy()
