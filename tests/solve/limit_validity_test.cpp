@@ -17,6 +17,7 @@
 #include "polynomials.h"
 #include "support/random_lattices.h"
 #include "support/refined_lattice.h"
+#include "support/sanitizers.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -110,7 +111,7 @@ TEST(LimitValidity, NoGradientContradictsIt) {
         const test::Refined refined(lattice, 1);
         stencils::LimitOptions options;
         options.gradients = true;
-        const auto points = test::pointsIn(refined, 100, 3);
+        const auto points = test::pointsIn(refined, test::kIsSlow ? 20 : 100, 3);
         const far::TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         const auto bound = stencils::bindLimit<double>(base, lattice.positions, Rules::Siggraph96,
                                                        points, options);
@@ -132,7 +133,7 @@ TEST(LimitValidity, NoGradientContradictsIt) {
         ASSERT_LT(sampled(lattice.positions), 2);  // there are some
         const ValidityCheck validity(partsOf(lattice, 3), lattice.positions);
         ASSERT_THAT(validity.badAtRest(), IsEmpty());
-        for (unsigned seed = 0; seed < 4; ++seed) {
+        for (unsigned seed = 0; seed < (test::kIsSlow ? 2 : 4); ++seed) {
             const Positions pose = randomlyMoved(lattice.positions, 0.8, seed);
             const PoseValidity checked = validity.check(pose);
             // Blends of level 3 are not those of a binding, which are 1e-6 in size: a tenth.
@@ -151,8 +152,8 @@ TEST(LimitValidity, NoGradientContradictsIt) {
                         IsEmpty());
         }
     }
-    EXPECT_GT(invertedCount, 3);
-    EXPECT_GT(limitedCount, 8);
+    EXPECT_GT(invertedCount, 1);
+    EXPECT_GT(limitedCount, 4);
 }
 
 /// The volume: that of a part is the mean of the coefficients of its determinant.
@@ -194,7 +195,7 @@ TEST(LimitValidity, PartsFillTheLimit) {
 }
 
 TEST(LimitValidity, NothingChangesAtRest) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
         const ValidityCheck validity(partsOf(lattice, 2), lattice.positions);
         if (name == "tripod") continue;  // Its limit folds.
         EXPECT_THAT(validity.badAtRest(), IsEmpty()) << name;

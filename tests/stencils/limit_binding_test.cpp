@@ -41,13 +41,6 @@ Point3 toPoint(const Vector3d& v) {
     return {v[0], v[1], v[2]};
 }
 
-/// The zoo; a fourth of it where that would take minutes.
-std::vector<test::NamedLattice> someOfTheZoo() {
-    std::vector<test::NamedLattice> all = test::zoo(), some;
-    for (std::size_t i = 0; i < all.size(); i += test::kIsSlow ? 4 : 1) some.push_back(all[i]);
-    return some;
-}
-
 /// Vertices of a level in the limit, at a pose.
 std::vector<Point3> limitPoints(const Lattice& lattice, int level,
                                 const std::vector<Point3>& pose) {
@@ -163,7 +156,7 @@ std::vector<Point3> pointsInside(const Lattice& lattice, unsigned seed) {
 
 // At rest each point is where it was, and F is the identity.
 TEST(LimitBinding, KeepsTheRestPose) {
-    for (const auto& [name, lattice] : someOfTheZoo()) {
+    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
         const auto points = pointsInside(lattice, 3);
         const Bound result = bound(lattice, points, {.gradients = true});
         EXPECT_EQ(result.count(PointStatus::Inside), std::ssize(points)) << name;
@@ -189,7 +182,7 @@ TEST(LimitBinding, AffinePosesAreExact) {
     Matrix3d map;
     map << 1.2, 0.3, -0.1, 0.2, 0.8, 0.4, -0.3, 0.1, 1.1;
     const Vector3d shift(0.3, -0.7, 0.2);
-    for (const auto& [name, lattice] : someOfTheZoo()) {
+    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
         const auto points = pointsInside(lattice, 4);
         auto pose = lattice.positions;
         for (Point3& p : pose) p = toPoint(map * vec(p) + shift);
@@ -205,7 +198,7 @@ TEST(LimitBinding, AffinePosesAreExact) {
 
 // The vertices of a level go where their limits go.
 TEST(LimitBinding, CarriesLimitsOfVerticesToTheirLimits) {
-    for (const auto& [name, lattice] : someOfTheZoo()) {
+    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
         // The limit volume of three bars that meet in a corner is folded there (the determinant of
         // its Jacobian is negative): a place near it is in two cells at once.
         if (name == "tripod") continue;
@@ -307,7 +300,7 @@ TEST(LimitBinding, PointsAroundIrregularLatticesAreCarried) {
     for (const auto& lattice : {shapes::star(), shapes::bipyramid({.sides = 6}), shapes::torus(),
                                 shapes::cylinder({.sectors = 6})}) {
         std::vector<Point3> points;
-        for (int i = 0; i < 40; ++i)
+        for (int i = 0; i < (test::kIsSlow ? 5 : 40); ++i)
             points.push_back(toPoint(3 * Vector3d(along(random), along(random), along(random))));
         const Bound result =
             bound(lattice, points, {.embedding = {.outside = OutsidePolicy::Nearest}});

@@ -13,6 +13,7 @@
 #include "papers/rows.h"
 #include "support/meshes.h"
 #include "support/random_lattices.h"
+#include "support/sanitizers.h"
 
 // MLCA: Bajaj, Schaefer, Warren & Xu 2002.
 namespace espalier::stencils {
@@ -88,7 +89,7 @@ std::vector<NamedLattice> everything() {
     for (const auto& shapes : {test::zoo(), test::featureLattices(), test::meshZoo()})
         for (const NamedLattice& shape : shapes)
             if (shape.lattice.tags.triangles != TriangleSubdivision::Smooth) all.push_back(shape);
-    for (unsigned seed = 0; seed < 60; ++seed)
+    for (unsigned seed = 0; seed < (test::kIsSlow ? 10 : 60); ++seed)
         all.push_back({"seed " + std::to_string(seed), test::randomLattice(seed)});
     for (const bool closed : {false, true})
         all.push_back({closed ? "closed curve" : "open curve",

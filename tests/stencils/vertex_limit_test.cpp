@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "support/random_lattices.h"
+#include "support/sanitizers.h"
 #include "support/tables.h"
 #include "support/zoo.h"
 
@@ -125,7 +126,7 @@ TEST(VertexRing, LimitUnderMlcaIsThatOfTheSplineWeightedByCells) {
 /// The shortcut for regular vertices, and the left eigenvector.
 TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
     Index seen = 0;
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
         TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
         refiner.refineUniform(1);
         for (int level = 0; level <= 1; ++level) {
@@ -166,12 +167,12 @@ void expectInvariant(const std::string& name, const Lattice& lattice, Rules rule
 
 // At irregular vertices, darts, and every stratum of the boundary.
 TEST(VertexLimits, AreTheSameFromEveryLevel) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
         expectInvariant(name, lattice, Rules::Siggraph96, 2);
         expectInvariant(name, lattice, Rules::Cse96, 1);
         expectInvariant(name, lattice, Rules::Mlca, 1);
     }
-    for (const auto& [name, lattice] : test::featureLattices())
+    for (const auto& [name, lattice] : test::someOf(test::featureLattices()))
         expectInvariant(name, lattice, Rules::Siggraph96, 2);
     for (unsigned seed = 0; seed < 20; ++seed)
         expectInvariant("random " + std::to_string(seed), test::randomLattice(seed),
@@ -199,7 +200,8 @@ TEST(VertexLimits, RefiningGoesToThem) {
     };
     check("cylinder", shapes::cylinder({.sectors = 5}), 5);
     check("star", shapes::star(), 5);
-    for (const auto& [name, lattice] : test::featureLattices()) check(name, lattice, 4);
+    for (const auto& [name, lattice] : test::someOf(test::featureLattices()))
+        check(name, lattice, 4);
 }
 
 // A box under boundary control is the spline with the phantom layer 2P₀ − P₁: its corners stay, its

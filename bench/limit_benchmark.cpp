@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <benchmark/benchmark.h>
+#include <espalier/far/parallel.h>
+#include <espalier/osd/binding_evaluator.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/stencils/limit_binding.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "workloads.h"
+
+// The points of a surface bound to the limit, and to levels 5 and 6, which are beside it in what they
+// are off by: limit/bind/LATTICE/WHAT and limit/apply/LATTICE/WHAT. In the box all cells are
+// regular; the cylinder is around its irregular axis.
+namespace espalier {
+namespace {
+
+using far::Index;
+
+constexpr auto kRules = stencils::Rules::Siggraph96;
+constexpr int kPointCount = 200'000;
+
+struct Scene {
+    Lattice lattice;
+    std::vector<Point3> points = bench::model(kPointCount);
+    far::TopologyRefiner base{lattice.complex};
+
+    /// D; of the limit if the level is 0.
+    stencils::Binding<double> bind(int level) const {
+        if (level > 0)
+            return stencils::bindPoints<double>(base, lattice.positions, level, kRules, points)
+                .binding;
+        auto bound = stencils::bindLimit<double>(base, lattice.positions, kRules, points).binding;
+        return {std::move(bound.table.points), std::move(bound.kept), std::move(bound.keptAt),
+                bound.topologyHash};
+    }
+
+    /// The vertices where no two go the same way: by sines of places.
+    std::vector<Point3> pose() const {
+        std::vector<Point3> result = lattice.positions;
+        for (Point3& p : result)
+            p = {p[0] + 0.1 * std::sin(7 * p[1]), p[1] + 0.1 * std::sin(5 * p[2]),
+                 p[2] + 0.1 * std::sin(6 * p[0])};
+        return result;
+    }
+};
+
+const Scene& scene(bool isRegular) {
+    static const Scene regular{bench::regularLattice()};
+    static const Scene irregular{bench::irregularLattice()};
+    return isRegular ? regular : irregular;
+}
+
+/// The mean distance of two poses of a model.
+double meanDistance(const std::vector<Point3>& first, const std::vector<Point3>& second) {
+    double sum = 0;
+    for (std::size_t i = 0; i < first.size(); ++i)
+        sum += std::hypot(first[i][0] - second[i][0], first[i][1] - second[i][1],
+                          first[i][2] - second[i][2]);
+    return sum / static_cast<double>(first.size());
+}
+
+void bind(benchmark::State& state, bool isRegular, int level, int threads) {
+    const far::ThreadLimit limit(threads);
+    const Scene& made = scene(isRegular);
+    stencils::Binding<double> binding;
+    for (auto _ : state) binding = made.bind(level);
+    if (!bench::givesBack(osd::evaluateBinding(binding, made.lattice.positions), made.points))
+        return state.SkipWithError("the rest pose does not give the points back");
+    state.counters["entries a row"] =
+        static_cast<double>(binding.table.entryCount()) / binding.table.rowCount();
+    state.counters["items"] = static_cast<double>(made.points.size());
+    if (level > 0)
+        state.counters["distance from the limit"] =
+            meanDistance(osd::evaluateBinding(binding, made.pose()),
+                         osd::evaluateBinding(made.bind(0), made.pose()));
+}
+
+void apply(benchmark::State& state, bool isRegular, int level) {
+    const far::ThreadLimit limit(1);
+    const Scene& made = scene(isRegular);
+    const auto table = stencils::cast<float>(made.bind(level).table);
+    const osd::CompiledTable<float> compiled(table);
+    const auto layout = osd::BufferDescriptor::packed(3);
+    const std::vector<float> source = bench::randomValues(table, 3);
+    std::vector<float> result(3 * made.points.size());
+    for (auto _ : state) {
+        compiled.evaluate(source, layout, result, layout, {0, table.rowCount()});
+        benchmark::ClobberMemory();
+    }
+    state.counters["items"] = static_cast<double>(made.points.size());
+}
+
+const bool kRegistered = [] {
+    for (const bool isRegular : {true, false})
+        for (const int level : {5, 6, 0}) {
+            const std::string what = std::string(isRegular ? "regular" : "irregular") + "/" +
+                                     (level > 0 ? "level " + std::to_string(level) : "limit");
+            for (const int threads : {1, 2})
+                benchmark::RegisterBenchmark(
+                    ("limit/bind/" + what + (threads == 1 ? "" : " 2 threads")).c_str(),
+                    [=](auto& state) { bind(state, isRegular, level, threads); })
+                    ->UseRealTime()
+                    ->Unit(benchmark::kMillisecond)
+                    ->Iterations(1);
+            benchmark::RegisterBenchmark(
+                ("limit/apply/" + what).c_str(),
+                [=](auto& state) { apply(state, isRegular, level); })
+                ->UseRealTime()
+                ->Unit(benchmark::kMillisecond);
+        }
+    return true;
+}();
+
+}  // namespace
+}  // namespace espalier
