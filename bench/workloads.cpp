@@ -87,14 +87,18 @@ Workload regularModel() {
         stencils::buildDeformationTable<double>(lattice, stencils::embedPoints(lattice, model())));
 }
 
+Lattice irregularLattice() {
+    return shapes::cylinder({.sectors = 8,
+                             .pattern = {.rings = 3},
+                             .layers = 6,
+                             .radius = 0.6,
+                             .from = {0.5, 0.5, 0},
+                             .to = {0.5, 0.5, 1}});
+}
+
 Workload irregularModel() {
     constexpr int kLevel = 3;
-    const Lattice cylinder = shapes::cylinder({.sectors = 8,
-                                               .pattern = {.rings = 3},
-                                               .layers = 6,
-                                               .radius = 0.6,
-                                               .from = {0.5, 0.5, 0},
-                                               .to = {0.5, 0.5, 1}});
+    const Lattice cylinder = irregularLattice();
     far::TopologyRefiner refiner(cylinder.complex);
     refiner.refineUniform(kLevel);
     const auto rest =

@@ -55,8 +55,10 @@ Workload regularModel();
 /// The box.
 Lattice regularLattice();
 
-/// The same model bound at level 3 to a cylinder, whose axis is irregular, as are its ends. Has
-/// factors.
+/// A cylinder, whose axis is irregular, as are its ends.
+Lattice irregularLattice();
+
+/// The same model bound to it at level 3. Has factors.
 Workload irregularModel();
 
 /// Values for the columns of a table, `components` each.

@@ -31,20 +31,6 @@ namespace {
 
 constexpr int kMostLevel = 15;
 
-/// The four points of a cubic from those of the B-spline: the weights of the spline's points at
-/// the two ends, and in the two tangents there.
-/// \cite Joy, bicubic refinement
-void toBezier(Point3* points, std::size_t stride) {
-    for (std::size_t c = 0; c < 3; ++c) {
-        const double low = points[0][c], first = points[stride][c], last = points[2 * stride][c],
-                     high = points[3 * stride][c];
-        points[0][c] = (low + 4 * first + last) / 6;
-        points[stride][c] = (2 * first + last) / 3;
-        points[2 * stride][c] = (first + 2 * last) / 3;
-        points[3 * stride][c] = (first + 4 * last + high) / 6;
-    }
-}
-
 /// The cells of the last level that what is left of the one before was refined into.
 std::vector<LimitPart> childrenOf(const far::TopologyRefiner& refiner,
                                   const std::vector<LimitPart>& parents) {
@@ -147,15 +133,13 @@ LimitPositions LimitParts::place(std::span<const Point3> positions) const {
 BezierPatch LimitParts::bezierPatch(std::size_t patch, const LimitPositions& positions) const {
     const auto control = refined_->patches[patch].controlPoints(
         positions.levels[static_cast<std::size_t>(refined_->parts[patch].level)]);
+    const auto bezier = bezierPoints(control);
     BezierPatch result;
     for (std::size_t i = 0; i < 64; ++i) {
-        result.points[i] = {control[i][0], control[i][1], control[i][2]};
+        result.points[i] = {bezier[i][0], bezier[i][1], bezier[i][2]};
         result.largestCoordinate =
             std::max(result.largestCoordinate, control[i].lpNorm<Eigen::Infinity>());
     }
-    for (const std::size_t stride : {1, 4, 16})
-        for (std::size_t i = 0; i < 64; ++i)
-            if (i / stride % 4 == 0) toBezier(&result.points[i], stride);
     return result;
 }
 

@@ -16,9 +16,8 @@ namespace {
 
 const Vector3d kCentre = Vector3d::Constant(0.5);
 
-Vector3d combine(const std::array<double, 4>& weights, const Vector3d* points, std::size_t stride) {
-    return weights[0] * points[0] + weights[1] * points[stride] + weights[2] * points[2 * stride] +
-           weights[3] * points[3 * stride];
+Eigen::Vector4d weightsAt(const Vector3d& uvw, std::size_t axis, int order) {
+    return Eigen::Vector4d(cubicBSpline(uvw[static_cast<Eigen::Index>(axis)], order).data());
 }
 
 }  // namespace
@@ -30,28 +29,29 @@ TricubicMap TricubicMap::around(const Vector3d& point) const {
 }
 
 Trilinear::Tangent TricubicMap::tangent(const Vector3d& uvw) const {
-    std::array<std::array<double, 4>, 3> values, slopes;
+    std::array<Eigen::Vector4d, 3> values, slopes;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        values[axis] = cubicBSpline(uvw[static_cast<Eigen::Index>(axis)], 0);
-        slopes[axis] = cubicBSpline(uvw[static_cast<Eigen::Index>(axis)], 1);
+        values[axis] = weightsAt(uvw, axis, 0);
+        slopes[axis] = weightsAt(uvw, axis, 1);
     }
-    // Axis by axis: along w to 16 points, along v to 4, along u to one.
-    std::array<Vector3d, 16> sheet, sheetW;
-    for (std::size_t i = 0; i < 16; ++i) {
-        sheet[i] = combine(values[2], &points_[i], 16);
-        sheetW[i] = combine(slopes[2], &points_[i], 16);
-    }
-    std::array<Vector3d, 4> line, lineV, lineW;
-    for (std::size_t i = 0; i < 4; ++i) {
-        line[i] = combine(values[1], &sheet[i], 4);
-        lineV[i] = combine(slopes[1], &sheet[i], 4);
-        lineW[i] = combine(values[1], &sheetW[i], 4);
-    }
+    // Axis by axis: along w to 16 points, along v to 4, along u to one. As matrices, so that
+    // registers are filled.
+    using Solid = Eigen::Matrix<double, 48, 4>;
+    using Sheet = Eigen::Matrix<double, 12, 4>;
+    using Line = Eigen::Matrix<double, 3, 4>;
+    const Eigen::Map<const Solid> solid(points_.front().data());
+    Sheet sheet, sheetW;
+    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheet.data()).noalias() = solid * values[2];
+    Eigen::Map<Eigen::Matrix<double, 48, 1>>(sheetW.data()).noalias() = solid * slopes[2];
+    Line line, lineV, lineW;
+    Eigen::Map<Eigen::Matrix<double, 12, 1>>(line.data()).noalias() = sheet * values[1];
+    Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineV.data()).noalias() = sheet * slopes[1];
+    Eigen::Map<Eigen::Matrix<double, 12, 1>>(lineW.data()).noalias() = sheetW * values[1];
     Trilinear::Tangent tangent;
-    tangent.position = combine(values[0], line.data(), 1);
-    tangent.jacobian.col(0) = combine(slopes[0], line.data(), 1);
-    tangent.jacobian.col(1) = combine(values[0], lineV.data(), 1);
-    tangent.jacobian.col(2) = combine(values[0], lineW.data(), 1);
+    tangent.position.noalias() = line * values[0];
+    tangent.jacobian.col(0).noalias() = line * slopes[0];
+    tangent.jacobian.col(1).noalias() = lineV * values[0];
+    tangent.jacobian.col(2).noalias() = lineW * values[0];
     return tangent;
 }
 
@@ -63,6 +63,11 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(poin
     for (const Vector3d& control : points)
         largest = std::max(largest, control.lpNorm<Eigen::Infinity>());
     rounding_ = kRounding * largest * inverse_.cwiseAbs().rowwise().sum().maxCoeff();
+    // A polynomial lies in the hull of its Bézier points. What is off in these, and in a point, is
+    // within some units of the largest coordinate, too.
+    for (const Vector3d& control : bezierPoints(points)) hull_.extend(inverse_ * control);
+    hull_.min().array() -= 2 * rounding_;
+    hull_.max().array() += 2 * rounding_;
     // A derivative by u is a spline whose control points are the differences along u: it lies in
     // their hull.
     spread_.setZero();
@@ -79,6 +84,9 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(poin
 PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
     constexpr double kOnFace = 1e-9;
     if (!inverse_.allFinite()) return {};
+    // Most patches that a point is not in are ruled out by this: where the lattice is irregular 3
+    // of 4 are asked in vain.
+    if (!hull_.contains(inverse_ * point)) return {Answer::NotHere, {}};
     const TricubicMap map = map_.around(point);
     const Vector3d start = kCentre - inverse_ * map.position(kCentre);
     const auto uvw = findOrigin(map, start.cwiseMax(0).cwiseMin(1));
@@ -86,22 +94,26 @@ PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
     return {isExcluded(map) ? Answer::NotHere : Answer::Undecided, {}};
 }
 
+Vector3d PatchSolver::reach(const Vector3d& sides) const {
+    // Rounding of what was found of E.
+    constexpr double kSlack = 1e-12;
+    return (spread_ * sides / 2).array() + kSlack + rounding_;
+}
+
 /// Krawczyk's test. With c the centre of a box, r half its sides, A the inverse of a Jacobian and E
 /// the most that A J is off the identity, any solution in the box lies within E r of c − A F(c). So
 /// the box may be cut to that, again and again; there is none if nothing is left.
 bool PatchSolver::isExcluded(const TricubicMap& map) const {
     constexpr int kMostCuts = 50;
-    // Rounding of what was found of E.
-    constexpr double kSlack = 1e-12;
     // A box that is cut by less than this hardly gets smaller.
     constexpr double kLeastCut = 0.9;
     Vector3d low = Vector3d::Zero(), high = Vector3d::Ones();
     for (int cut = 0; cut < kMostCuts; ++cut) {
         const Vector3d centre = (low + high) / 2, before = high - low;
         const Vector3d middle = centre - inverse_ * map.position(centre);
-        const Vector3d reach = (spread_ * before / 2).array() + kSlack + rounding_;
-        low = low.cwiseMax(middle - reach);
-        high = high.cwiseMin(middle + reach);
+        const Vector3d around = reach(before);
+        low = low.cwiseMax(middle - around);
+        high = high.cwiseMin(middle + around);
         if ((low.array() > high.array()).any()) return true;
         // Written so that what is not a number ends it.
         if (!((high - low).sum() < kLeastCut * before.sum())) return false;

@@ -4,6 +4,7 @@
 #include <espalier/stencils/trilinear.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 
 #include "tricubic_patch.h"
@@ -57,10 +58,14 @@ public:
     Eigen::Vector3d nearest(const Eigen::Vector3d& point) const;
 
 private:
+    /// How far solutions in a box of these sides are at most from where a step from its centre
+    /// leads.
+    Eigen::Vector3d reach(const Eigen::Vector3d& sides) const;
     bool isExcluded(const TricubicMap& map) const;
 
     TricubicMap map_;
-    Eigen::Matrix3d inverse_;  ///< of the Jacobian at the centre
+    Eigen::Matrix3d inverse_;   ///< of the Jacobian at the centre
+    Eigen::AlignedBox3d hull_;  ///< of the patch, each point times that
     /// Entry by entry the most that inverse · Jacobian is off the identity, anywhere in the patch.
     Eigen::Matrix3d spread_;
     double rounding_;  ///< of coordinates, in u, v and w

@@ -95,4 +95,18 @@ TricubicPatch::ControlPoints TricubicPatch::controlPoints(std::span<const Point3
     return points;
 }
 
+TricubicPatch::ControlPoints bezierPoints(TricubicPatch::ControlPoints points) {
+    for (const std::size_t stride : {1, 4, 16})
+        for (std::size_t i = 0; i < 64; ++i) {
+            if (i / stride % 4 != 0) continue;
+            // The ends of a cubic, and of its tangents there.
+            Eigen::Vector3d &a = points[i], &b = points[i + stride], &c = points[i + 2 * stride],
+                            &d = points[i + 3 * stride];
+            const Eigen::Vector3d low = (a + 4 * b + c) / 6, high = (b + 4 * c + d) / 6;
+            const Eigen::Vector3d afterLow = (2 * b + c) / 3, beforeHigh = (b + 2 * c) / 3;
+            a = low, b = afterLow, c = beforeHigh, d = high;
+        }
+    return points;
+}
+
 }  // namespace espalier::stencils

@@ -51,4 +51,9 @@ private:
     std::array<AxisEnds, 3> ends_ = {};
 };
 
+/// The same polynomial in Bernstein form: point i + 4j + 16k belongs to Bᵢ(u) Bⱼ(v) Bₖ(w), of
+/// degree 3. Over (u, v, w) in [0, 1]³ it lies in the hull of these points.
+/// \cite Joy, bicubic refinement
+TricubicPatch::ControlPoints bezierPoints(TricubicPatch::ControlPoints points);
+
 }  // namespace espalier::stencils
