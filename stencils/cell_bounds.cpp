@@ -4,8 +4,11 @@
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/regular_cells.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
+
+#include "cell_frame.h"
 
 namespace espalier::stencils {
 
@@ -50,6 +53,35 @@ CellBound CellBounds::ownBox(Index cell, double widening) const {
     bound.box.min().array() -= margin;
     bound.box.max().array() += margin;
     return bound;
+}
+
+AffineHull CellBounds::ownHull(Index cell, double widening) const {
+    AffineHull hull(axesOf(cell).inverse());
+    for (const Index vertex : level_.complex.relation(3, 0)[cell]) hull.extend(positionOf(vertex));
+    hull.widen(widening);
+    return hull;
+}
+
+/// Of a hexahedron the means of its edges, of another cell three that meet: no plane where that is
+/// none.
+Eigen::Matrix3d CellBounds::axesOf(Index cell) const {
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+    if (const auto frame = frameOf(level_.complex, cell)) {
+        for (std::size_t corner = 0; corner < 8; ++corner)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                axes.col(static_cast<Eigen::Index>(axis)) +=
+                    (bitOf(corner, axis) != 0 ? 0.25 : -0.25) * positionOf(frame->corners[corner]);
+        return axes;
+    }
+    const Index corner = level_.complex.relation(3, 0)[cell].front();
+    Eigen::Index count = 0;
+    for (const Index edge : level_.complex.relation(3, 1)[cell]) {
+        const auto ends = level_.complex.relation(1, 0)[edge];
+        if (ends[0] != corner && ends[1] != corner) continue;
+        const Index other = ends[0] == corner ? ends[1] : ends[0];
+        if (count < 3) axes.col(count++) = positionOf(other) - positionOf(corner);
+    }
+    return axes;
 }
 
 std::vector<Index> CellBounds::ringOf(Index cell) const {

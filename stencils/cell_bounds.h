@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "affine_hull.h"
+
 namespace espalier::stencils {
 
 using far::Index;
@@ -57,7 +59,12 @@ public:
     /// each side by a part of its diagonal.
     CellBound ownBox(Index cell, double widening = 0) const;
 
+    /// The same in directions of the cell's own, widened by a part of its edges: far less of a thin
+    /// cell that lies aslant. Of a flat cell it holds everything.
+    AffineHull ownHull(Index cell, double widening) const;
+
 private:
+    Eigen::Matrix3d axesOf(Index cell) const;
     bool staysInHull(Index cell) const;
     Eigen::Vector3d largestSecondDifference(const std::vector<Index>& ring) const;
     std::vector<Index> ringOf(Index cell) const;

@@ -164,20 +164,6 @@ std::optional<LocatedPoint> CellSolver::findIn(CellId cell, const Vector3d& poin
     return std::nullopt;
 }
 
-bool CellSolver::isNear(const Vector3d& point, CellId cell, double widening) const {
-    if (const auto& corners = cornersOf(cell)) {
-        const auto uvw = mapAround(*corners, positions_, point).findOrigin();
-        return !uvw || isInUnitCube(*uvw, widening);
-    }
-    const Vector3d centre = centreOf(cell);
-    for (Index t = 0; t < tetrahedronCount(complex_, cell); ++t) {
-        const Vector3d uvw = solve3(tetrahedron(cell, t, centre).edges, point - centre);
-        // Written so that what is not a number is near.
-        if (!(uvw.minCoeff() < -widening || uvw.sum() > 1 + widening)) return true;
-    }
-    return false;
-}
-
 CellPlace CellSolver::nearestPlace(CellId cell, const Vector3d& point) const {
     if (const auto& corners = cornersOf(cell)) {
         const Trilinear map = mapAround(*corners, positions_, point);

@@ -85,10 +85,6 @@ public:
     std::optional<LocatedPoint> locateIn(const Eigen::Vector3d& point,
                                          std::span<const far::Index> cells) const;
 
-    /// Whether a point is in a cell, or beside it by no more than a part of it: its coordinates
-    /// there are within [0, 1] give or take `widening`. However thin the cell, and however it lies.
-    bool isNear(const Eigen::Vector3d& point, far::CellId cell, double widening) const;
-
     /// Distance of a point from a cell; not meant for points inside.
     double distance(const Eigen::Vector3d& point, far::CellId cell) const {
         return (positionOf(nearestPlace(cell, point)) - point).norm();

@@ -65,9 +65,9 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(poin
     rounding_ = kRounding * largest * inverse_.cwiseAbs().rowwise().sum().maxCoeff();
     // A polynomial lies in the hull of its Bézier points. What is off in these, and in a point, is
     // within some units of the largest coordinate, too.
-    for (const Vector3d& control : bezierPoints(points)) hull_.extend(inverse_ * control);
-    hull_.min().array() -= 2 * rounding_;
-    hull_.max().array() += 2 * rounding_;
+    hull_ = AffineHull(inverse_);
+    for (const Vector3d& control : bezierPoints(points)) hull_.extend(control);
+    hull_.widen(2 * rounding_);
     // A derivative by u is a spline whose control points are the differences along u: it lies in
     // their hull.
     spread_.setZero();
@@ -86,7 +86,7 @@ PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
     if (!inverse_.allFinite()) return {};
     // Most patches that a point is not in are ruled out by this: where the lattice is irregular 3
     // of 4 are asked in vain.
-    if (!hull_.contains(inverse_ * point)) return {Answer::NotHere, {}};
+    if (!hull_.contains(point)) return {Answer::NotHere, {}};
     const TricubicMap map = map_.around(point);
     const Vector3d start = kCentre - inverse_ * map.position(kCentre);
     const auto uvw = findOrigin(map, start.cwiseMax(0).cwiseMin(1));

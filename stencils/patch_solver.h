@@ -4,9 +4,9 @@
 #include <espalier/stencils/trilinear.h>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <optional>
 
+#include "affine_hull.h"
 #include "tricubic_patch.h"
 
 namespace espalier::stencils {
@@ -64,8 +64,8 @@ private:
     bool isExcluded(const TricubicMap& map) const;
 
     TricubicMap map_;
-    Eigen::Matrix3d inverse_;   ///< of the Jacobian at the centre
-    Eigen::AlignedBox3d hull_;  ///< of the patch, each point times that
+    Eigen::Matrix3d inverse_;  ///< of the Jacobian at the centre
+    AffineHull hull_;          ///< of the patch
     /// Entry by entry the most that inverse · Jacobian is off the identity, anywhere in the patch.
     Eigen::Matrix3d spread_;
     double rounding_;  ///< of coordinates, in u, v and w

@@ -13,7 +13,6 @@
 namespace espalier::stencils {
 
 using Eigen::Vector3d;
-using far::CellId;
 using Bound = std::optional<CellBound>;
 using Extent = far::TopologyRefiner::Extent;
 
@@ -78,7 +77,6 @@ PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Poi
     : base_(base),
       positions_(positions),
       rules_(rules),
-      scale_(scale),
       rounding_(kSlack * (scale.size + largestCoordinate(positions))),
       margin_(scale.tolerance + rounding_),
       bounds_([&] {
@@ -163,12 +161,9 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
 
     const CellBounds bounds(descent.refiner.level(level), descent.positions,
                             base_.options().creasing);
-    std::optional<CellSolver> solver;
-    if (bounding == Bounding::Likely)
-        solver.emplace(descent.refiner.level(level).complex, descent.positions, scale_);
-    const auto mayHold = [&](const Bound& bound, Index cell, Index point) {
+    const auto mayHold = [&](const Bound& bound, const AffineHull& hull, Index point) {
         return !bound || (!(bound->box.exteriorDistance(at(points, point)) > descent.margin) &&
-                          (!solver || solver->isNear(at(points, point), CellId(cell), kLikely)));
+                          hull.contains(at(points, point)));
     };
     const Candidates parents = std::exchange(descent.candidates, {});
     Candidates& children = descent.candidates;
@@ -182,8 +177,10 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
                 bounding == Bounding::Future
                     ? bounds.boundOf(child->index, bound ? bound->drift : std::nullopt)
                     : bounds.ownBox(child->index, bounding == Bounding::Likely ? kLikely : 0);
+            const AffineHull hull =
+                bounding == Bounding::Likely ? bounds.ownHull(child->index, kLikely) : AffineHull();
             for (const Index point : parents.pointsOf(i))
-                if (sought == Sought::Nearest || mayHold(ofChild, child->index, point))
+                if (sought == Sought::Nearest || mayHold(ofChild, hull, point))
                     children.points.push_back(point);
             children.endCell(child->index, ofChild);
         }

@@ -117,7 +117,6 @@ private:
     const far::TopologyRefiner& base_;
     std::span<const Point3> positions_;
     Rules rules_;
-    CellSolver::Scale scale_;
     double rounding_;
     double margin_;                                 ///< that, and the tolerance
     std::vector<std::optional<CellBound>> bounds_;  ///< of the base cells
