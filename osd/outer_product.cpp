@@ -16,8 +16,8 @@ std::size_t at(Index index) {
     return static_cast<std::size_t>(index);
 }
 
-/// The logarithms of the weights of a column in several rows; before them a mean of these, by which
-/// columns are sorted. No two are alike in it by chance, as they may be in one row.
+/// The logarithms of the sizes of a column's weights in several rows; before them a mean of these,
+/// by which columns are sorted. No two are alike in it by chance, as they may be in one row.
 constexpr std::size_t kCoordinates = kSamples + 1;
 using Logarithms = std::array<double, kCoordinates>;
 constexpr std::array<double, kSamples> kMean = {0.2371, 0.1193, 0.1689, 0.0971, 0.2137, 0.1639};
@@ -127,7 +127,7 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
     constexpr Real kLeast = std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
     for (const auto& weights : rows)
         if (std::all_of(weights.begin(), weights.end(),
-                        [](Real weight) { return weight >= kLeast; }))
+                        [](Real weight) { return std::abs(weight) >= kLeast; }))
             samples.push_back(weights);
     // More columns than splines have: the search would take long, and find nothing.
     constexpr std::size_t kMostColumns = 512;
@@ -138,7 +138,7 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
         // Spread over the rows; where there are few, some come twice.
         const auto& weights = samples[s * (samples.size() - 1) / (kSamples - 1)];
         for (std::size_t column = 0; column < weights.size(); ++column) {
-            const double logarithm = std::log(static_cast<double>(weights[column]));
+            const double logarithm = std::log(std::abs(static_cast<double>(weights[column])));
             points[column][1 + s] = logarithm;
             points[column][0] += kMean[s] * logarithm;
         }
@@ -179,21 +179,25 @@ template <class Real>
 bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
                std::span<Real> factors) {
     const auto& [n, m, l] = product.size;
-    // Sums over the other axes. Each weight is rounded; of their sum, the sum of these errors is a
-    // smaller part, if it is not rounded on the way.
+    // Sums of sizes over the other axes. Each weight is rounded; of their sum, the sum of these
+    // errors is a smaller part, if it is not rounded on the way.
     using Sums = std::vector<long double>;
     std::array<Sums, 3> sums = {Sums(at(n)), Sums(at(m)), Sums(at(l))};
     long double total = 0, largest = 0;
+    std::array<Index, 3> atLargest = {};
     const Index* next = product.order.data();
     for (Index k = 0; k < l; ++k)
         for (Index j = 0; j < m; ++j)
             for (Index i = 0; i < n; ++i) {
-                const double weight = weights[at(*next++)];
-                sums[0][at(i)] += weight;
-                sums[1][at(j)] += weight;
-                sums[2][at(k)] += weight;
-                total += weight;
-                largest = std::max<long double>(largest, std::abs(weight));
+                const long double size = std::abs(weights[at(*next++)]);
+                sums[0][at(i)] += size;
+                sums[1][at(j)] += size;
+                sums[2][at(k)] += size;
+                total += size;
+                if (size > largest) {
+                    largest = size;
+                    atLargest = {i, j, k};
+                }
             }
     // Weights that are tiny beside others have fewer digits, or are rounded to 0.
     constexpr long double kTiny = std::numeric_limits<Real>::min();
@@ -202,6 +206,18 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (const long double sum : sums[axis])
             factors[place++] = static_cast<Real>(axis == 0 ? sum : sum / total);
+    // Signs: those along the lines through the largest, whose own is the first factor's.
+    const auto isNegative = [&](Index i, Index j, Index k) {
+        return std::signbit(weights[at(product.order[at((k * m + j) * n + i)])]);
+    };
+    const auto& [i0, j0, k0] = atLargest;
+    const bool isLargestNegative = isNegative(i0, j0, k0);
+    for (Index i = 0; i < n; ++i)
+        if (isNegative(i, j0, k0)) factors[at(i)] *= -1;
+    for (Index j = 0; j < m; ++j)
+        if (isNegative(i0, j, k0) != isLargestNegative) factors[at(n + j)] *= -1;
+    for (Index k = 0; k < l; ++k)
+        if (isNegative(i0, j0, k) != isLargestNegative) factors[at(n + m + k)] *= -1;
     constexpr long double kBound = 3.0L * std::numeric_limits<Real>::epsilon();
     next = product.order.data();
     for (Index k = 0; k < l; ++k)
@@ -210,7 +226,7 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
                 const long double weight = weights[at(*next++)];
                 const long double found = static_cast<long double>(factors[at(i)]) *
                                           factors[at(n + j)] * factors[at(n + m + k)];
-                if (!(std::abs(found - weight) <= kBound * weight + kTiny)) return false;
+                if (!(std::abs(found - weight) <= kBound * std::abs(weight) + kTiny)) return false;
             }
     return true;
 }

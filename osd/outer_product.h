@@ -16,8 +16,9 @@ using far::Index;
 /// weight of column order[(k·size[1] + j)·size[0] + i] is a_i · b_j · c_k, with a, b and c of each
 /// row.
 ///
-/// In regular regions rows are such: level-n vertices of a tensor-product spline, and points bound
-/// to its cells by trilinear weights.
+/// In regular regions rows are such: level-n vertices of a tensor-product spline, points bound to
+/// its cells by trilinear weights or in the limit, and derivatives there, whose weights have either
+/// sign.
 struct OuterProduct {
     std::array<Index, 3> size = {};  ///< 1 or more; descending
     std::vector<Index> order = {};   ///< positions in the columns of a row

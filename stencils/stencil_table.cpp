@@ -76,20 +76,53 @@ StencilTable<Real> transposeTable(const StencilTable<Real>& table) {
                               std::move(weights));
 }
 
-template <class Real>
-StencilTable<Real> selectRows(const StencilTable<Real>& table, std::span<const Index> rows) {
+namespace {
+
+/// A table of rows of others: sourceOf(row) is the table, and the row there.
+template <class Real, class SourceOf>
+StencilTable<Real> copyRows(Index rowCount, Index columnCount, SourceOf sourceOf) {
     return buildTableByChunks<Real>(
-        static_cast<Index>(rows.size()), table.columnCount(), {},
-        [&](Offset first, Offset last, RowList<Real>& list) {
+        rowCount, columnCount, {}, [&](Offset first, Offset last, RowList<Real>& list) {
             for (Offset i = first; i < last; ++i) {
-                const Index row = rows[static_cast<std::size_t>(i)];
-                const auto columns = table.columns(row);
-                const auto weights = table.weights(row);
+                const auto& [table, row] = sourceOf(static_cast<Index>(i));
+                const auto columns = table->columns(row);
+                const auto weights = table->weights(row);
                 list.columns.insert(list.columns.end(), columns.begin(), columns.end());
                 list.weights.insert(list.weights.end(), weights.begin(), weights.end());
                 list.endRow();
             }
         });
+}
+
+}  // namespace
+
+template <class Real>
+StencilTable<Real> selectRows(const StencilTable<Real>& table, std::span<const Index> rows) {
+    return copyRows<Real>(static_cast<Index>(rows.size()), table.columnCount(), [&](Index i) {
+        return std::pair(&table, rows[static_cast<std::size_t>(i)]);
+    });
+}
+
+template <class Real>
+StencilTable<Real> interleaveRows(const std::vector<const StencilTable<Real>*>& tables) {
+    if (tables.empty()) throw Error("there are no tables to interleave");
+    const Index rowCount = tables.front()->rowCount();
+    const Index columnCount = tables.front()->columnCount();
+    const auto size = [](Index rows, Index columns) {
+        return std::to_string(rows) + " × " + std::to_string(columns);
+    };
+    for (const StencilTable<Real>* table : tables)
+        if (table->rowCount() != rowCount || table->columnCount() != columnCount)
+            throw Error("a table of " + size(table->rowCount(), table->columnCount()) +
+                        " can not be interleaved with one of " + size(rowCount, columnCount));
+    const auto count = static_cast<Offset>(tables.size());
+    if (rowCount * count > far::kMaxIndex)
+        throw Error(std::to_string(count) + " tables of " + std::to_string(rowCount) +
+                    " rows are too many rows for one");
+    return copyRows<Real>(static_cast<Index>(rowCount * count), columnCount, [&](Index i) {
+        return std::pair(tables[static_cast<std::size_t>(i % count)],
+                         static_cast<Index>(i / count));
+    });
 }
 
 template class StencilTable<float>;
@@ -100,5 +133,7 @@ template StencilTable<float> transposeTable(const StencilTable<float>&);
 template StencilTable<double> transposeTable(const StencilTable<double>&);
 template StencilTable<float> selectRows(const StencilTable<float>&, std::span<const Index>);
 template StencilTable<double> selectRows(const StencilTable<double>&, std::span<const Index>);
+template StencilTable<float> interleaveRows(const std::vector<const StencilTable<float>*>&);
+template StencilTable<double> interleaveRows(const std::vector<const StencilTable<double>*>&);
 
 }  // namespace espalier::stencils

@@ -8,6 +8,7 @@
 #include <span>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace espalier::stencils {
 
@@ -96,5 +97,17 @@ ESPALIER_API StencilTable<Real> transposeTable(const StencilTable<Real>& table);
 template <class Real>
 ESPALIER_API StencilTable<Real> selectRows(const StencilTable<Real>& table,
                                            std::span<const Index> rows);
+
+/// Tables of as many rows over the same columns as one: row i · n + t is row i of table t of n. To
+/// apply them in one pass, as a position and its derivatives: the n results of a point lie
+/// together, and rows that share their columns read the values once (osd::CompiledTable).
+///
+/// \throws Error if there is no table, one is of another shape than the first, or there are too
+/// many
+///         rows
+/// \cost O(entries), in parallel
+template <class Real>
+ESPALIER_API StencilTable<Real> interleaveRows(
+    const std::vector<const StencilTable<Real>*>& tables);
 
 }  // namespace espalier::stencils

@@ -268,6 +268,31 @@ TEST(OuterProduct, IsFoundInAnyOrderOfTheColumns) {
     }
 }
 
+// As derivatives have them: factors of either sign, whose sum may be 0.
+TEST(OuterProduct, MayHaveEitherSign) {
+    Products products = randomProducts({4, 4, 3}, 10);
+    const auto arrangement = find(products.rows);
+    ASSERT_TRUE(arrangement);
+    for (std::size_t r = 0; r < products.rows.size(); r += 2)
+        for (std::size_t i = 0; i < arrangement->order.size(); ++i) {
+            // The first two of the first axis, and the last of the last, whose places are i % 4 and
+            // i / 16.
+            const bool isNegative = (i % 4 < 2) != (i / 16 == 2);
+            products.rows[r][static_cast<std::size_t>(arrangement->order[i])] *=
+                isNegative ? -1 : 1;
+        }
+    const auto found = find(products.rows);
+    ASSERT_TRUE(found);
+    std::vector<double> factors(11);
+    for (const auto& row : products.rows) EXPECT_TRUE(factorsOf<double>(*found, row, factors));
+    EXPECT_TRUE(factorsOf<double>({{2, 2, 1}, {0, 1, 2, 3}}, std::vector{-0.5, 0.5, 0.5, -0.5},
+                                  std::span(factors).first(5)));
+    // One sign alone is no product.
+    auto wrong = products.rows[0];
+    wrong[7] *= -1;
+    EXPECT_FALSE(factorsOf<double>(*found, wrong, factors));
+}
+
 TEST(OuterProduct, IsNotFoundWhereThereIsNone) {
     Products products = randomProducts({4, 4, 4}, 10);
     EXPECT_FALSE(find({}));

@@ -94,5 +94,24 @@ TEST(StencilTable, SelectedRowsComeInTheOrderAskedFor) {
               StencilTable<float>(4, {0, 2, 2, 4}, {1, 3, 1, 3}, {4, 5, 4, 5}));
 }
 
+// Two points, of each the position and a derivative.
+TYPED_TEST(StencilTableTest, TablesInterleaveRowByRow) {
+    using Table = StencilTable<TypeParam>;
+    const Table position(3, {0, 2, 3}, {0, 1, 2}, {.5, .5, 1});
+    const Table derivative(3, {0, 2, 2}, {0, 1}, {-1, 1});
+    EXPECT_EQ(interleaveRows<TypeParam>({&position, &derivative}),
+              Table(3, {0, 2, 4, 5, 5}, {0, 1, 0, 1, 2}, {.5, .5, -1, 1, 1}));
+    EXPECT_EQ(interleaveRows<TypeParam>({&position}), position);
+    const Table other(2, {0, 0, 0}, {}, {});
+    try {
+        interleaveRows<TypeParam>({&position, &other});
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("a table of 2 × 2 can not be interleaved with one of "
+                                            "2 × 3"));
+    }
+    EXPECT_THROW(interleaveRows<TypeParam>({}), Error);
+}
+
 }  // namespace
 }  // namespace espalier::stencils
