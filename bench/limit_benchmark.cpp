@@ -34,9 +34,8 @@ struct Scene {
         if (level > 0)
             return stencils::bindPoints<double>(base, lattice.positions, level, kRules, points)
                 .binding;
-        auto bound = stencils::bindLimit<double>(base, lattice.positions, kRules, points).binding;
-        return {std::move(bound.table.points), std::move(bound.kept), std::move(bound.keptAt),
-                bound.topologyHash};
+        return stencils::withoutGradients(
+            stencils::bindLimit<double>(base, lattice.positions, kRules, points).binding);
     }
 
     /// The vertices where no two go the same way: by sines of places.

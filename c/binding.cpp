@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/osd/binding_evaluator.h>
+#include <espalier/stencils/limit_binding.h>
 #include <espalier/stencils/local_binding.h>
 
 #include <string>
@@ -32,8 +33,16 @@ espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Poi
     stencils::EmbeddingOptions options;
     options.outside = choice(chosen.outside, stencils::OutsidePolicy::Error, "outside");
     options.tolerance = chosen.tolerance;
-    auto bound = stencils::bindPoints<double>(baseOf(refiner.refiner), positions, chosen.level,
-                                              refiner.rules, points, options);
+    const far::TopologyRefiner base = baseOf(refiner.refiner);
+    if (chosen.limit_tolerance != 0) {
+        auto bound = stencils::bindLimit<double>(
+            base, positions, refiner.rules, points,
+            {.embedding = options, .tolerance = chosen.limit_tolerance});
+        return {{stencils::withoutGradients(std::move(bound.binding)), {}, {}},
+                espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
+    }
+    auto bound =
+        stencils::bindPoints<double>(base, positions, chosen.level, refiner.rules, points, options);
     return {{std::move(bound.binding), {}, {}},
             espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
 }

@@ -401,6 +401,9 @@ typedef struct espalier_bind_options {
     int32_t outside;   ///< ESPALIER_OUTSIDE_...; default KEEP
     double tolerance;  ///< how far outside is still inside, as a fraction of the diagonal of the
                        ///< lattice's bounding box; default 1e-6
+    double limit_tolerance;  ///< 0, the default: points are bound to the level. Above, 1e-14 to
+                             ///< 0.1: to the limit volume, whatever the level, and so close to it
+                             ///< (stencils/limit_binding.h); 1e-6 is usual
 } espalier_bind_options;
 
 static inline espalier_bind_options espalier_default_bind_options(void) {
@@ -409,14 +412,16 @@ static inline espalier_bind_options espalier_default_bind_options(void) {
     options.level = 3;
     options.outside = ESPALIER_OUTSIDE_KEEP;
     options.tolerance = 1e-6;
+    options.limit_tolerance = 0;
     return options;
 }
 
 /// Points frozen to a lattice: x' = D · p', but for the points that are kept in place. Immutable.
 typedef struct espalier_binding espalier_binding;
 
-/// Binds points to a level of a lattice (stencils/local_binding.h). The level need not be there: no
-/// more of the lattice is refined than the points ask for, and the refiner stays as it is.
+/// Binds points to a level of a lattice (stencils/local_binding.h), or to its limit. The level need
+/// not be there: no more of the lattice is refined than the points ask for, and the refiner stays
+/// as it is.
 ///
 /// \param positions of the vertices of the lattice at rest, 3 · vertex_count numbers
 /// \param points 3 · point_count numbers

@@ -63,11 +63,9 @@ BoundPoints bindToLimit(const BindOptions& options, std::span<const Point3> poin
                                               .gradients = gradients == Gradients::OfLimit},
                                              progressOf(stages, points.size()));
     const BindingReport report = reportOf(bound, bound.largestResidual);
-    auto& binding = bound.binding;
-    return {{std::move(binding.table.points), std::move(binding.kept), std::move(binding.keptAt),
-             binding.topologyHash},
-            report,
-            std::move(binding.table.gradients)};
+    auto gradientTables = std::move(bound.binding.table.gradients);
+    return {stencils::withoutGradients(std::move(bound.binding)), report,
+            std::move(gradientTables)};
 }
 
 stencils::TensorLattice tensorLattice(const BindOptions& options, const Lattice& lattice) {

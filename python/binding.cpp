@@ -5,6 +5,7 @@
 #include <espalier/far/topology_match.h>
 #include <espalier/io/file.h>
 #include <espalier/osd/binding_evaluator.h>
+#include <espalier/stencils/limit_binding.h>
 #include <espalier/stencils/local_binding.h>
 #include <espalier/stencils/tensor_product.h>
 #include <pybind11/stl.h>
@@ -46,6 +47,15 @@ void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
     result.placement = {std::move(found.statuses), found.largestResidual};
 }
 
+void bindToLimit(BoundPoints& result, const Refiner& refiner, std::span<const Point3> points,
+                 const stencils::EmbeddingOptions& options) {
+    auto found =
+        stencils::bindLimit<double>(refiner.base(), refiner.lattice()->positions, refiner.rules(),
+                                    points, {.embedding = options, .tolerance = options.tolerance});
+    result.bound.binding = stencils::withoutGradients(std::move(found.binding));
+    result.placement = {std::move(found.statuses), found.largestResidual};
+}
+
 void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights basis,
                          std::span<const Point3> points,
                          const stencils::EmbeddingOptions& options) {
@@ -64,10 +74,12 @@ void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights ba
 }
 
 Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
-           const std::string& outside, double tolerance, const std::string& basis) {
+           const std::string& outside, double tolerance, const std::string& basis, bool limit) {
     const auto refiner = refinerOf(lattice);
     const auto options = embeddingOptions(outside, tolerance);
     const auto weights = chosen(kBases, "basis", basis);
+    if (limit && weights != Weights::Subdivision)
+        throw Error("limit: what \"" + basis + "\" weighs has no levels, and no limit of these");
     auto result = std::make_shared<BoundPoints>();
     if (py::isinstance<ModelFile>(points)) {
         const auto& file = points.cast<const ModelFile&>();
@@ -78,7 +90,9 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
         result->points = toPoints(points, "points");
     }
     withoutGil([&] {
-        if (weights == Weights::Subdivision)
+        if (limit)
+            bindToLimit(*result, *refiner, *result->points, options);
+        else if (weights == Weights::Subdivision)
             bindToSubdivision(*result, *refiner, level, *result->points, options);
         else
             bindToTensorProduct(*result, *refiner, weights, *result->points, options);
@@ -292,8 +306,9 @@ Returns the array; float32 and compiling as in deform().
     addPoints(type);
     addPickling(type, &stateOfBinding, &bindingOfState);
     module.def("bind", &bind, "lattice"_a, "points"_a, "level"_a = 3, py::kw_only(),
-               "outside"_a = "keep", "tolerance"_a = 1e-6, "basis"_a = "subdivision", R"(
-Binds points to a level of a lattice at rest. Returns a Binding.
+               "outside"_a = "keep", "tolerance"_a = 1e-6, "basis"_a = "subdivision",
+               "limit"_a = false, R"(
+Binds points to a level of a lattice at rest, or to its limit. Returns a Binding.
 
 lattice   : Lattice, or Refiner where the rules are not the usual ones
 points    : array (N, 3), in the units of the lattice; or a Model
@@ -302,6 +317,8 @@ outside   : what becomes of a point outside: "keep" leaves it where it is, "near
             the nearest cell, "error" refuses it
 tolerance : how far outside still counts as inside, in diagonals of the box round the lattice
 basis     : "subdivision"; or of a box on a parallelepiped "bezier" or "bspline", without levels
+limit     : whether to bind to the volume that refining goes to, whatever the level; how close to it
+            says tolerance, too: 1e-14 to 0.1
 )");
     module.def(
         "load_binding",

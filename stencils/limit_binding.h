@@ -7,6 +7,7 @@
 #include <array>
 #include <functional>
 #include <span>
+#include <utility>
 
 namespace espalier::stencils {
 
@@ -65,5 +66,12 @@ ESPALIER_API BoundModel<Real, LimitTable<Real>> bindLimit(
     const far::TopologyRefiner& base, std::span<const Point3> positions, Rules rules,
     std::span<const Point3> points, const LimitOptions& options = {},
     const std::function<void(Offset)>& progress = {});
+
+/// The same without gradients: what a binding to a level is, for all that takes such.
+template <class Real>
+Binding<Real> withoutGradients(Binding<Real, LimitTable<Real>> binding) {
+    return {std::move(binding.table.points), std::move(binding.kept), std::move(binding.keptAt),
+            binding.topologyHash};
+}
 
 }  // namespace espalier::stencils

@@ -313,6 +313,7 @@ def bind(
     outside: _Outside = "keep",
     tolerance: float = 1e-6,
     basis: Literal["subdivision", "bezier", "bspline"] = "subdivision",
+    limit: bool = False,
 ) -> Binding: ...
 def load_binding(path: _Path) -> Binding: ...
 def fit(

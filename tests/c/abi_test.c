@@ -42,6 +42,7 @@ IS_AT(espalier_bind_options, size, 0);
 IS_AT(espalier_bind_options, level, sizeof(size_t));
 IS_AT(espalier_bind_options, outside, sizeof(size_t) + 4);
 IS_AT(espalier_bind_options, tolerance, sizeof(size_t) + 8);
+IS_AT(espalier_bind_options, limit_tolerance, sizeof(size_t) + 16);
 
 IS_AT(espalier_cells, vertex_count, 0);
 IS_AT(espalier_cells, face_count, 4);

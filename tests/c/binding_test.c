@@ -293,6 +293,36 @@ static void test_points_outside(void) {
     tear_down(&f);
 }
 
+/* How far the points of a pose are from those of the limit, at most. */
+static double distance_from_limit(const fixture* f, int32_t level) {
+    espalier_bind_options options = espalier_default_bind_options();
+    double moved[2][3 * POINTS], largest = 0;
+    options.level = level;
+    for (int i = 0; i < 2; ++i) {
+        espalier_binding* binding = NULL;
+        options.limit_tolerance = i == 0 ? 0 : 1e-9;
+        OK(espalier_binding_create(f->refiner, BOX_VERTICES, f->rest, POINTS, points, &options,
+                                   &binding));
+        apply(binding, f->pose, moved[i]);
+        espalier_binding_destroy(binding);
+    }
+    for (int i = 0; i < 3 * POINTS; ++i) {
+        const double d = fabs(moved[0][i] - moved[1][i]);
+        if (d > largest) largest = d;
+    }
+    return largest;
+}
+
+/* Each level is about four times as close. */
+static void test_levels_go_to_the_limit(void) {
+    fixture f = set_up();
+    for (int32_t level = 4; level < 6; ++level) {
+        const double quotient = distance_from_limit(&f, level) / distance_from_limit(&f, level + 1);
+        CHECK(quotient > 3 && quotient < 5);
+    }
+    tear_down(&f);
+}
+
 /* A refiner with levels binds as one without. */
 static void test_levels_of_the_refiner_do_not_matter(void) {
     fixture f = set_up();
@@ -318,6 +348,7 @@ int main(int count, char** arguments) {
     test_adjoint();
     test_save_and_load(arguments[1]);
     test_points_outside();
+    test_levels_go_to_the_limit();
     test_levels_of_the_refiner_do_not_matter();
     return 0;
 }

@@ -313,6 +313,10 @@ static void test_bad_options(void) {
     bind.tolerance = NAN;
     REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
                   "tolerance");
+    bind = espalier_default_bind_options();
+    bind.limit_tolerance = -1;
+    REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
+                  "tolerance of the limit");
     espalier_progress_scope* progress = NULL;
     REFUSED_INPUT(espalier_progress_scope_create(go_on, NULL, -1, &progress), "milliseconds is -1");
     espalier_thread_limit* limit = NULL;

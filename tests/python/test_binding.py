@@ -96,6 +96,19 @@ def test_the_lattices_that_came_before(points, rest, pose):
         espalier.bind(rest.with_marks(vertex_sharpness={0: 0}), points, basis="bezier")
 
 
+def test_the_limit_is_the_spline():
+    # Without boundary control, in the middle cell of three: the uniform B-spline.
+    box = espalier.shapes.box(cells=(3, 3, 3), max=(3, 3, 3))
+    points = 1.05 + 0.9 * np.random.default_rng(4).random((200, 3))
+    spline = espalier.bind(box, points, basis="bspline").matrix
+    limit = espalier.bind(espalier.Refiner(box, boundary="open"), points, limit=True).matrix
+    assert abs(limit - spline).max() < 1e-13  # places are found to some 1e-15
+    with pytest.raises(ValueError, match="^limit: what"):
+        espalier.bind(box, points, basis="bezier", limit=True)
+    with pytest.raises(ValueError, match="tolerance of the limit"):
+        espalier.bind(box, points, limit=True, tolerance=0.5)
+
+
 def test_saved_and_loaded(tmp_path, rest, points, pose):
     points[3] = (0, 0, 10)
     binding = espalier.bind(rest, points, level=2)
