@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iostream>
 #include <numbers>
 
 #include "support/random_lattices.h"
@@ -202,6 +203,46 @@ TEST(VertexLimits, RefiningGoesToThem) {
     check("star", shapes::star(), 5);
     for (const auto& [name, lattice] : test::someOf(test::featureLattices()))
         check(name, lattice, 4);
+}
+
+/// The order in which the vertices of levels 1 to `finest` come to their limits, from the last two:
+/// the logarithm to the base 2 of how many times as close they are, the farthest or on the average.
+struct Order {
+    double ofLargest, ofMean;
+};
+Order orderOf(const std::string& name, const Lattice& lattice, int finest) {
+    TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+    double largest = 0, mean = 0;
+    Order order{};
+    for (int level = 1; level <= finest; ++level) {
+        refiner.refineUniform(level);
+        const auto limits = times(buildVertexLimits<double>(refiner, level), lattice.positions);
+        const auto at =
+            test::asMatrix(refinePositions(refiner, level, Rules::Siggraph96, lattice.positions));
+        const Eigen::VectorXd distances = (at - limits).rowwise().norm();
+        order = {std::log2(largest / distances.maxCoeff()), std::log2(mean / distances.mean())};
+        largest = distances.maxCoeff();
+        mean = distances.mean();
+        std::cout << name << ", level " << level << ": largest " << largest << ", mean " << mean;
+        if (level > 1)
+            std::cout << "; order " << order.ofLargest << ", on the average " << order.ofMean;
+        std::cout << std::endl;
+    }
+    return order;
+}
+
+// Where all is regular, differences of differences fall to a quarter with each level. The ring of
+// an irregular edge or vertex shrinks by its second eigenvalue (0.55 at an edge of five cells), and
+// so do the distances in it, in the first order or less; but its share of the volume falls, too.
+TEST(VertexLimits, LevelsComeToThemInTheSecondOrder) {
+    Lattice box = shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}});
+    box.positions = test::shaken(box.positions, 5);
+    const Order ofBox = orderOf("box", box, 4);
+    EXPECT_NEAR(ofBox.ofLargest, 2, 0.05);
+    EXPECT_NEAR(ofBox.ofMean, 2, 0.05);
+    const Order ofFan = orderOf("five sectors", shapes::cylinder({.sectors = 5}), 5);
+    EXPECT_GT(ofFan.ofLargest, -std::log2(0.62));
+    EXPECT_NEAR(ofFan.ofMean, 2, 0.15);
 }
 
 // A box under boundary control is the spline with the phantom layer 2P₀ − P₁: its corners stay, its
