@@ -5,8 +5,8 @@
     tests/fuzz/make_seeds.py ESPALIER
 
 ESPALIER is the program, which writes the lattices and the bound model. The layout of the inputs of
-topology, embedding, payload and npz is that of the targets' own code. There are more seeds in tests/io:
-files that VTK, NumPy and SciPy have written.
+topology, embedding, limit, payload and npz is that of the targets' own code. There are more seeds in
+tests/io: files that VTK, NumPy and SciPy have written.
 """
 import base64
 import io
@@ -276,7 +276,7 @@ def topologies():
     put("topology", "relations", options(2, 0) + bytes([3, 3]) + edges + bytes([1, 3, 0, 1, 1, 1, 2, 1]))
 
 
-def embeddings():
+def bindings(target):
     cube = [(0, 0, 0), (4, 0, 0), (4, 4, 0), (0, 4, 0), (0, 0, 4), (4, 0, 4), (4, 4, 4), (0, 4, 4)]
     points = [(2, 2, 2), (1, 2, 3), (0, 0, 0), (9, 0, 0)]
 
@@ -289,27 +289,27 @@ def embeddings():
     grid, anywhere = bytes([3, 0]), bytes([0, 0])
     for outside in range(3):
         head = bytes([3, 0, outside, 0])
-        put("embedding", f"cube-{outside}", head + grid + integers(cube) + grid + integers(points))
-    put("embedding", "cube-doubles", bytes([3, 0, 1, 0]) + anywhere + doubles(cube) + anywhere +
+        put(target, f"cube-{outside}", head + grid + integers(cube) + grid + integers(points))
+    put(target, "cube-doubles", bytes([3, 0, 1, 0]) + anywhere + doubles(cube) + anywhere +
         doubles([(1, 2, 3), (float("nan"), 0, 0), (float("inf"), 1, 1), (1e308, 1e308, -1e308)]))
-    put("embedding", "huge", bytes([3, 0, 1, 0, 3, 1]) + integers(cube) + bytes([3, 1]) +
+    put(target, "huge", bytes([3, 0, 1, 0, 3, 1]) + integers(cube) + bytes([3, 1]) +
         integers(points))
-    put("embedding", "tiny", bytes([3, 0, 1, 0, 3, 3]) + integers(cube) + bytes([3, 3]) +
+    put(target, "tiny", bytes([3, 0, 1, 0, 3, 3]) + integers(cube) + bytes([3, 3]) +
         integers(points))
     turned = [(x, y, -z) for x, y, z in cube]
-    put("embedding", "inside-out", bytes([3, 0, 1, 0]) + grid + integers(turned) + grid +
+    put(target, "inside-out", bytes([3, 0, 1, 0]) + grid + integers(turned) + grid +
         integers(points))
     folded = cube[:6] + [cube[7], cube[6]]
-    put("embedding", "folded", bytes([3, 0, 1, 0]) + grid + integers(folded) + grid +
+    put(target, "folded", bytes([3, 0, 1, 0]) + grid + integers(folded) + grid +
         integers(points))
     flat = [(x, y, 0) for x, y, z in cube]
-    put("embedding", "flat", bytes([3, 0, 1, 0]) + grid + integers(flat) + grid +
+    put(target, "flat", bytes([3, 0, 1, 0]) + grid + integers(flat) + grid +
         integers(points))
     pyramid = cube[:4] + [(2, 2, 4)]
-    put("embedding", "pyramid", bytes([1, 1, 1, 0]) + grid + integers(pyramid) + grid +
+    put(target, "pyramid", bytes([1, 1, 1, 0]) + grid + integers(pyramid) + grid +
         integers(points))
     tower = cube + [(x, y, z + 4) for x, y, z in cube[4:]]
-    put("embedding", "tower", bytes([4, 0, 1, 1]) + struct.pack("<f", 0.01) + grid +
+    put(target, "tower", bytes([4, 0, 1, 1]) + struct.pack("<f", 0.01) + grid +
         integers(tower) + grid + integers(points))
 
 
@@ -324,7 +324,8 @@ def main():
     arrays()
     payloads()
     topologies()
-    embeddings()
+    bindings("embedding")
+    bindings("limit")
 
 
 if __name__ == "__main__":

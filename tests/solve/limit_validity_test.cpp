@@ -15,6 +15,7 @@
 #include <numeric>
 
 #include "polynomials.h"
+#include "poses.h"
 #include "support/random_lattices.h"
 #include "support/refined_lattice.h"
 #include "support/sanitizers.h"
@@ -24,7 +25,6 @@
 namespace espalier::solve {
 namespace {
 
-using Positions = std::vector<Point3>;
 using stencils::LimitParts;
 using stencils::LimitPositions;
 using stencils::Rules;
@@ -39,19 +39,6 @@ using ::testing::ThrowsMessage;
 LimitParts partsOf(const Lattice& lattice, int level) {
     const far::TopologyRefiner base(lattice.complex, refinerOptions(lattice));
     return LimitParts(base, Rules::Siggraph96, level);
-}
-
-Positions moved(const Positions& rest, const Positions& pose, double t) {
-    Positions result = rest;
-    for (std::size_t v = 0; v < rest.size(); ++v)
-        for (std::size_t c = 0; c < 3; ++c) result[v][c] += t * (pose[v][c] - rest[v][c]);
-    return result;
-}
-
-Positions randomlyMoved(Positions positions, double size, unsigned seed) {
-    const auto moves = test::randomValues(3 * positions.size(), seed);
-    for (std::size_t i = 0; i < moves.size(); ++i) positions[i / 3][i % 3] += size * moves[i];
-    return positions;
 }
 
 /// A bar of three cells along x, its vertices at 0, 1 + a, 2 − a, 3.

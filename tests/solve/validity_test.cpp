@@ -15,6 +15,7 @@
 #include <limits>
 #include <numbers>
 
+#include "poses.h"
 #include "support/refined_lattice.h"
 #include "support/threads.h"
 #include "support/zoo.h"
@@ -22,7 +23,6 @@
 namespace espalier::solve {
 namespace {
 
-using Positions = std::vector<Point3>;
 using test::Refined;
 using test::vec;
 using ::testing::Contains;
@@ -36,22 +36,9 @@ const far::CellComplex& cube() {
     return complex;
 }
 
-Positions moved(const Positions& rest, const Positions& pose, double t) {
-    Positions result = rest;
-    for (std::size_t v = 0; v < rest.size(); ++v)
-        for (std::size_t c = 0; c < 3; ++c) result[v][c] += t * (pose[v][c] - rest[v][c]);
-    return result;
-}
-
 template <class Change>
 Positions changed(Positions positions, Change change) {
     for (Point3& p : positions) p = change(p);
-    return positions;
-}
-
-Positions randomlyMoved(Positions positions, double size, unsigned seed) {
-    const auto moves = test::randomValues(3 * positions.size(), seed);
-    for (std::size_t i = 0; i < moves.size(); ++i) positions[i / 3][i % 3] += size * moves[i];
     return positions;
 }
 

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/far/complex_builder.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/local_binding.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "fuzz_target.h"
+
+namespace espalier::fuzz {
+
+using far::Index;
+
+/// A cell of each kind, or two that meet.
+inline far::CellComplex takeComplex(Input& input) {
+    using far::StandardCell;
+    const int kind = input.choice(6);
+    if (kind < 4) {
+        const auto cell = static_cast<StandardCell>(kind);
+        std::vector<Index> vertices;
+        for (Index v = 0; v < far::vertexCount(cell); ++v) vertices.push_back(v);
+        far::ComplexBuilder builder(3, far::vertexCount(cell));
+        builder.addCell(cell, vertices);
+        return builder.build();
+    }
+    far::ComplexBuilder builder(3, kind == 4 ? 12 : 9);
+    builder.addCell(StandardCell::Hexahedron, {0, 1, 2, 3, 4, 5, 6, 7});
+    if (kind == 4)
+        builder.addCell(StandardCell::Hexahedron, {4, 5, 6, 7, 8, 9, 10, 11});
+    else
+        builder.addCell(StandardCell::Pyramid, {4, 5, 6, 7, 8});
+    return builder.build();
+}
+
+/// Points on a small grid, where they coincide and fold, or anywhere, or no number at all.
+class Coordinates {
+public:
+    explicit Coordinates(Input& input) : input_(input), kind_(input.choice(4)) {
+        constexpr double kScales[] = {1, 1e300, 1e-300, 5e-324};
+        scale_ = kScales[input.choice(4)];
+    }
+
+    Point3 take() {
+        Point3 point;
+        for (double& coordinate : point) coordinate = takeOne();
+        return point;
+    }
+
+private:
+    double takeOne() {
+        if (kind_ == 0) return input_.take<double>();
+        if (kind_ == 1) return scale_ * input_.take<float>();
+        return scale_ * input_.take<std::int8_t>() / 4;
+    }
+
+    Input& input_;
+    int kind_;
+    double scale_ = 1;
+};
+
+inline double lengthOf(const Point3& point) {
+    return std::hypot(point[0], point[1], point[2]);
+}
+
+/// How far the row of a point puts it from where it is, at rest.
+inline double errorAt(const stencils::StencilTable<double>& table, Index row,
+                      const std::vector<Point3>& rest, const Point3& point) {
+    Point3 difference = point;
+    for (std::size_t k = 0; k < table.weights(row).size(); ++k)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            difference[axis] -=
+                table.weights(row)[k] * rest[static_cast<std::size_t>(table.columns(row)[k])][axis];
+    return lengthOf(difference);
+}
+
+inline std::string formatted(double number) {
+    std::ostringstream text;
+    text << number;
+    return text.str();
+}
+
+/// That points wherever they lie, in cells however they lie, are bound where they are, or get a
+/// status that says that they are not.
+///
+/// \param bind bind(refiner, rest, rules, points, options): a BoundModel<double>
+template <class Bind>
+void runBinding(Input input, std::size_t mostPoints, Bind bind) {
+    const far::TopologyRefiner refiner(takeComplex(input));
+    const auto rules = static_cast<stencils::Rules>(input.choice(2));
+    stencils::EmbeddingOptions options;
+    options.outside = static_cast<stencils::OutsidePolicy>(input.choice(3));
+    if (input.flag()) options.tolerance = input.take<float>();
+    // A cell of the finest level may be no larger, and so each of them can have every point.
+    if (!(options.tolerance < 0.1)) options.tolerance = 1e-6;
+    Coordinates ofVertices(input);
+    std::vector<Point3> rest;
+    for (Index v = 0; v < refiner.level(0).complex.count(0); ++v) rest.push_back(ofVertices.take());
+    Coordinates ofPoints(input);
+    std::vector<Point3> points;
+    while (input.left() > 0 && points.size() < mostPoints) points.push_back(ofPoints.take());
+
+    const auto bound = resultOf([&] { return bind(refiner, rest, rules, points, options); });
+    if (!bound) return;
+    double size = 0;
+    for (const Point3& vertex : rest) size = std::max(size, lengthOf(vertex));
+    require(std::isfinite(bound->largestResidual), "the residual is finite");
+    const auto& table = bound->binding.table;
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        const auto status = bound->statuses[static_cast<std::size_t>(row)];
+        const Point3& point = points[static_cast<std::size_t>(row)];
+        double sum = 0;
+        for (const double weight : table.weights(row)) {
+            require(std::isfinite(weight), "weights are finite");
+            sum += weight;
+        }
+        const bool isKept =
+            std::binary_search(bound->binding.kept.begin(), bound->binding.kept.end(), row);
+        require(isKept == table.weights(row).empty(), "a point is bound or kept");
+        if (isKept) {
+            require(status != stencils::PointStatus::Inside, "a point inside is bound");
+            continue;
+        }
+        if (status != stencils::PointStatus::Inside) continue;
+        require(std::abs(sum - 1) < 1e-9, "rows sum to 1", std::to_string(sum));
+        // The solve, and the products of the tables: of weights between 0 and 1, but for those of
+        // an offset within the tolerance.
+        const double bound_ = bound->largestResidual + 1e-11 * (size + lengthOf(point));
+        const double error = errorAt(table, row, rest, point);
+        require(!std::isfinite(bound_) || error <= bound_ + 1e-320, "a bound point is where it was",
+                formatted(error) + " of " + formatted(size));
+    }
+}
+
+}  // namespace espalier::fuzz
