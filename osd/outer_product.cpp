@@ -178,7 +178,7 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
 template <class Real>
 bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
                std::span<Real> factors) {
-    const auto& [n, m, l] = product.size;
+    const Index n = product.size[0], m = product.size[1], l = product.size[2];
     // Sums of sizes over the other axes. Each weight is rounded; of their sum, the sum of these
     // errors is a smaller part, if it is not rounded on the way.
     using Sums = std::vector<long double>;
@@ -210,7 +210,7 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
     const auto isNegative = [&](Index i, Index j, Index k) {
         return std::signbit(weights[at(product.order[at((k * m + j) * n + i)])]);
     };
-    const auto& [i0, j0, k0] = atLargest;
+    const Index i0 = atLargest[0], j0 = atLargest[1], k0 = atLargest[2];
     const bool isLargestNegative = isNegative(i0, j0, k0);
     for (Index i = 0; i < n; ++i)
         if (isNegative(i, j0, k0)) factors[at(i)] *= -1;

@@ -96,7 +96,7 @@ TricubicPatch::ControlPoints TricubicPatch::controlPoints(std::span<const Point3
 }
 
 TricubicPatch::ControlPoints bezierPoints(TricubicPatch::ControlPoints points) {
-    for (const std::size_t stride : {1, 4, 16})
+    for (std::size_t stride = 1; stride < 64; stride *= 4)
         for (std::size_t i = 0; i < 64; ++i) {
             if (i / stride % 4 != 0) continue;
             // The ends of a cubic, and of its tangents there.

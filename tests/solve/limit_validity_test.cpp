@@ -14,7 +14,6 @@
 #include <limits>
 #include <numeric>
 
-#include "polynomials.h"
 #include "poses.h"
 #include "support/random_lattices.h"
 #include "support/refined_lattice.h"
