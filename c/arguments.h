@@ -65,16 +65,19 @@ Enum choice(std::int32_t value, Enum last, const char* name) {
     return static_cast<Enum>(value);
 }
 
-/// Options as they were given, or else the defaults. When a struct grows, the fields that a smaller
-/// one lacks are to have their defaults here.
-/// \throws Error if they are of another size
+/// Options as they were given, or else the defaults. The fields that the struct of an earlier
+/// version lacks have their defaults, too. \param firstSize of the struct in its first version
+/// \throws Error if they are smaller than that, or larger than they can be
 template <class Options>
-Options optionsOr(const Options* given, const Options& defaults, const char* maker) {
+Options optionsOr(const Options* given, const Options& defaults, std::size_t firstSize,
+                  const char* maker) {
     if (given == nullptr) return defaults;
-    if (given->size != sizeof(Options))
+    if (given->size < firstSize || given->size > sizeof(Options))
         throw Error("options of size " + std::to_string(given->size) + "; expected " +
                     std::to_string(sizeof(Options)) + ", as " + maker + "() makes them");
-    return *given;
+    Options options = defaults;
+    std::memcpy(&options, given, given->size);
+    return options;
 }
 
 }  // namespace espalier::c

@@ -84,8 +84,9 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
         const auto& own = c::deref(refiner, "refiner");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
-        const auto chosen =
-            c::optionsOr(options, espalier_default_bind_options(), "espalier_default_bind_options");
+        const auto chosen = c::optionsOr(options, espalier_default_bind_options(),
+                                         offsetof(espalier_bind_options, limit_tolerance),
+                                         "espalier_default_bind_options");
         out = c::newBinding(c::bind(own, rest, model, chosen));
     });
 }

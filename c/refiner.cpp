@@ -62,8 +62,9 @@ espalier_status espalier_refiner_create(const espalier_lattice* lattice,
     return c::guarded([&] {
         auto& out = c::deref(refiner, "refiner");
         const Lattice& base = c::deref(lattice, "lattice").lattice;
-        const auto chosen = c::optionsOr(options, espalier_default_refine_options(),
-                                         "espalier_default_refine_options");
+        const auto chosen =
+            c::optionsOr(options, espalier_default_refine_options(),
+                         sizeof(espalier_refine_options), "espalier_default_refine_options");
         const auto rules = c::choice(chosen.rules, stencils::Rules::Mlca, "rules");
         out = new espalier_refiner(
             far::TopologyRefiner(base.complex, c::refinerOptions(chosen, base)), rules);

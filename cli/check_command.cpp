@@ -61,6 +61,15 @@ struct Checked {
                           static_cast<double>(vertices.size());
         return sum;
     }
+    bool isBadAtRest(Index cell) const {
+        return std::binary_search(badAtRest.begin(), badAtRest.end(), cell);
+    }
+    /// Those that become anything: in the limit, cells may shrink away.
+    std::ptrdiff_t count() const {
+        return std::count_if(validity.ratios.begin(), validity.ratios.end(),
+                             [](const auto& ratio) { return ratio.has_value(); }) +
+               std::ssize(badAtRest);
+    }
     const std::optional<double>& ratio(Index cell) const {
         return validity.ratios[static_cast<std::size_t>(cell)];
     }
@@ -100,7 +109,7 @@ ordered_json toJson(const Checked& checked) {
     return {
         {"level", checked.level},
         {"limit_level", checked.limitLevel ? ordered_json(*checked.limitLevel) : ordered_json()},
-        {"cells", checked.complex().count(3)},
+        {"cells", checked.count()},
         {"bad_at_rest", toJson(checked, checked.badAtRest, checked.rest)},
         {"inverted", toJson(checked, checked.validity.inverted, checked.pose)},
         {"smallest_volume_ratio", toJson(checked, checked.validity.smallest->cell, checked.pose)},
@@ -137,7 +146,7 @@ std::string title(const Checked& checked) {
 }
 
 void printText(const Checked& checked) {
-    fmt::print("{:<21} {}\n", title(checked), checked.complex().count(3));
+    fmt::print("{:<21} {}\n", title(checked), checked.count());
     printCells(checked, "bad at rest", checked.badAtRest, checked.rest);
     printCells(checked, "inverted", checked.validity.inverted, checked.pose);
     const auto& [cell, ratio] = *checked.validity.smallest;
@@ -160,7 +169,7 @@ Lattice withRatios(const Checked& checked) {
         for (const Index cell : refined.complex.relation(0, 3)[vertex])
             if (const auto& ratio = checked.ratio(cell))
                 smallest = smallest ? std::min(*smallest, *ratio) : *ratio;
-            else
+            else if (checked.isBadAtRest(cell))
                 ++badCount;
         ratios.values.push_back(smallest.value_or(0));
         bad.values.push_back(badCount);
@@ -223,10 +232,10 @@ void run(const Options& options) {
     }
     const auto& inverted = checked.validity.inverted;
     if (!inverted.empty())
-        throw io::FileError(options.pose,
-                            fmt::format("{} of {} {} are inverted, first {}", inverted.size(),
-                                        checked.complex().count(3), title(checked),
-                                        name(checked, inverted.front())));
+        throw io::FileError(
+            options.pose,
+            fmt::format("{} of {} {} are inverted, first {}", inverted.size(), checked.count(),
+                        title(checked), name(checked, inverted.front())));
 }
 
 }  // namespace

@@ -92,9 +92,11 @@ void addResults(py::module_& module) {
     py::class_<solve::PoseValidity>(
         module, "PoseValidity",
         "What a pose does to the cells of a level, or of a limit: see check().")
-        .def_property_readonly("ratios", &ratiosOf,
-                               "By what factor each cell's volume changes, the least over the "
-                               "cell: array (C,) of float64; nan for cells that are bad at rest.")
+        .def_property_readonly(
+            "ratios", &ratiosOf,
+            "By what factor each cell's volume changes, the least over the "
+            "cell: array (C,) of float64; nan for cells that are bad at rest, or "
+            "shrink away in the limit.")
         .def_property_readonly(
             "inverted", [](const solve::PoseValidity& self) { return toArray(self.inverted); },
             "The cells that the pose turns inside out, ascending: array of int32.")
@@ -105,7 +107,7 @@ void addResults(py::module_& module) {
                 return std::pair(self.smallest->cell, self.smallest->value);
             },
             "The cell of the least ratio, and the ratio: tuple of int and float; None if all cells "
-            "are bad at rest.");
+            "are bad at rest, or shrink away.");
     py::class_<solve::LargestStep>(module, "LargestStep",
                                    "How far a lattice can go towards a pose.")
         .def_readonly("length", &solve::LargestStep::length,
@@ -127,7 +129,7 @@ Tells where poses of a lattice turn cells of a level inside out. Cells are numbe
 refine(lattice, level). In the limit they are those of the lattice itself.
 
 lattice : Lattice at rest, or Refiner
-level   : 1 or more; in the limit, how far irregular features are refined
+level   : 1 or more; in the limit, how far irregular features are refined, 1 to 15
 limit   : whether to check the limit volume of the lattice's cells instead
 )")
         .def(py::init(&makeCheck), "lattice"_a, "level"_a = 3, "limit"_a = false)

@@ -24,9 +24,13 @@ public:
     const far::CellComplex& cells() const { return cells_; }
 
     Index partCount() const;
+
+    /// Parts that one thread is to take at a time: a patch takes a hundred times as long as a cell.
+    far::Offset grain() const { return limit_ ? 8 : 1024; }
+
     Index cellOf(Index part) const;
 
-    /// \param positions of the vertices of cells()
+    /// \param positions of the vertices of cells(); of a level they are those `limits`, and all
     stencils::LimitPositions place(std::span<const Point3> positions) const;
 
     /// Calls visit(piece…) for each piece of a part, which is there once for each of some

@@ -17,9 +17,6 @@ using far::CellComplex;
 using far::Offset;
 using stencils::LimitPositions;
 
-/// Parts that one thread takes at a time.
-constexpr Offset kGrain = 256;
-
 std::size_t at(Index index) {
     return static_cast<std::size_t>(index);
 }
@@ -155,9 +152,10 @@ void shorten(LargestStep& step, const CheckedVolume& volume, Index part, int ori
 /// depend on the number of threads.
 template <class Visit>
 void forEachPart(const CheckedVolume& volume, Visit visit) {
-    far::parallelFor(volume.partCount(), kGrain, [&](Offset first, Offset last) {
+    const Offset grain = volume.grain();
+    far::parallelFor(volume.partCount(), grain, [&](Offset first, Offset last) {
         for (auto part = static_cast<Index>(first); part < last; ++part)
-            visit(static_cast<std::size_t>(first / kGrain), part);
+            visit(static_cast<std::size_t>(first / grain), part);
     });
 }
 
@@ -173,11 +171,10 @@ ValidityCheck::ValidityCheck(CheckedVolume checked, std::span<const Point3> rest
     : volume_(std::make_shared<const CheckedVolume>(std::move(checked))) {
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.cells(), rest, "rest");
-    rest_.assign(rest.begin(), rest.end());
-    const LimitPositions placed = volume.place(rest_);
+    rest_ = volume.place(rest);
     std::vector<std::int8_t> ofParts(at(volume.partCount()));
     forEachPart(volume, [&](std::size_t, Index part) {
-        ofParts[at(part)] = orientationOf(volume, part, placed);
+        ofParts[at(part)] = orientationOf(volume, part, rest_);
     });
     std::vector<std::optional<std::int8_t>> ofCells(at(volume.cells().count(3)));
     for (Index part = 0; part < volume.partCount(); ++part)
@@ -191,12 +188,12 @@ ValidityCheck::ValidityCheck(CheckedVolume checked, std::span<const Point3> rest
 PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.cells(), pose, "pose");
-    const LimitPositions rest = volume.place(rest_), posed = volume.place(pose);
+    const LimitPositions posed = volume.place(pose);
     std::vector<double> ofParts(at(volume.partCount()));
     forEachPart(volume, [&](std::size_t, Index part) {
         const int orientation = orientation_[at(volume.cellOf(part))];
         if (orientation != 0)
-            ofParts[at(part)] = leastRatio(volume, part, orientation, rest, posed);
+            ofParts[at(part)] = leastRatio(volume, part, orientation, rest_, posed);
     });
     PoseValidity result;
     result.ratios.resize(orientation_.size());
@@ -222,18 +219,19 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most
                     "; expected a number above 0, up to a million");
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.cells(), pose, "pose");
-    std::vector<Point3> ends(rest_);
+    std::vector<Point3> ends = rest_.levels.empty() ? rest_.limits : rest_.levels.front();
     for (std::size_t vertex = 0; vertex < ends.size(); ++vertex)
         for (std::size_t c = 0; c < 3; ++c)
-            ends[vertex][c] += most * (pose[vertex][c] - rest_[vertex][c]);
-    const LimitPositions rest = volume.place(rest_), end = volume.place(ends);
+            ends[vertex][c] += most * (pose[vertex][c] - ends[vertex][c]);
+    const LimitPositions end = volume.place(ends);
     // In parts of `most`. The digits of a part's depend on how far the parts before it have brought
     // the step down. So each range has a step of its own.
     std::vector<LargestStep> ofRanges(
-        static_cast<std::size_t>((volume.partCount() + kGrain - 1) / kGrain), {1, {}, true});
+        static_cast<std::size_t>((volume.partCount() + volume.grain() - 1) / volume.grain()),
+        {1, {}, true});
     forEachPart(volume, [&](std::size_t range, Index part) {
         const int orientation = orientation_[at(volume.cellOf(part))];
-        if (orientation != 0) shorten(ofRanges[range], volume, part, orientation, rest, end, most);
+        if (orientation != 0) shorten(ofRanges[range], volume, part, orientation, rest_, end, most);
     });
     LargestStep result{1, {}, true};
     for (const LargestStep& step : ofRanges)

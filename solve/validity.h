@@ -33,7 +33,7 @@ struct PoseValidity {
 
     std::vector<Index> inverted;  ///< ascending; none that is bad at rest
 
-    /// The least of the ratios, of the lowest such cell; nothing if all cells are bad at rest.
+    /// The least of the ratios, of the lowest such cell; nothing if no cell has one.
     std::optional<CellValue> smallest;
 };
 
@@ -66,18 +66,20 @@ class CheckedVolume;
 /// in each of its 4n tetrahedra. As it is a quotient, the orientation is that of the rest: a
 /// lattice may be left-handed.
 ///
-/// In the limit the maps are those of stencils::bindLimit(): tricubic patches, whose determinants
-/// are of degree (8, 8, 8), and blends of exact limits around irregular features, as small as the
-/// level to which these were refined makes them. A cell of the base is inverted if any of that is
-/// which descends from it.
+/// In the limit the maps are those of stencils::LimitParts: tricubic patches, which are exact and
+/// whose determinants are of degree (8, 8, 8), and blends around irregular features. What is said
+/// there is said of the blends, which come closer to the limit with the level to which features are
+/// refined: those of stencils::bindLimit() are finer. A cell of the base is inverted if anything is
+/// that descends from it.
 ///
 /// "Valid" is proved, by Bernstein coefficients of determinants (bernstein_bounds.h). A cell that
 /// cannot be proved valid counts as inverted, and as the end of a step. That errs by little:
 /// determinants count as 0 below what rounding may amount to, which is 6e-14 of the product of the
-/// longest edges along the three axes (or the cube of the size, for cells of type 4 and above), and
-/// what 4e-15 of the largest coordinate does to it; and in a hexahedron whose least ratio is not at
-/// a corner, below about 1e-6 of the largest. On the way to a pose and beyond, rounding grows with
-/// the way, so near its end check() may prove what largestStep() does not.
+/// longest edges along the three axes (or the cube of the size, for cells of type 4 and above; for
+/// a patch the largest derivatives), and what 4e-15 of the largest coordinate does to it (for a
+/// patch 4e-14); twice that on the way to a pose; and where the least ratio is not at a corner,
+/// below about 1e-6 of the largest. On the way to a pose and beyond, rounding grows with the way,
+/// so near its end check() may prove what largestStep() does not.
 ///
 /// Immutable; any number of threads may ask. The answers do not depend on how many work.
 class ESPALIER_API ValidityCheck {
@@ -120,7 +122,7 @@ private:
     ValidityCheck(CheckedVolume volume, std::span<const Point3> rest);
 
     std::shared_ptr<const CheckedVolume> volume_;
-    std::vector<Point3> rest_;
+    stencils::LimitPositions rest_;
     std::vector<std::int8_t> orientation_;  ///< of each cell at rest: ±1; 0 if it is bad
     std::vector<Index> badAtRest_;
 };

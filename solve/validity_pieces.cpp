@@ -41,6 +41,20 @@ std::array<double, 3> longest(const PieceSize& size) {
 
 constexpr double kUnit = std::numeric_limits<double>::epsilon();
 
+/// 512 units of rounding, each half of that.
+constexpr double kRounding = 256 * kUnit;
+
+/// What coefficients may be off by, while a piece goes over from one to another.
+std::array<double, 4> floorOf(const PieceSize& first, const PieceSize& last, double rounding) {
+    const auto exact = volumes(first.lengths, last.lengths);
+    const auto longer = volumes(longest(first), longest(last));
+    std::array<double, 4> floor;
+    // Below the least normal number, products lose digits.
+    for (std::size_t i = 0; i < 4; ++i)
+        floor[i] = longer[i] - exact[i] + rounding * longer[i] + std::numeric_limits<double>::min();
+    return floor;
+}
+
 /// A map by its Bézier points: that at places (i, j, k) is at i + n (j + n k).
 template <std::size_t Degree>
 Piece<Degree> pieceOf(
@@ -116,19 +130,11 @@ Piece<1> CellPieces::tetrahedron(Index number, std::span<const Point3> positions
 }
 
 double determinantFloor(const PieceSize& size) {
-    return determinantFloor(size, size)[0];
+    return floorOf(size, size, kRounding)[0];
 }
 
 std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last) {
-    constexpr double kRounding = 256 * kUnit;
-    const auto exact = volumes(first.lengths, last.lengths);
-    const auto longer = volumes(longest(first), longest(last));
-    std::array<double, 4> floor;
-    // Below the least normal number, products lose digits.
-    for (std::size_t i = 0; i < 4; ++i)
-        floor[i] =
-            longer[i] - exact[i] + kRounding * longer[i] + std::numeric_limits<double>::min();
-    return floor;
+    return floorOf(first, last, 2 * kRounding);
 }
 
 }  // namespace espalier::solve

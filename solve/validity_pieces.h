@@ -67,12 +67,14 @@ private:
 /// longer by their uncertainty, and 6e-14 of the product of the lengths, 512 units of rounding.
 /// That holds all that its coefficients were rounded by: 3 units for the edges, 12 for the
 /// determinants of edges, 24 for their sums, 60 for halvings; and 2n + 2 for each edge of the
-/// tetrahedra of a type-n cell, for n up to 50 or so. For a patch, 12 for determinants, 96 for sums
-/// of up to 48 of them, and 240 for halvings, 8 for each.
+/// tetrahedra of a type-n cell, for n up to 50 or so. For a patch, 12 for determinants, 84 for sums
+/// of up to 36 and 48 of them, and 240 for halvings, 8 for each.
 double determinantFloor(const PieceSize& size);
 
 /// The same while a piece goes over from one to another linearly: Bernstein coefficients of degree
-/// 3 in time, as determinant() has them.
+/// 3 in time, as determinant() has them. Twice as much
+/// is held then: sums have twice as many terms, and time is halved 60 times at most, by 3 units
+/// each.
 std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last);
 
 }  // namespace espalier::solve

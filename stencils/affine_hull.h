@@ -16,7 +16,11 @@ public:
 
     /// Empty yet.
     /// \param inverse of the matrix of the axes; if it is not finite, this holds everything
-    explicit AffineHull(const Eigen::Matrix3d& inverse) : inverse_(inverse) { box_.setEmpty(); }
+    explicit AffineHull(const Eigen::Matrix3d& inverse) {
+        // Infinite parts of it would rule out points that others of them are no number for.
+        if (inverse.allFinite()) inverse_ = inverse;
+        box_.setEmpty();
+    }
 
     void extend(const Eigen::Vector3d& point) { box_.extend(Eigen::Vector3d(inverse_ * point)); }
 

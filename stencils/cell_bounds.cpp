@@ -9,6 +9,7 @@
 #include <array>
 
 #include "cell_frame.h"
+#include "sort_unique.h"
 
 namespace espalier::stencils {
 
@@ -90,8 +91,7 @@ std::vector<Index> CellBounds::ringOf(Index cell) const {
         const auto cells = level_.complex.relation(0, 3)[vertex];
         ring.insert(ring.end(), cells.begin(), cells.end());
     }
-    std::sort(ring.begin(), ring.end());
-    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+    sortUnique(ring);
     return ring;
 }
 
@@ -144,8 +144,7 @@ Vector3d CellBounds::largestSecondDifference(const std::vector<Index>& ring) con
         cells.push_back(*far::hexahedronVertices(level_.complex, far::CellId(cell)));
         vertices.insert(vertices.end(), cells.back().begin(), cells.back().end());
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sortUnique(vertices);
     std::vector<Neighbours> around(vertices.size());
     for (const auto& corners : cells)
         for (std::size_t i = 0; i < 8; ++i) {

@@ -7,6 +7,8 @@
 #include <iterator>
 #include <utility>
 
+#include "sort_unique.h"
+
 namespace espalier::stencils {
 namespace {
 
@@ -27,8 +29,7 @@ StencilTable<double> overColumns(const StencilTable<double>& table,
 
 std::vector<Index> columnsOf(const StencilTable<double>& table) {
     std::vector<Index> columns(table.columns().begin(), table.columns().end());
-    std::sort(columns.begin(), columns.end());
-    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    sortUnique(columns);
     return columns;
 }
 

@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/limit_parts.h>
 #include <espalier/stencils/limit_table.h>
 #include <espalier/stencils/regular_cells.h>
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 #include <string>
 
 #include "limit_place.h"
+#include "sort_unique.h"
 #include "tricubic_patch.h"
 
 namespace espalier::stencils {
-
-using far::Offset;
 
 struct LimitParts::Refined {
     far::TopologyRefiner refiner;
@@ -28,8 +24,6 @@ struct LimitParts::Refined {
 };
 
 namespace {
-
-constexpr int kMostLevel = 15;
 
 /// The cells of the last level that what is left of the one before was refined into.
 std::vector<LimitPart> childrenOf(const far::TopologyRefiner& refiner,
@@ -60,9 +54,9 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, Rules rules, int level)
     if (base.dimension() != 3)
         throw Error("only lattices have a limit volume, not a complex of dimension " +
                     std::to_string(base.dimension()));
-    if (level < 1 || level > kMostLevel)
+    if (level < 1 || level > kMostLevelOfParts)
         throw Error("the limit was asked for with features refined to level " +
-                    std::to_string(level) + "; expected 1 to " + std::to_string(kMostLevel));
+                    std::to_string(level) + "; expected 1 to " + std::to_string(kMostLevelOfParts));
     checkLimitRules(rules);
     checkRules(base, rules);
     auto refined =
@@ -73,13 +67,17 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, Rules rules, int level)
         left.push_back({cell, 0, cell});
     for (int k = 0;; ++k) {
         const far::Level& here = refiner.level(k);
-        std::erase_if(left, [&](const LimitPart& part) { return !isLasting(here, part.cell); });
-        std::erase_if(left, [&](const LimitPart& part) {
-            if (!isRegularCell(here, part.cell)) return false;
-            refined->parts.push_back(part);
-            refined->patches.emplace_back(here, *frameOf(here.complex, part.cell));
-            return true;
-        });
+        std::vector<LimitPart> irregular;
+        for (const LimitPart& part : left) {
+            if (!isLasting(here, part.cell)) continue;
+            if (isRegularCell(here, part.cell)) {
+                refined->parts.push_back(part);
+                refined->patches.emplace_back(here, *frameOf(here.complex, part.cell));
+            } else {
+                irregular.push_back(part);
+            }
+        }
+        left = std::move(irregular);
         if (left.empty() || k == level) break;
         refiner.refineAround(cellsOf(left));
         refined->tables.push_back(buildLevelTable(refiner, k + 1, rules));

@@ -15,6 +15,9 @@ namespace espalier::stencils {
 
 using far::Index;
 
+/// The most levels to which LimitParts refines irregular features.
+inline constexpr int kMostLevelOfParts = 15;
+
 /// One of the parts that the limit volume of a lattice is made of: the limit of a cell of a level.
 struct LimitPart {
     Index baseCell = 0;  ///< that it descends from
@@ -50,8 +53,8 @@ struct BezierPatch {
 class ESPALIER_API LimitParts {
 public:
     /// \param base a lattice; its level 0 is refined anew, locally
-    /// \param level how far irregular features are refined, 1 or more: what is blended around them
-    ///        halves in width with each
+    /// \param level how far irregular features are refined, 1 to kMostLevelOfParts: what is blended
+    ///        around them halves in width with each
     /// \throws Error for what is no lattice, a level out of range, and under Rules::Rats;
     ///         TopologyError and MemoryError as TopologyRefiner::refineUniform()
     /// \cost O(parts): at a feature that is a surface, such as an open boundary, 4 times as many as

@@ -7,8 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <sstream>
 
+#include "sort_unique.h"
 #include "table_builder.h"
 
 namespace espalier::stencils {
@@ -96,11 +97,6 @@ std::vector<VertexWeight> blendWeights(const FramePlace& place, const Orders& or
 
 }  // namespace
 
-void sortUnique(std::vector<Index>& values) {
-    std::sort(values.begin(), values.end());
-    values.erase(std::unique(values.begin(), values.end()), values.end());
-}
-
 std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int level,
                                    std::span<const StencilTable<double>> tables,
                                    std::span<const Index> cells, double tolerance) {
@@ -124,8 +120,9 @@ std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int leve
 
 void checkLimitTolerance(double tolerance) {
     if (tolerance >= 1e-14 && tolerance <= 0.1) return;
-    throw Error("the tolerance of the limit is " + std::to_string(tolerance) +
-                "; expected 1e-14 to 0.1");
+    std::ostringstream text;
+    text << "the tolerance of the limit is " << tolerance << "; expected 1e-14 to 0.1";
+    throw Error(text.str());
 }
 
 int leastLevelOfSmall(double tolerance) {

@@ -46,8 +46,6 @@ inline constexpr std::array<Orders, 6> kSecond = {
 StencilTable<double> blendedRows(const far::TopologyRefiner& refiner, int level, Rules rules,
                                  std::span<const Index> vertices);
 
-void sortUnique(std::vector<Index>& values);
-
 /// Which cells of a level are so small that they may be blended: no two of their vertices are
 /// further apart than a fraction of the size of level 0, in any pose.
 /// \param tables R_1 to that of the level; the level is 1 or above

@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "patch_solver.h"
+#include "sort_unique.h"
 
 namespace espalier::stencils {
 

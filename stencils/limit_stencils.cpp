@@ -13,6 +13,7 @@
 
 #include "level_rows.h"
 #include "limit_place.h"
+#include "sort_unique.h"
 #include "table_builder.h"
 
 namespace espalier::stencils {
@@ -58,8 +59,7 @@ std::size_t stepInto(std::array<double, 3>& uvw) {
 std::vector<Index> cellsOf(const std::vector<Walker>& walkers) {
     std::vector<Index> cells;
     for (const Walker& walker : walkers) cells.push_back(walker.frame.cell);
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    sortUnique(cells);
     return cells;
 }
 

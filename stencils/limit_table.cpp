@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "sort_unique.h"
 #include "surroundings.h"
 #include "table_builder.h"
 
@@ -114,8 +115,7 @@ StencilTable<double> buildLimitTable(const far::TopologyRefiner& refiner, int le
     for (std::size_t i = 0; i < vertices.size(); ++i)
         if (!isRegular[i] && !here.strata.isOpen({0, vertices[i]}))
             irregular.push_back(vertices[i]);
-    std::sort(irregular.begin(), irregular.end());
-    irregular.erase(std::unique(irregular.begin(), irregular.end()), irregular.end());
+    sortUnique(irregular);
     const IrregularLimits limits(refiner, here, rules, irregular);
     return buildTable<double>(
         static_cast<Index>(vertices.size()), here.complex.count(0),

@@ -94,26 +94,22 @@ PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
     return {isExcluded(map) ? Answer::NotHere : Answer::Undecided, {}};
 }
 
-Vector3d PatchSolver::reach(const Vector3d& sides) const {
-    // Rounding of what was found of E.
-    constexpr double kSlack = 1e-12;
-    return (spread_ * sides / 2).array() + kSlack + rounding_;
-}
-
 /// Krawczyk's test. With c the centre of a box, r half its sides, A the inverse of a Jacobian and E
 /// the most that A J is off the identity, any solution in the box lies within E r of c − A F(c). So
 /// the box may be cut to that, again and again; there is none if nothing is left.
 bool PatchSolver::isExcluded(const TricubicMap& map) const {
     constexpr int kMostCuts = 50;
+    // Rounding of what was found of E.
+    constexpr double kSlack = 1e-12;
     // A box that is cut by less than this hardly gets smaller.
     constexpr double kLeastCut = 0.9;
     Vector3d low = Vector3d::Zero(), high = Vector3d::Ones();
     for (int cut = 0; cut < kMostCuts; ++cut) {
         const Vector3d centre = (low + high) / 2, before = high - low;
         const Vector3d middle = centre - inverse_ * map.position(centre);
-        const Vector3d around = reach(before);
-        low = low.cwiseMax(middle - around);
-        high = high.cwiseMin(middle + around);
+        const Vector3d reach = (spread_ * before / 2).array() + kSlack + rounding_;
+        low = low.cwiseMax(middle - reach);
+        high = high.cwiseMin(middle + reach);
         if ((low.array() > high.array()).any()) return true;
         // Written so that what is not a number ends it.
         if (!((high - low).sum() < kLeastCut * before.sum())) return false;

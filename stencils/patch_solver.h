@@ -45,9 +45,10 @@ public:
         Eigen::Vector3d uvw = Eigen::Vector3d::Zero();
     };
 
-    /// Newton's method; where that leads out of the patch, Krawczyk's test that there is no
-    /// solution in it. What is Here may lie outside of [0, 1]³ by 1e-9 and the rounding of the
-    /// coordinates.
+    /// NotHere for all outside of a hull of the patch; else Newton's method, and where that leads
+    /// out of the patch, Krawczyk's test that there is no solution in it. What is Here may lie
+    /// outside of [0, 1]³ by 1e-9 and the rounding of the coordinates; what is outside of the hull
+    /// by more than rounding is NotHere all the same.
     Found find(const Eigen::Vector3d& point) const;
 
     /// Whether the Jacobian is nearly the same all over the patch: then the place that nearest()
@@ -58,9 +59,6 @@ public:
     Eigen::Vector3d nearest(const Eigen::Vector3d& point) const;
 
 private:
-    /// How far solutions in a box of these sides are at most from where a step from its centre
-    /// leads.
-    Eigen::Vector3d reach(const Eigen::Vector3d& sides) const;
     bool isExcluded(const TricubicMap& map) const;
 
     TricubicMap map_;

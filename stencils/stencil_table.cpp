@@ -108,13 +108,13 @@ StencilTable<Real> interleaveRows(const std::vector<const StencilTable<Real>*>& 
     if (tables.empty()) throw Error("there are no tables to interleave");
     const Index rowCount = tables.front()->rowCount();
     const Index columnCount = tables.front()->columnCount();
-    const auto size = [](Index rows, Index columns) {
-        return std::to_string(rows) + " × " + std::to_string(columns);
+    const auto size = [](const StencilTable<Real>& table) {
+        return std::to_string(table.rowCount()) + " × " + std::to_string(table.columnCount());
     };
-    for (const StencilTable<Real>* table : tables)
-        if (table->rowCount() != rowCount || table->columnCount() != columnCount)
-            throw Error("a table of " + size(table->rowCount(), table->columnCount()) +
-                        " can not be interleaved with one of " + size(rowCount, columnCount));
+    for (std::size_t t = 1; t < tables.size(); ++t)
+        if (tables[t]->rowCount() != rowCount || tables[t]->columnCount() != columnCount)
+            throw Error("table " + std::to_string(t) + " is " + size(*tables[t]) +
+                        ", but table 0 is " + size(*tables[0]) + ": they can not be interleaved");
     const auto count = static_cast<Offset>(tables.size());
     if (rowCount * count > far::kMaxIndex)
         throw Error(std::to_string(count) + " tables of " + std::to_string(rowCount) +

@@ -102,9 +102,10 @@ ESPALIER_API StencilTable<Real> selectRows(const StencilTable<Real>& table,
 /// apply them in one pass, as a position and its derivatives: the n results of a point lie
 /// together, and rows that share their columns read the values once (osd::CompiledTable).
 ///
-/// \throws Error if there is no table, one is of another shape than the first, or there are too
-/// many
-///         rows
+/// \param tables none of them null
+/// \throws Error if there is no table, if one is of another shape than the first, or if there are
+/// too
+///         many rows
 /// \cost O(entries), in parallel
 template <class Real>
 ESPALIER_API StencilTable<Real> interleaveRows(

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <string>
 
+#include "sort_unique.h"
+
 namespace espalier::stencils {
 namespace {
 
@@ -79,8 +81,7 @@ std::vector<Index> verticesAround(const far::CellComplex& complex, Index vertex)
         const auto corners = complex.relation(entity.dimension, 0)[entity.index];
         vertices.insert(vertices.end(), corners.begin(), corners.end());
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sortUnique(vertices);
     return vertices;
 }
 

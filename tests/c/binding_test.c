@@ -323,6 +323,26 @@ static void test_levels_go_to_the_limit(void) {
     tear_down(&f);
 }
 
+/* What was compiled before there was a limit still binds to the level. */
+static void test_options_of_an_earlier_version(void) {
+    fixture f = set_up();
+    espalier_bind_options options = espalier_default_bind_options();
+    espalier_binding* binding = NULL;
+    double expected[3 * POINTS], moved[3 * POINTS];
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
+                               &binding));
+    apply(binding, f.pose, expected);
+    espalier_binding_destroy(binding);
+    options.size = offsetof(espalier_bind_options, limit_tolerance);
+    options.limit_tolerance = 1e-6; /* not there, as far as `size` says */
+    OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
+                               &binding));
+    apply(binding, f.pose, moved);
+    CHECK(memcmp(moved, expected, sizeof moved) == 0);
+    espalier_binding_destroy(binding);
+    tear_down(&f);
+}
+
 /* A refiner with levels binds as one without. */
 static void test_levels_of_the_refiner_do_not_matter(void) {
     fixture f = set_up();
@@ -349,6 +369,7 @@ int main(int count, char** arguments) {
     test_save_and_load(arguments[1]);
     test_points_outside();
     test_levels_go_to_the_limit();
+    test_options_of_an_earlier_version();
     test_levels_of_the_refiner_do_not_matter();
     return 0;
 }

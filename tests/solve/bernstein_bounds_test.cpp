@@ -39,6 +39,25 @@ TEST(BernsteinBounds, TellsTheSignOfWhatIsLeastInside) {
     EXPECT_FALSE(isPositive(plane(std::numeric_limits<double>::quiet_NaN())));
 }
 
+// The same of degree 8: (2u − 1)² has the coefficients 1 − 4i/8 + 4i(i − 1)/(8 · 7).
+TEST(BernsteinBounds, TellsTheSignInDegreeEight) {
+    const auto point = [](double least) {
+        Trivariate<8, 1> result;
+        const auto square = [](std::size_t i) {
+            const auto x = static_cast<double>(i);
+            return 1 - x / 2 + x * (x - 1) / 14;
+        };
+        for (std::size_t i = 0; i < result.size(); ++i)
+            result[i][0] = square(i % 9) + square(i / 9 % 9) + square(i / 81) + least;
+        return result;
+    };
+    for (const double least : {1e-4, 1e-2, 0.5}) {
+        EXPECT_TRUE(isPositive(point(least))) << least;
+        EXPECT_FALSE(isPositive(point(-least))) << least;
+    }
+    EXPECT_FALSE(isPositive(point(0)));
+}
+
 // Against the least of samples, which is no less than the least of all.
 TEST(BernsteinBounds, LeastQuotientIsBelowAllSamplesAndNotByMuch) {
     for (unsigned seed = 0; seed < 10; ++seed) {

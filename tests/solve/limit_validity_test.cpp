@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -193,18 +194,32 @@ TEST(LimitValidity, NothingChangesAtRest) {
     }
 }
 
-// Of three cells along each axis, only that in the middle is left.
+// A cell beside a box of three along each axis has all of its vertices on the boundary.
 TEST(LimitValidity, WhatShrinksAwayIsNeitherGoodNorBad) {
-    const Lattice lattice = shapes::box({.cells = {3, 3, 3}, .max = {3, 3, 3}});
+    const Lattice lattice = test::carvedGrid(
+        {4, 3, 3}, [](Index i, Index j, Index k) { return i < 3 || (j == 1 && k == 1); });
+    Index beside = 0;
+    const auto isBeside = [&](Index cell) {
+        const auto vertices = lattice.complex.relation(3, 0)[cell];
+        return std::any_of(vertices.begin(), vertices.end(),
+                           [&](Index v) { return lattice.positions[std::size_t(v)][0] == 4; });
+    };
+    while (!isBeside(beside)) ++beside;
     const far::TopologyRefiner base(lattice.complex, {.boundary = far::Boundary::Open});
     const ValidityCheck validity(LimitParts(base, Rules::Siggraph96, 2), lattice.positions);
     EXPECT_THAT(validity.badAtRest(), IsEmpty());
     Positions pose = lattice.positions;
     for (Point3& p : pose) p[0] *= 2;
     const PoseValidity checked = validity.check(pose);
-    EXPECT_THAT(checked.ratios, SizeIs(27));
-    ASSERT_TRUE(checked.ratios[13]);
-    EXPECT_NEAR(*checked.ratios[13], 2, 1e-9);
+    ASSERT_THAT(checked.ratios, SizeIs(28));
+    for (Index cell = 0; cell < 28; ++cell) {
+        const auto& ratio = checked.ratios[std::size_t(cell)];
+        ASSERT_EQ(ratio.has_value(), cell != beside) << cell;
+        if (ratio) {
+            EXPECT_NEAR(*ratio, 2, 1e-9);
+        }
+    }
+    EXPECT_THAT(checked.inverted, IsEmpty());
 }
 
 TEST(LimitValidity, DoesNotDependOnThreads) {

@@ -107,8 +107,7 @@ TYPED_TEST(StencilTableTest, TablesInterleaveRowByRow) {
         interleaveRows<TypeParam>({&position, &other});
         FAIL();
     } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("a table of 2 × 2 can not be interleaved with one of "
-                                            "2 × 3"));
+        EXPECT_THAT(error.what(), HasSubstr("table 1 is 2 × 2, but table 0 is 2 × 3"));
     }
     EXPECT_THROW(interleaveRows<TypeParam>({}), Error);
 }
