@@ -19,8 +19,6 @@
 namespace espalier {
 namespace {
 
-using far::Index;
-
 constexpr auto kRules = stencils::Rules::Siggraph96;
 constexpr int kPointCount = 200'000;
 

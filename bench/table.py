@@ -304,9 +304,9 @@ gives the points back to 1e-12.
 {bind}
 
 The limit ([docs/limits.md](limits.md)), which no peer has, is set beside levels: 200,000 points of a
-surface, in the box and in the cylinder of the *irregular model*, whose rows have as many entries in the
-limit as at these levels. How far a level is from the limit, on the average of the points, is that of a pose
-that moves all vertices by a tenth of the lattice; the error of the limit is below 1e-6.
+surface, in the box and in the cylinder of the *irregular model*. How far a level is off, from the limit, is
+the average of the points in a pose that moves vertices by a tenth of the lattice; the limit is asked for
+with its usual tolerance, 1e-6.
 
 {limit}
 

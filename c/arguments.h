@@ -66,7 +66,10 @@ Enum choice(std::int32_t value, Enum last, const char* name) {
 }
 
 /// Options as they were given, or else the defaults. The fields that the struct of an earlier
-/// version lacks have their defaults, too. \param firstSize of the struct in its first version
+/// version lacks have their defaults, too.
+///
+/// \param firstSize of the struct in its first version
+///
 /// \throws Error if they are smaller than that, or larger than they can be
 template <class Options>
 Options optionsOr(const Options* given, const Options& defaults, std::size_t firstSize,

@@ -430,8 +430,8 @@ typedef struct espalier_binding espalier_binding;
 ///         ESPALIER_OUTSIDE_REFUSE a point that is not inside, of which the message names the
 ///         first; options that are out of range
 /// \cost O(points · (level + log cells)), and memory for D: 64 entries a point in regular regions.
-/// To
-///       the limit less than to level 5 or 6
+///
+/// The limit costs about as much as level 5.
 ESPALIER_C_API espalier_status espalier_binding_create(const espalier_refiner* refiner,
                                                        int32_t vertex_count,
                                                        const double* positions, int32_t point_count,

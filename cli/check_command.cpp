@@ -94,7 +94,8 @@ ordered_json toJson(const Checked& checked, const std::vector<Index>& cells,
 
 /// An object:
 ///
-///     level, cells           which, and how many there are; of the limit those of the base
+///     level, cells           which, and how many there are; of the limit those of the base that
+///                            do not shrink away
 ///     limit_level            to which irregular features were refined; null if not of the limit
 ///     bad_at_rest            {count, first: [{cell, base_cell, centre}]}: at rest, ascending, no
 ///                            more than --list

@@ -77,7 +77,7 @@ def print_table(folder, scene):
                           ("`--limit`", ("--limit",))]:
         points, seconds, weights = deform(folder, scene, *options)
         errors = [error / size for error in errors_of(points, limit)]
-        mean = math.sqrt(sum(error * error for error in errors) / len(errors))
+        mean = sum(errors) / len(errors)
         ratio = f"{before / mean:.1f}" if before and name.startswith("level") else ""
         text = [f"{x:.1e}" if name.startswith("level") else "" for x in (mean, max(errors))]
         print(f"| {name} | {text[0]} | {ratio} | {text[1]} | {seconds:.2f} | {weights:.0f} |")

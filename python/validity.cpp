@@ -27,8 +27,7 @@ using far::Index;
 /// The check of a level, or of the limit, for poses of the base.
 class PoseCheck {
 public:
-    /// \param limit whether to check the limit of the base's cells, with features refined to
-    /// `level`
+    /// \param limit whether to check the limit of the base's cells; features are refined to `level`
     PoseCheck(std::shared_ptr<const Refiner> refiner, int level, bool limit)
         : refiner_(std::move(refiner)),
           level_(limit ? 0 : level),

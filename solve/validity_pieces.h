@@ -72,9 +72,8 @@ private:
 double determinantFloor(const PieceSize& size);
 
 /// The same while a piece goes over from one to another linearly: Bernstein coefficients of degree
-/// 3 in time, as determinant() has them. Twice as much
-/// is held then: sums have twice as many terms, and time is halved 60 times at most, by 3 units
-/// each.
+/// 3 in time, as determinant() has them. Twice as much is held then: sums have twice as many terms,
+/// and time is halved 60 times at most, by 3 units each.
 std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last);
 
 }  // namespace espalier::solve

@@ -17,9 +17,8 @@ public:
     /// Empty yet.
     /// \param inverse of the matrix of the axes; if it is not finite, this holds everything
     explicit AffineHull(const Eigen::Matrix3d& inverse) {
-        // Infinite parts of it would rule out points that others of them are no number for.
+        // With infinite entries some places would be numbers, and others not.
         if (inverse.allFinite()) inverse_ = inverse;
-        box_.setEmpty();
     }
 
     void extend(const Eigen::Vector3d& point) { box_.extend(Eigen::Vector3d(inverse_ * point)); }
@@ -38,7 +37,7 @@ public:
 
 private:
     Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Constant(std::nan(""));
-    Eigen::AlignedBox3d box_;
+    Eigen::AlignedBox3d box_;  ///< of the points times that
 };
 
 }  // namespace espalier::stencils

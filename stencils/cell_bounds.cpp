@@ -63,8 +63,8 @@ AffineHull CellBounds::ownHull(Index cell, double widening) const {
     return hull;
 }
 
-/// Of a hexahedron the means of its edges, of another cell three that meet: no plane where that is
-/// none.
+/// The directions of a cell, linearly independent unless it is flat: of a hexahedron the means of
+/// its edges along each axis, of another cell three edges that meet.
 Eigen::Matrix3d CellBounds::axesOf(Index cell) const {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
     if (const auto frame = frameOf(level_.complex, cell)) {

@@ -103,9 +103,7 @@ ESPALIER_API StencilTable<Real> selectRows(const StencilTable<Real>& table,
 /// together, and rows that share their columns read the values once (osd::CompiledTable).
 ///
 /// \param tables none of them null
-/// \throws Error if there is no table, if one is of another shape than the first, or if there are
-/// too
-///         many rows
+/// \throws Error if there is no table, one is of another shape than the first, or rows are too many
 /// \cost O(entries), in parallel
 template <class Real>
 ESPALIER_API StencilTable<Real> interleaveRows(

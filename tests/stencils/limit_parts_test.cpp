@@ -79,8 +79,8 @@ TEST(LimitParts, EachCellDescendsIntoParts) {
         for (const int level : {1, 3}) {
             const LimitParts parts(base, Rules::Siggraph96, level);
             std::set<std::pair<int, Index>> seen;
-            // In units of cells of the last level: those of a cell of n corners become n, and each
-            // of these 8 a level where it is a hexahedron, and 2n′ where it is of type n′.
+            // The cells of the last level that each base cell descends into: a patch is a
+            // hexahedron, which becomes 8 with each level, a blend is one of them.
             std::vector<std::size_t> count(
                 static_cast<std::size_t>(base.level(0).complex.count(3)));
             for (std::size_t i = 0; i < parts.parts().size(); ++i) {
