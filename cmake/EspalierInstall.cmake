@@ -10,7 +10,7 @@ get_property(components GLOBAL PROPERTY ESPALIER_COMPONENTS)
 # So that the tree can be moved.
 file(RELATIVE_PATH prefix_from_here /prefix/${pkg_config_dir} /prefix)
 
-set(ESPALIER_OPTIONAL_COMPONENTS compare petsc)
+set(ESPALIER_OPTIONAL_COMPONENTS compare petsc cuda)
 set(component_facts)
 foreach(name IN LISTS components)
   get_property(depends GLOBAL PROPERTY ESPALIER_${name}_DEPENDS)

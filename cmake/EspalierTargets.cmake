@@ -8,15 +8,18 @@ else()
   set(ESPALIER_SOVERSION ${PROJECT_VERSION_MAJOR})
 endif()
 
-# espalier_library(NAME SOURCES ... HEADERS ... DEPENDS ...)
+# espalier_library(NAME [FOLDER name] SOURCES ... HEADERS ... DEPENDS ...)
 #
 # One library a folder, and one component of the package: espalier_NAME, with the alias
 # espalier::NAME. HEADERS are those that are installed. They are included as
-# <espalier/NAME/header.h>, by a link of its own to the folder, so that no target sees the headers of
-# one that it does not depend on.
+# <espalier/FOLDER/header.h>, FOLDER being NAME unless it is given, by a link of its own to the
+# folder, so that no target sees the headers of one that it does not depend on.
 function(espalier_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HEADERS;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "SOURCES;HEADERS;DEPENDS")
   set(target espalier_${name})
+  if(NOT arg_FOLDER)
+    set(arg_FOLDER ${name})
+  endif()
   add_library(${target} ${arg_SOURCES})
   add_library(espalier::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES
@@ -29,8 +32,8 @@ function(espalier_library name)
 
   set(include_dir ${PROJECT_BINARY_DIR}/include/${name})
   file(MAKE_DIRECTORY ${include_dir}/espalier)
-  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_dir}/espalier/${name} SYMBOLIC)
-  list(TRANSFORM arg_HEADERS PREPEND ${include_dir}/espalier/${name}/)
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_dir}/espalier/${arg_FOLDER} SYMBOLIC)
+  list(TRANSFORM arg_HEADERS PREPEND ${include_dir}/espalier/${arg_FOLDER}/)
   target_sources(${target} PUBLIC
     FILE_SET HEADERS BASE_DIRS ${include_dir} FILES ${arg_HEADERS})
   foreach(dependency IN LISTS arg_DEPENDS)
@@ -38,7 +41,7 @@ function(espalier_library name)
   endforeach()
   espalier_compile_options(${target})
   # The same results on processors that fuse products. The kernels of osd say otherwise for themselves.
-  target_compile_options(${target} PRIVATE -ffp-contract=off)
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
   set_property(GLOBAL APPEND PROPERTY ESPALIER_COMPONENTS ${name})
   set_property(GLOBAL PROPERTY ESPALIER_${name}_DEPENDS ${arg_DEPENDS})
 endfunction()
@@ -47,8 +50,9 @@ endfunction()
 function(espalier_compile_options target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
-                         $<$<BOOL:${ESPALIER_WARNINGS_AS_ERRORS}>:-Werror>)
+  set(options -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+              $<$<BOOL:${ESPALIER_WARNINGS_AS_ERRORS}>:-Werror>)
+  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${options}>")
 endfunction()
 
 # espalier_uses(NAME PUBLIC|PRIVATE TARGET PACKAGE name PKG_CONFIG name|-lname... DEBIAN name)

@@ -18,25 +18,6 @@ std::size_t at(Offset index) {
     return static_cast<std::size_t>(index);
 }
 
-/// The rows of a table that are in no group.
-template <class Real>
-StencilTable<Real> rowsAlone(const StencilTable<Real>& table, const CompiledRows<Real>& compiled) {
-    std::vector<char> isAlone(at(table.rowCount()), 0);
-    for (const Index row : compiled.rows) isAlone[at(row)] = 1;
-    far::Array<Offset> offsets = {0};
-    far::Array<Index> columns;
-    far::Array<Real> weights;
-    for (Index row = 0; row < table.rowCount(); ++row) {
-        if (isAlone[at(row)]) {
-            columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
-            weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
-        }
-        offsets.push_back(static_cast<Offset>(columns.size()));
-    }
-    return {stencils::Trusted{}, table.columnCount(), std::move(offsets), std::move(columns),
-            std::move(weights)};
-}
-
 }  // namespace
 
 template <class Real>
@@ -86,7 +67,7 @@ template <class Real>
 CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd simd) {
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
     CompiledRows<Real> rows = compileRows(table);
-    auto alone = stencils::transposeTable(rowsAlone(table, rows));
+    auto alone = stencils::transposeTable(rowsOnly<Real>(table, rows.rows));
     // Those of the rows alone, which are transposed now. Not = {}, which would keep the memory.
     rows.runs = decltype(rows.runs)();
     rows.columns = decltype(rows.columns)();

@@ -13,6 +13,7 @@ namespace espalier::osd {
 namespace {
 
 using kernels::kLanes;
+using stencils::StencilTable;
 
 constexpr std::size_t kMostRows = kMostRowsOfGroup;
 
@@ -26,7 +27,7 @@ std::size_t at(Offset index) {
 template <class Real>
 class TableCompiler {
 public:
-    explicit TableCompiler(const stencils::StencilTable<Real>& table) : table_(table) {}
+    explicit TableCompiler(const StencilTable<Real>& table) : table_(table) {}
 
     CompiledRows<Real> compile() {
         const std::vector<RowSet> sets = findRowSets(table_);
@@ -161,7 +162,7 @@ private:
         }
     }
 
-    const stencils::StencilTable<Real>& table_;
+    const StencilTable<Real>& table_;
     CompiledRows<Real> result_;
     GroupList<Real> groups_;
     std::span<const Index> shared_;  ///< columns of the host at hand
@@ -171,11 +172,31 @@ private:
 }  // namespace
 
 template <class Real>
-CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table) {
+CompiledRows<Real> compileRows(const StencilTable<Real>& table) {
     return TableCompiler<Real>(table).compile();
 }
 
-template CompiledRows<float> compileRows(const stencils::StencilTable<float>&);
-template CompiledRows<double> compileRows(const stencils::StencilTable<double>&);
+template <class Real>
+StencilTable<Real> rowsOnly(const StencilTable<Real>& table, std::span<const Index> rows) {
+    std::vector<char> isThere(at(table.rowCount()), 0);
+    for (const Index row : rows) isThere[at(row)] = 1;
+    far::Array<Offset> offsets = {0};
+    far::Array<Index> columns;
+    far::Array<Real> weights;
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        if (isThere[at(row)]) {
+            columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
+            weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
+        }
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return {stencils::Trusted{}, table.columnCount(), std::move(offsets), std::move(columns),
+            std::move(weights)};
+}
+
+template CompiledRows<float> compileRows(const StencilTable<float>&);
+template CompiledRows<double> compileRows(const StencilTable<double>&);
+template StencilTable<float> rowsOnly(const StencilTable<float>&, std::span<const Index>);
+template StencilTable<double> rowsOnly(const StencilTable<double>&, std::span<const Index>);
 
 }  // namespace espalier::osd

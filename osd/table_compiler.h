@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 // What is inside a compiled table.
@@ -64,5 +65,11 @@ struct CompiledRows {
 /// \cost O(entries + rows log rows)
 template <class Real>
 CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table);
+
+/// The same table with these rows alone: the others are empty.
+/// \cost O(entries)
+template <class Real>
+stencils::StencilTable<Real> rowsOnly(const stencils::StencilTable<Real>& table,
+                                      std::span<const Index> rows);
 
 }  // namespace espalier::osd

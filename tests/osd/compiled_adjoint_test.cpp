@@ -2,39 +2,20 @@
 #include <espalier/far/error.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
-#include <espalier/shapes/inventory.h>
-#include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "support/refined_lattice.h"
+#include "bound_table.h"
+#include "sums.h"
 #include "support/threads.h"
-#include "support/zoo.h"
 
 // Tables as they come: the contract is tested in evaluator_test.cpp.
 namespace espalier::osd {
 namespace {
 
-using stencils::Rules;
-using stencils::StencilTable;
-
-/// D of random points in a lattice at level 3: some thousand, so that most rows are in groups.
-template <class Real>
-StencilTable<Real> boundTable(const Lattice& lattice) {
-    const test::Refined refined(lattice, 3);
-    return stencils::bindPoints<Real>(far::TopologyRefiner(lattice.complex), lattice.positions, 3,
-                                      Rules::Siggraph96, test::pointsIn(refined, 4000, 5))
-        .binding.table;
-}
-
-template <class Real>
-std::vector<Real> randomValues(Offset count, unsigned seed) {
-    const auto values = test::randomValues(static_cast<std::size_t>(count), seed);
-    return {values.begin(), values.end()};
-}
+using test::boundTable;
 
 template <class Real>
 class CompiledAdjointTest : public ::testing::Test {};
@@ -52,30 +33,16 @@ TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
         EXPECT_EQ(adjoint.rowCount(), table.columnCount());
         EXPECT_EQ(adjoint.columnCount(), table.rowCount());
         for (const Offset length : {1, 3, 5, 12}) {
-            const auto source = randomValues<Real>(table.rowCount() * length, 6);
+            const auto source = test::randomValuesOf<Real>(table.rowCount() * length, 6);
             std::vector<Real> result(static_cast<std::size_t>(table.columnCount() * length));
             const auto layout = BufferDescriptor::packed(length);
             const auto evaluate = [&] {
                 adjoint.evaluate(source, layout, result, layout, {0, adjoint.rowCount()});
             };
             evaluate();
-            for (Index row = 0; row < transpose.rowCount(); ++row)
-                for (Offset c = 0; c < length; ++c) {
-                    long double sum = 0, size = 0;
-                    for (std::size_t k = 0; k < transpose.columns(row).size(); ++k) {
-                        const long double product =
-                            static_cast<long double>(transpose.weights(row)[k]) *
-                            source[static_cast<std::size_t>(transpose.columns(row)[k] * length +
-                                                            c)];
-                        sum += product;
-                        size += std::abs(product);
-                    }
-                    // Of sums of thousands in lanes and groups: some 4 ulp for weights, as
-                    // CompiledTable's, and for sums the square root of their lengths at most.
-                    ASSERT_LE(std::abs(result[static_cast<std::size_t>(row * length + c)] - sum),
-                              20 * std::numeric_limits<Real>::epsilon() * size)
-                        << row;
-                }
+            // Of sums of thousands in lanes and groups: some 4 ulp for weights, as CompiledTable's,
+            // and for sums the square root of their lengths at most.
+            ASSERT_LE(test::errorOfSums<Real>(transpose, source, length, result), 20);
             const std::vector<Real> expected = result;
             for (const int threads : {1, 2, 8}) {
                 std::fill(result.begin(), result.end(), Real{99});
@@ -90,8 +57,8 @@ TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
 TYPED_TEST(CompiledAdjointTest, IsTheAdjointOfTheCompiledTable) {
     using Real = TypeParam;
     const auto table = boundTable<Real>(shapes::cylinder({.sectors = 5}));
-    const auto x = randomValues<Real>(table.columnCount(), 7);
-    const auto g = randomValues<Real>(table.rowCount(), 8);
+    const auto x = test::randomValuesOf<Real>(table.columnCount(), 7);
+    const auto g = test::randomValuesOf<Real>(table.rowCount(), 8);
     std::vector<Real> forward(g.size()), back(x.size());
     const auto layout = BufferDescriptor::packed(1);
     CompiledTable<Real>(table).evaluate(x, layout, forward, layout, {0, table.rowCount()});

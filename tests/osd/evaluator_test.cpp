@@ -1,29 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
-#include <espalier/osd/padding.h>
 #include <espalier/osd/reference_evaluator.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <numeric>
-#include <random>
 #include <utility>
 
-#include "support/threads.h"
+#include "evaluator_suite.h"
+#include "host_device.h"
 
 namespace espalier::osd {
 namespace {
-
-using stencils::StencilTable;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 /// An evaluator that takes the table as it is.
 template <class E>
@@ -98,12 +88,36 @@ struct AdjointChained {
     };
 };
 
-/// One suite for every evaluator: instantiate it with another pair to test another back end.
-template <class E, class R>
-struct Case {
-    using Evaluator = typename E::template Of<R>;
-    using Real = R;
+/// The kernels of GPUs, run on the host.
+/// \tparam isGrouped whether rows that share their columns are looked for
+template <bool isGrouped>
+struct OnHost {
+    template <class Real>
+    class Of : public HostDevice<Real> {
+    public:
+        explicit Of(const StencilTable<Real>& table) : HostDevice<Real>(table, isGrouped) {}
+    };
 };
+
+template <bool isGrouped>
+struct AdjointOnHost {
+    template <class Real>
+    class Of {
+    public:
+        explicit Of(const StencilTable<Real>& table)
+            : device_(stencils::transposeTable(table), isGrouped) {}
+
+        void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                      MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                      RowRange rows) const {
+            device_.evaluateAdjoint(source, sourceLayout, destination, destinationLayout, rows);
+        }
+
+    private:
+        HostDevice<Real> device_;
+    };
+};
+
 using Cases = ::testing::Types<
     Case<Direct<ReferenceEvaluator>, float>, Case<Direct<ReferenceEvaluator>, double>,
     Case<Direct<CpuEvaluator>, float>, Case<Direct<CpuEvaluator>, double>,
@@ -113,303 +127,13 @@ using Cases = ::testing::Types<
     Case<Chained, double>, Case<Adjoint<Simd::Baseline>, float>,
     Case<Adjoint<Simd::Baseline>, double>, Case<Adjoint<Simd::Avx2>, float>,
     Case<Adjoint<Simd::Avx2>, double>, Case<Adjoint<Simd::Avx512>, float>,
-    Case<Adjoint<Simd::Avx512>, double>, Case<AdjointChained, float>, Case<AdjointChained, double>>;
+    Case<Adjoint<Simd::Avx512>, double>, Case<AdjointChained, float>, Case<AdjointChained, double>,
+    Case<OnHost<true>, float>, Case<OnHost<true>, double>, Case<OnHost<false>, float>,
+    Case<OnHost<false>, double>, Case<AdjointOnHost<true>, float>,
+    Case<AdjointOnHost<true>, double>, Case<AdjointOnHost<false>, float>,
+    Case<AdjointOnHost<false>, double>>;
 
-template <class C>
-class EvaluatorTest : public ::testing::Test {
-protected:
-    using Real = typename C::Real;
-    using Evaluator = typename C::Evaluator;
-
-    /// Rows: 2·x₁ + 3·x₃, none, −x₀.
-    const StencilTable<Real> small{4, {0, 2, 2, 3}, {1, 3, 0}, {2, 3, -1}};
-
-    static StencilTable<Real> randomTable(Index rowCount, Index columnCount, unsigned seed) {
-        std::mt19937 random(seed);
-        std::uniform_real_distribution<Real> weight(-1, 1);
-        far::Array<Offset> offsets = {0};
-        far::Array<Index> columns;
-        far::Array<Real> weights;
-        for (Index row = 0; row < rowCount; ++row) {
-            for (Index column = static_cast<Index>(random() % 5); column < columnCount;
-                 column += 1 + static_cast<Index>(random() % 9)) {
-                columns.push_back(column);
-                weights.push_back(weight(random));
-            }
-            offsets.push_back(static_cast<Offset>(columns.size()));
-        }
-        return StencilTable<Real>(columnCount, offsets, columns, weights);
-    }
-
-    using Row = std::pair<std::vector<Index>, std::vector<Real>>;
-
-    static StencilTable<Real> tableOf(Index columnCount, const std::vector<Row>& rows) {
-        far::Array<Offset> offsets = {0};
-        far::Array<Index> columns;
-        far::Array<Real> weights;
-        for (const auto& [own, ofRow] : rows) {
-            columns.insert(columns.end(), own.begin(), own.end());
-            weights.insert(weights.end(), ofRow.begin(), ofRow.end());
-            offsets.push_back(static_cast<Offset>(columns.size()));
-        }
-        return StencilTable<Real>(columnCount, offsets, columns, weights);
-    }
-
-    /// Some of the columns, ascending.
-    static std::vector<Index> randomColumns(Index columnCount, std::size_t count,
-                                            std::mt19937& random) {
-        std::vector<Index> columns(static_cast<std::size_t>(columnCount));
-        std::iota(columns.begin(), columns.end(), Index{0});
-        std::shuffle(columns.begin(), columns.end(), random);
-        columns.resize(count);
-        std::sort(columns.begin(), columns.end());
-        return columns;
-    }
-
-    /// Rows of which some share their columns, 1 to 40 each; of every third set, the weights are
-    /// outer products. In a random order.
-    static StencilTable<Real> tableOfSets(Index columnCount, unsigned seed) {
-        std::mt19937 random(seed);
-        std::uniform_real_distribution<Real> weight(Real(0.1), 1);
-        std::vector<Row> rows;
-        for (Index size = 1; size <= 40; ++size) {
-            const bool isProduct = size % 3 == 0;
-            const std::array<std::size_t, 3> sides = {1 + random() % 5, 2 + random() % 3,
-                                                      1 + random() % 4};
-            const auto columns = randomColumns(columnCount, sides[0] * sides[1] * sides[2], random);
-            std::vector<std::size_t> places(columns.size());
-            std::iota(places.begin(), places.end(), std::size_t{0});
-            std::shuffle(places.begin(), places.end(), random);
-            for (Index i = 0; i < size; ++i) {
-                std::array<std::vector<Real>, 3> factors;
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    for (std::size_t k = 0; k < sides[axis]; ++k)
-                        factors[axis].push_back(weight(random));
-                std::vector<Real> weights;
-                for (const std::size_t p : places)
-                    weights.push_back(isProduct ? factors[0][p % sides[0]] *
-                                                      factors[1][p / sides[0] % sides[1]] *
-                                                      factors[2][p / sides[0] / sides[1]]
-                                                : weight(random));
-                rows.emplace_back(columns, weights);
-            }
-        }
-        std::shuffle(rows.begin(), rows.end(), random);
-        return tableOf(columnCount, rows);
-    }
-
-    /// Rows of 1 to 30 entries, some 30 of each length: most with the same weights, over columns of
-    /// their own. In a random order.
-    static StencilTable<Real> tableOfMasks(Index columnCount, unsigned seed) {
-        std::mt19937 random(seed);
-        std::vector<Row> rows;
-        for (std::size_t length = 1; length <= 30; ++length) {
-            const std::vector<Real> weights = randomValues(length, seed);
-            for (int i = 0; i < 30; ++i)
-                rows.emplace_back(
-                    randomColumns(columnCount, length, random),
-                    i % 10 == 9 ? randomValues(length, static_cast<unsigned>(random())) : weights);
-        }
-        std::shuffle(rows.begin(), rows.end(), random);
-        return tableOf(columnCount, rows);
-    }
-
-    /// 10 sets of 25 rows, each over columns of its own. Those of five sets have the same weights,
-    /// in another order of rows; those of the others, but for one number.
-    static StencilTable<Real> tableOfEqualSets(Index columnCount, unsigned seed) {
-        std::mt19937 random(seed);
-        std::vector<std::vector<Real>> weights(25);
-        for (auto& row : weights) row = randomValues(12, static_cast<unsigned>(random()));
-        std::vector<Row> rows;
-        for (int set = 0; set < 10; ++set) {
-            const auto columns = randomColumns(columnCount, 12, random);
-            std::shuffle(weights.begin(), weights.end(), random);
-            for (const auto& row : weights) rows.emplace_back(columns, row);
-            if (set >= 5) rows.back().second[static_cast<std::size_t>(set)] += Real(0.5);
-        }
-        return tableOf(columnCount, rows);
-    }
-
-    static std::vector<Real> randomValues(std::size_t count, unsigned seed) {
-        std::mt19937 random(seed);
-        std::uniform_real_distribution<Real> value(-1, 1);
-        std::vector<Real> values(count);
-        for (Real& v : values) v = value(random);
-        return values;
-    }
-};
-TYPED_TEST_SUITE(EvaluatorTest, Cases);
-
-TYPED_TEST(EvaluatorTest, ByHand) {
-    const std::vector<typename TestFixture::Real> source = {1, 10, 2, 20, 3, 30, 4, 40};
-    std::vector<typename TestFixture::Real> destination(6, 99);
-    typename TestFixture::Evaluator(this->small)
-        .evaluate(source, {0, 2, 2}, destination, {0, 2, 2}, {0, 3});
-    EXPECT_THAT(destination, ElementsAre(16, 160, 0, 0, -1, -10));
-}
-
-// What lies between entries, before the offset and behind the last row stays as it was.
-TYPED_TEST(EvaluatorTest, OffsetsAndStrides) {
-    using R = typename TestFixture::Real;
-    const std::vector<R> source = {-7, 1, 10, -7, 2, 20, -7, 3, 30, -7, 4, 40};
-    std::vector<R> destination(2 + 3 * 4, 99);
-    typename TestFixture::Evaluator(this->small)
-        .evaluate(source, {1, 2, 3}, destination, {2, 2, 4}, {0, 3});
-    EXPECT_THAT(destination, ElementsAre(99, 99, 16, 160, 99, 99, 0, 0, 99, 99, -1, -10, 99, 99));
-}
-
-// Positions that lie as xyz? are read where they are.
-TYPED_TEST(EvaluatorTest, WhatLiesBetweenEntriesOfTheSourceMakesNoDifference) {
-    using R = typename TestFixture::Real;
-    constexpr std::size_t kColumns = 90;
-    const auto table = TestFixture::tableOfSets(static_cast<Index>(kColumns), 3);
-    const typename TestFixture::Evaluator evaluator(table);
-    for (const Offset length : {3, 5, 12}) {
-        const auto packed =
-            TestFixture::randomValues(kColumns * static_cast<std::size_t>(length), 4);
-        const BufferDescriptor layout = BufferDescriptor::packed(length);
-        const BufferDescriptor spaced{0, length, paddedLength(length)};
-        AlignedVector<R> source(kColumns * static_cast<std::size_t>(spaced.stride),
-                                std::numeric_limits<R>::quiet_NaN());
-        for (std::size_t i = 0; i < kColumns; ++i)
-            std::copy_n(packed.begin() + static_cast<std::ptrdiff_t>(i) * length, length,
-                        source.begin() + static_cast<std::ptrdiff_t>(i) * spaced.stride);
-        std::vector<R> expected(static_cast<std::size_t>(table.rowCount() * length)),
-            result(expected.size());
-        evaluator.evaluate(packed, layout, expected, layout, {0, table.rowCount()});
-        evaluator.evaluate(source, spaced, result, layout, {0, table.rowCount()});
-        EXPECT_EQ(result, expected) << length;
-    }
-}
-
-TYPED_TEST(EvaluatorTest, SubRangeWritesItsRowsOnly) {
-    using R = typename TestFixture::Real;
-    const std::vector<R> source = {1, 2, 3, 4};
-    std::vector<R> destination(3, 99);
-    typename TestFixture::Evaluator(this->small)
-        .evaluate(source, {0, 1, 1}, destination, {0, 1, 1}, {2, 3});
-    EXPECT_THAT(destination, ElementsAre(99, 99, -1));
-    typename TestFixture::Evaluator(this->small)
-        .evaluate(source, {0, 1, 1}, destination, {0, 1, 1}, {1, 1});
-    EXPECT_THAT(destination, ElementsAre(99, 99, -1));
-    // The destination need not reach beyond the range.
-    std::vector<R> first(1, 99);
-    typename TestFixture::Evaluator(this->small)
-        .evaluate(source, {0, 1, 1}, first, {0, 1, 1}, {0, 1});
-    EXPECT_THAT(first, ElementsAre(16));
-}
-
-/// Compares with sums in long double, for several numbers of components; in any number of threads
-/// and any range of rows, to the last bit.
-template <class Evaluator, class R>
-void expectSums(const StencilTable<R>& table, const std::vector<R>& values) {
-    const Index rowCount = table.rowCount();
-    const Evaluator evaluator(table);
-    for (const Offset length : {1, 2, 3, 4, 5, 12}) {
-        const BufferDescriptor layout = BufferDescriptor::packed(length);
-        const auto source =
-            std::span(values).first(static_cast<std::size_t>(table.columnCount() * length));
-        std::vector<R> destination(static_cast<std::size_t>(rowCount * length));
-        evaluator.evaluate(source, layout, destination, layout, {0, rowCount});
-        for (Index row = 0; row < rowCount; ++row)
-            for (Offset c = 0; c < length; ++c) {
-                long double sum = 0, size = 0;
-                for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
-                    const long double product =
-                        static_cast<long double>(table.weights(row)[k]) *
-                        source[static_cast<std::size_t>(table.columns(row)[k] * length + c)];
-                    sum += product;
-                    size += std::abs(product);
-                }
-                // One rounding a product and a sum; rows have at most 60 entries.
-                const long double bound = 61 * std::numeric_limits<R>::epsilon() * size;
-                ASSERT_LE(std::abs(destination[static_cast<std::size_t>(row * length + c)] - sum),
-                          bound)
-                    << row;
-            }
-        for (const int threads : {1, 2, 8}) {
-            std::vector<R> again(destination.size());
-            test::withThreads(threads, [&] {
-                evaluator.evaluate(source, layout, again, layout, {0, rowCount});
-            });
-            ASSERT_EQ(again, destination);
-        }
-        // A range in the middle, with room between entries and none behind the last: what is not of
-        // the range stays as it was.
-        const Index first = rowCount / 3, last = rowCount / 2;
-        const BufferDescriptor spaced{1, length, length + 2};
-        const R untouched = 99;
-        std::vector<R> part(static_cast<std::size_t>(1 + (last - 1) * spaced.stride + length),
-                            untouched);
-        evaluator.evaluate(source, layout, part, spaced, {first, last});
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            const Offset row = (static_cast<Offset>(i) - 1) / spaced.stride;
-            const Offset c = (static_cast<Offset>(i) - 1) % spaced.stride;
-            const bool isWritten = i > 0 && row >= first && c < length;
-            ASSERT_EQ(part[i], isWritten ? destination[static_cast<std::size_t>(row * length + c)]
-                                         : untouched)
-                << i;
-        }
-    }
-}
-
-TYPED_TEST(EvaluatorTest, RandomTables) {
-    using R = typename TestFixture::Real;
-    expectSums<typename TestFixture::Evaluator, R>(TestFixture::randomTable(5000, 60, 1),
-                                                   TestFixture::randomValues(60 * 12, 2));
-}
-
-TYPED_TEST(EvaluatorTest, RowsThatShareTheirColumns) {
-    using R = typename TestFixture::Real;
-    expectSums<typename TestFixture::Evaluator, R>(TestFixture::tableOfSets(90, 3),
-                                                   TestFixture::randomValues(90 * 12, 4));
-}
-
-TYPED_TEST(EvaluatorTest, RowsOfTheSameWeights) {
-    using R = typename TestFixture::Real;
-    expectSums<typename TestFixture::Evaluator, R>(TestFixture::tableOfMasks(90, 5),
-                                                   TestFixture::randomValues(90 * 12, 6));
-}
-
-// Groups of rows with the same weights, each over columns of its own.
-TYPED_TEST(EvaluatorTest, SetsOfTheSameWeights) {
-    using R = typename TestFixture::Real;
-    expectSums<typename TestFixture::Evaluator, R>(TestFixture::tableOfEqualSets(90, 7),
-                                                   TestFixture::randomValues(90 * 12, 8));
-}
-
-TYPED_TEST(EvaluatorTest, RefusesWhatDoesNotFitAndWritesNothing) {
-    using R = typename TestFixture::Real;
-    const std::vector<R> source(8, 1);
-    std::vector<R> destination(6, 99);
-    const auto expectRefused = [&](const char* why, std::span<const R> from,
-                                   const BufferDescriptor& fromLayout, std::span<R> to,
-                                   const BufferDescriptor& toLayout, RowRange rows) {
-        try {
-            typename TestFixture::Evaluator(this->small)
-                .evaluate(from, fromLayout, to, toLayout, rows);
-            FAIL() << "accepted; expected: " << why;
-        } catch (const Error& error) {
-            EXPECT_THAT(error.what(), HasSubstr(why));
-        }
-        EXPECT_THAT(destination, ::testing::Each(99));
-    };
-    const BufferDescriptor pairs{0, 2, 2};
-    const std::span<const R> from(source);
-    const std::span<R> to(destination);
-    expectRefused("rows 0 to 4", from, pairs, to, pairs, {0, 4});
-    expectRefused("rows -1 to 3", from, pairs, to, pairs, {-1, 3});
-    expectRefused("rows 2 to 1", from, pairs, to, pairs, {2, 1});
-    expectRefused("the source buffer holds 7", from.first(7), pairs, to, pairs, {0, 3});
-    expectRefused("the destination buffer holds 5", from, pairs, to.first(5), pairs, {0, 3});
-    expectRefused("the source buffer holds 8", from, {1, 2, 2}, to, pairs, {0, 3});
-    expectRefused("stride 1", from, {0, 2, 1}, to, pairs, {0, 3});
-    expectRefused("length 0", from, {0, 0, 2}, to, pairs, {0, 3});
-    expectRefused("offset -1", from, {-1, 2, 2}, to, pairs, {0, 3});
-    expectRefused("2 components, destination entries 1", from, pairs, to, {0, 1, 2}, {0, 3});
-    // A stride whose product with the number of entries overflows.
-    expectRefused("too few", from, {0, 2, Offset{1} << 62}, to, pairs, {0, 3});
-}
+INSTANTIATE_TYPED_TEST_SUITE_P(Host, EvaluatorTest, Cases);
 
 }  // namespace
 }  // namespace espalier::osd

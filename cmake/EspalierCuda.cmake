@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+# CUDA's compiler, where there is one: ESPALIER_CUDA_FOUND, and its run-time library as
+# CUDA::cudart_static.
+include_guard(GLOBAL)
+include(CheckLanguage)
+
+# Processors from Turing to Hopper, and PTX, which drivers compile for later ones.
+if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
+  set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 86-real 89-real 90)
+endif()
+set(ESPALIER_CUDA_FOUND FALSE)
+check_language(CUDA)
+if(CMAKE_CUDA_COMPILER)
+  enable_language(CUDA)
+  find_package(CUDAToolkit QUIET)
+  # Earlier ones have no C++20.
+  if(CUDAToolkit_FOUND AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
+    set(ESPALIER_CUDA_FOUND TRUE)
+  endif()
+endif()
+if(NOT ESPALIER_CUDA_FOUND)
+  message(STATUS "CUDA 12 or later not found: Espalier evaluates on processors alone")
+endif()

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/osd/device_kernels.h>
+#include <espalier/osd/device_table.h>
+#include <espalier/osd/places_of_columns.h>
+#include <espalier/osd/table_compiler.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace espalier::osd::device {
+namespace {
+
+using stencils::StencilTable;
+
+/// Entries of a segment, and places of a sum: a longer one would be at work when all others are
+/// done.
+constexpr Offset kMostEntries = 1024;
+
+std::size_t at(Offset index) {
+    return static_cast<std::size_t>(index);
+}
+
+template <class Real>
+SparseArrays<Real> arraysOf(const StencilTable<Real>& table, std::vector<Index> rows = {}) {
+    return {{table.offsets().begin(), table.offsets().end()},
+            {table.columns().begin(), table.columns().end()},
+            {table.weights().begin(), table.weights().end()},
+            std::move(rows)};
+}
+
+/// Rows cut into segments of no more than kMostEntries entries.
+struct Cut {
+    std::vector<Offset> offsets = {0};       ///< of the segments in the entries
+    std::vector<Offset> firstSegments = {};  ///< of each row, and one behind the last
+};
+
+Cut cutRows(std::span<const Offset> offsets) {
+    Cut cut;
+    for (std::size_t row = 0; row + 1 < offsets.size(); ++row) {
+        cut.firstSegments.push_back(std::ssize(cut.offsets) - 1);
+        for (Offset first = offsets[row]; first < offsets[row + 1]; first += kMostEntries)
+            cut.offsets.push_back(std::min(first + kMostEntries, offsets[row + 1]));
+    }
+    cut.firstSegments.push_back(std::ssize(cut.offsets) - 1);
+    return cut;
+}
+
+}  // namespace
+
+template <class Real>
+TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
+    : rowCount(table.rowCount()), columnCount(table.columnCount()) {
+    if (!isGrouped) {
+        alone = arraysOf(table);
+        return;
+    }
+    CompiledRows<Real> compiled = compileRows(table);
+    groupColumns = std::move(compiled.groupColumns);
+    groupNumbers = std::move(compiled.groupNumbers);
+    groupRows = std::move(compiled.groupRows);
+    for (const auto& group : compiled.groups) {
+        const auto& size = group.size;
+        const auto number = static_cast<Index>(groups.size());
+        groups.push_back({group.firstColumn,
+                          group.firstNumber,
+                          group.firstRow,
+                          group.columnCount,
+                          group.rowCount,
+                          group.lowest,
+                          group.highest,
+                          {size[0], size[1], size[2]}});
+        std::vector<Task>* tasks = &panels;
+        if (size[0] > 0) {
+            mostProductColumns = std::max(mostProductColumns, group.columnCount);
+            const auto* kind = std::find(std::begin(kSizes), std::end(kSizes) - 1, size[0]);
+            tasks = &products[static_cast<std::size_t>(kind - std::begin(kSizes))];
+        }
+        for (Index first = 0; first < group.rowCount; first += kWarp * kRowsOfLane<Real>)
+            tasks->push_back({number, first});
+    }
+    std::sort(compiled.rows.begin(), compiled.rows.end());
+    const auto rows = stencils::selectRows<Real>(table, compiled.rows);
+    alone = arraysOf(rows, std::move(compiled.rows));
+}
+
+template <class Real>
+AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
+                                   const TableArrays<Real>& arrays) {
+    for (Index number = 0; number < std::ssize(arrays.groups); ++number) {
+        const Group& group = arrays.groups[at(number)];
+        const bool isProduct = group.size[0] > 0;
+        const Index tiles = isProduct ? AdjointProductKernel<1, Real>::tileCount(group)
+                                      : AdjointPanelKernel<1, Real>::tileCount(group);
+        for (Index tile = 0; tile < tiles; ++tile)
+            (isProduct ? products : panels).push_back({number, tile});
+    }
+
+    // The columns of the rows that are in no group.
+    const bool isGrouped = !arrays.groups.empty();
+    segments = arraysOf(
+        stencils::transposeTable(isGrouped ? rowsOnly<Real>(table, arrays.alone.rows) : table));
+    Cut cut = cutRows(segments.offsets);
+    segments.offsets = std::move(cut.offsets);
+    firstSegment = std::ssize(arrays.groupColumns);
+    placeCount = firstSegment + segments.count();
+
+    // Of each column the places of what is to be added up.
+    const PlacesOfColumns<Offset> places(table.columnCount(), [&](auto found) {
+        for (Offset place = 0; place < firstSegment; ++place)
+            found(arrays.groupColumns[at(place)], place);
+        for (Index column = 0; column < table.columnCount(); ++column)
+            for (Offset i = cut.firstSegments[at(column)]; i < cut.firstSegments[at(column + 1)];
+                 ++i)
+                found(column, firstSegment + i);
+    });
+    std::vector<Offset> offsets = {0}, summands;
+    for (Index column = 0; column < table.columnCount(); ++column) {
+        const auto own = places.of(column);
+        summands.insert(summands.end(), own.begin(), own.end());
+        offsets.push_back(std::ssize(summands));
+    }
+    const auto addStep = [&](std::vector<Offset> stepOffsets) {
+        if (placeCount > std::numeric_limits<Index>::max())
+            throw Error("the adjoint of this table has " + std::to_string(placeCount) +
+                        " sums on the way, which are too many");
+        steps.push_back(
+            {{std::move(stepOffsets), {summands.begin(), summands.end()}, {}, {}}, placeCount});
+    };
+    const auto longest = [&] {
+        Offset most = 0;
+        for (std::size_t i = 0; i + 1 < offsets.size(); ++i)
+            most = std::max(most, offsets[i + 1] - offsets[i]);
+        return most;
+    };
+    while (longest() > kMostEntries) {
+        Cut parts = cutRows(offsets);
+        addStep(std::move(parts.offsets));
+        summands.resize(at(steps.back().rows.count()));
+        std::iota(summands.begin(), summands.end(), placeCount);
+        placeCount += steps.back().rows.count();
+        offsets = std::move(parts.firstSegments);
+    }
+    addStep(std::move(offsets));
+}
+
+template <class Real>
+int lanesOfRows(const SparseArrays<Real>& rows) {
+    const Offset count = std::max(rows.count(), Index{1});
+    int lanes = 1;
+    while (lanes < kWarp && 8 * lanes * count <= std::ssize(rows.columns)) lanes *= 2;
+    return lanes;
+}
+
+template struct TableArrays<float>;
+template struct TableArrays<double>;
+template struct AdjointArrays<float>;
+template struct AdjointArrays<double>;
+template int lanesOfRows(const SparseArrays<float>&);
+template int lanesOfRows(const SparseArrays<double>&);
+
+}  // namespace espalier::osd::device

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/inventory.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "bound_table.h"
+#include "host_device.h"
+#include "sums.h"
+
+// The kernels of GPUs on the host, for tables as they come: the contract is tested in
+// evaluator_test.cpp, and that a device gives the same bits in cuda_evaluator_test.cpp.
+namespace espalier::osd {
+namespace {
+
+using stencils::StencilTable;
+using test::boundTable;
+
+template <class Real>
+class DeviceKernels : public ::testing::Test {
+protected:
+    static std::vector<Real> evaluated(const HostDevice<Real>& device, Index rowCount,
+                                       std::span<const Real> source, Offset length) {
+        std::vector<Real> result(static_cast<std::size_t>(rowCount * length), 99);
+        const auto layout = BufferDescriptor::packed(length);
+        device.evaluate(source, layout, result, layout, {0, rowCount});
+        return result;
+    }
+
+    static std::vector<Real> adjointOf(const HostDevice<Real>& device, Index columnCount,
+                                       std::span<const Real> source, Offset length) {
+        std::vector<Real> result(static_cast<std::size_t>(columnCount * length), 99);
+        const auto layout = BufferDescriptor::packed(length);
+        device.evaluateAdjoint(source, layout, result, layout, {0, columnCount});
+        return result;
+    }
+};
+using Reals = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(DeviceKernels, Reals);
+
+// Outer products of 4 × 4 × 4 and, at boundaries, of fewer; panels; rows alone. 7 components are 4
+// and 3, 12 go through panels at a time, 26 are two times that and a rest.
+TYPED_TEST(DeviceKernels, GiveTheSumsOfTablesAndOfTheirTransposes) {
+    using Real = TypeParam;
+    for (const Lattice& lattice :
+         {shapes::box({.cells = {4, 3, 3}}), shapes::cylinder({.sectors = 5}), shapes::box()}) {
+        const auto table = boundTable<Real>(lattice);
+        const auto transpose = stencils::transposeTable(table);
+        for (const bool isGrouped : {true, false}) {
+            const HostDevice<Real> device(table, isGrouped);
+            EXPECT_EQ(device.arrays().groups.empty(), !isGrouped);
+            for (const Offset length : {1, 3, 7, 12, 26}) {
+                const auto poses = test::randomValuesOf<Real>(table.columnCount() * length, 6);
+                EXPECT_LE(test::errorOfSums<Real>(
+                              table, poses, length,
+                              this->evaluated(device, table.rowCount(), poses, length)),
+                          20);  // rows have some 64 entries: by what is promised, 68
+                const auto gradients = test::randomValuesOf<Real>(table.rowCount() * length, 7);
+                EXPECT_LE(test::errorOfSums<Real>(
+                              transpose, gradients, length,
+                              this->adjointOf(device, table.columnCount(), gradients, length)),
+                          20);
+            }
+        }
+    }
+}
+
+/// Rows over all columns, outer products of random factors.
+template <class Real>
+StencilTable<Real> productTable(const std::array<Index, 3>& size, Index rowCount) {
+    const Index columnCount = size[0] * size[1] * size[2];
+    far::Array<Offset> offsets = {0};
+    far::Array<Index> columns;
+    far::Array<Real> weights;
+    for (Index row = 0; row < rowCount; ++row) {
+        std::array<std::vector<double>, 3> factors;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto seed = static_cast<unsigned>(row) * 3 + static_cast<unsigned>(axis);
+            factors[axis] = test::randomValues(static_cast<std::size_t>(size[axis]), seed);
+            for (double& factor : factors[axis]) factor = 1 + factor / 2;
+        }
+        for (Index k = 0; k < columnCount; ++k) {
+            columns.push_back(k);
+            weights.push_back(
+                static_cast<Real>(factors[0][static_cast<std::size_t>(k % size[0])] *
+                                  factors[1][static_cast<std::size_t>(k / size[0] % size[1])] *
+                                  factors[2][static_cast<std::size_t>(k / size[0] / size[1])]));
+        }
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return {columnCount, std::move(offsets), std::move(columns), std::move(weights)};
+}
+
+// Each size has its kernel; those of more than 4 a side go through one for any, and their tiles are
+// cut off at the ends.
+TYPED_TEST(DeviceKernels, TakeOuterProductsOfAnySize) {
+    using Real = TypeParam;
+    for (const auto& [size, kernel] :
+         std::vector<std::pair<std::array<Index, 3>, std::size_t>>{{{4, 4, 4}, 0},
+                                                                   {{4, 3, 2}, 0},
+                                                                   {{4, 4, 1}, 0},
+                                                                   {{3, 3, 3}, 1},
+                                                                   {{3, 2, 1}, 1},
+                                                                   {{2, 2, 2}, 2},
+                                                                   {{6, 5, 4}, 3},
+                                                                   {{5, 2, 1}, 3},
+                                                                   {{9, 3, 3}, 3}}) {
+        const auto table = productTable<Real>(size, 300);
+        const HostDevice<Real> device(table, true);
+        // Tasks of 128 rows, of doubles of 64.
+        EXPECT_EQ(device.arrays().products[kernel].size(), sizeof(Real) == 4 ? 3U : 5U);
+        const auto pose = test::randomValuesOf<Real>(table.columnCount() * 3, 1);
+        EXPECT_LE(test::errorOfSums<Real>(table, pose, 3,
+                                          this->evaluated(device, table.rowCount(), pose, 3)),
+                  20);
+        const auto gradients = test::randomValuesOf<Real>(table.rowCount() * 3, 2);
+        EXPECT_LE(
+            test::errorOfSums<Real>(stencils::transposeTable(table), gradients, 3,
+                                    this->adjointOf(device, table.columnCount(), gradients, 3)),
+            20);
+    }
+}
+
+// A column that 1,100 groups of rows have, and 3,000 rows alone: its sums need sums of their own.
+TYPED_TEST(DeviceKernels, AddUpLongColumnsInSteps) {
+    using Real = TypeParam;
+    constexpr Index kGroups = 1100, kRowsOfGroup = 16, kAlone = 3000;
+    far::Array<Offset> offsets = {0};
+    far::Array<Index> columns;
+    for (Index group = 0; group < kGroups; ++group)
+        for (Index row = 0; row < kRowsOfGroup; ++row) {
+            columns.insert(columns.end(), {0, 2 * group + 1, 2 * group + 2});
+            offsets.push_back(static_cast<Offset>(columns.size()));
+        }
+    for (Index row = 0; row < kAlone; ++row) {
+        columns.insert(columns.end(), {0, 2 * kGroups + row + 1});
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    const auto random = test::randomValuesOf<Real>(static_cast<Offset>(columns.size()), 3);
+    const StencilTable<Real> table(2 * kGroups + kAlone + 1, offsets, columns,
+                                   {random.begin(), random.end()});
+    const HostDevice<Real> device(table, true);
+    EXPECT_EQ(device.arrays().groups.size(), std::size_t{kGroups});
+    EXPECT_EQ(device.adjointArrays().segments.count(), 3 + kAlone);
+    EXPECT_EQ(device.adjointArrays().steps.size(), 2U);
+    const auto gradients = test::randomValuesOf<Real>(table.rowCount(), 4);
+    EXPECT_LE(test::errorOfSums<Real>(stencils::transposeTable(table), gradients, 1,
+                                      this->adjointOf(device, table.columnCount(), gradients, 1)),
+              20);
+}
+
+// What lies on the device for a row of a regular region: 12 factors and the number of the row, and
+// a little for each group.
+TYPED_TEST(DeviceKernels, KeepTwelveNumbersOfARegularRow) {
+    using Real = TypeParam;
+    const auto table = boundTable<Real>(shapes::box({.cells = {3, 3, 3}}), 20'000);
+    const device::TableArrays<Real> arrays(table, true);
+    const std::size_t bytes = arrays.groupNumbers.size() * sizeof(Real) +
+                              arrays.groupRows.size() * sizeof(Index) +
+                              arrays.groupColumns.size() * sizeof(Index);
+    EXPECT_LT(bytes, 1.15 * (12 * sizeof(Real) + sizeof(Index)) * 20'000);
+}
+
+}  // namespace
+}  // namespace espalier::osd

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/osd/device_evaluation.h>
+#include <espalier/osd/device_table.h>
+#include <espalier/osd/evaluation.h>
+
+#include <limits>
+#include <vector>
+
+#include "host_warp.h"
+
+namespace espalier::osd {
+
+/// A table as it goes to a GPU, evaluated by the kernels of GPUs on the host.
+template <class Real>
+class HostDevice {
+public:
+    HostDevice(const stencils::StencilTable<Real>& table, bool isGrouped)
+        : arrays_(table, isGrouped),
+          adjointArrays_(table, arrays_),
+          view_(viewOf(arrays_, kInPlace)),
+          adjoint_(viewOf(adjointArrays_, steps_, kInPlace)) {}
+
+    const device::TableArrays<Real>& arrays() const { return arrays_; }
+    const device::AdjointArrays<Real>& adjointArrays() const { return adjointArrays_; }
+
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows) const {
+        checkEvaluation(view_.rowCount, view_.columnCount, source.size(), sourceLayout,
+                        destination.size(), destinationLayout, rows);
+        device::launchTable(
+            view_, evaluationOf(source, sourceLayout, destination, destinationLayout, rows),
+            device::HostLaunch{});
+    }
+
+    void evaluateAdjoint(Values<Real> source, const BufferDescriptor& sourceLayout,
+                         MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                         RowRange columns) const {
+        checkEvaluation(view_.columnCount, view_.rowCount, source.size(), sourceLayout,
+                        destination.size(), destinationLayout, columns);
+        std::vector<Real> places(
+            static_cast<std::size_t>(adjoint_.placeCount * sourceLayout.length),
+            std::numeric_limits<Real>::quiet_NaN());
+        device::launchAdjoint(
+            view_, adjoint_,
+            evaluationOf(source, sourceLayout, destination, destinationLayout, columns),
+            places.data(), device::HostLaunch{});
+    }
+
+private:
+    static constexpr auto kInPlace = [](const auto& values) { return values.data(); };
+
+    static device::Evaluation<Real> evaluationOf(Values<Real> source,
+                                                 const BufferDescriptor& sourceLayout,
+                                                 MutableValues<Real> destination,
+                                                 const BufferDescriptor& destinationLayout,
+                                                 RowRange rows) {
+        return {source.data() + sourceLayout.offset,
+                sourceLayout.stride,
+                destination.data() + destinationLayout.offset,
+                destinationLayout.stride,
+                0,
+                sourceLayout.length,
+                rows.first,
+                rows.last};
+    }
+
+    device::TableArrays<Real> arrays_;
+    device::AdjointArrays<Real> adjointArrays_;
+    std::vector<device::SumStep<Real>> steps_;
+    device::TableView<Real> view_;
+    device::AdjointView<Real> adjoint_;
+};
+
+}  // namespace espalier::osd

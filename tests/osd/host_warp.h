@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/osd/device_kernels.h>
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+
+namespace espalier::osd::device {
+
+/// A warp on the host (device_kernels.h), lane by lane: every other time from the last lane to the
+/// first, so that results change with what lanes do to each other between two each().
+class HostWarp {
+public:
+    template <class T>
+    class PerLane {
+    public:
+        T& operator[](int lane) { return values_[static_cast<std::size_t>(lane)]; }
+
+    private:
+        std::array<T, kWarp> values_;
+    };
+
+    template <class F>
+    void each(F f) {
+        isForward_ = !isForward_;
+        for (int i = 0; i < kWarp; ++i) f(isForward_ ? i : kWarp - 1 - i);
+    }
+
+    template <class Real, int n>
+    void sumOver(PerLane<Values<Real, n>>& values, int lanes) {
+        for (int c = 0; c < n; ++c) {
+            const auto sums = sumsOf<Real>([&](int lane) { return values[lane].of[c]; }, lanes);
+            for (int lane = 0; lane < kWarp; ++lane) values[lane].of[c] = sums[at(lane)];
+        }
+    }
+
+    template <class Real, int n>
+    void sumAll(PerLane<Values<Real, n>>& values) {
+        static_assert(n % kWarp == 0);
+        for (int t = 0; t < n / kWarp; ++t) {
+            std::array<Real, kWarp> all;
+            for (int i = 0; i < kWarp; ++i)
+                all[at(i)] = sumsOf<Real>([&](int lane) { return values[lane].of[t * kWarp + i]; },
+                                          kWarp)[at(i)];
+            for (int lane = 0; lane < kWarp; ++lane) values[lane].of[t] = all[at(lane)];
+        }
+    }
+
+    template <class T, class Real>
+    static T load(const Real* address) {
+        static_assert(sizeof(T) == 16);
+        // A fault on a device.
+        if (reinterpret_cast<std::uintptr_t>(address) % 16 != 0)
+            throw std::logic_error("16 bytes are loaded at an address that is no multiple of 16");
+        T value;
+        std::memcpy(&value, address, sizeof(value));
+        return value;
+    }
+
+    static void prefetch(const void*) {}
+
+private:
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// As lanes add what their partners have, at distances that are halved.
+    template <class Real, class ValueOf>
+    static std::array<Real, kWarp> sumsOf(ValueOf valueOf, int lanes) {
+        std::array<Real, kWarp> sums;
+        for (int lane = 0; lane < kWarp; ++lane) sums[at(lane)] = valueOf(lane);
+        for (int distance = lanes / 2; distance > 0; distance /= 2) {
+            const auto before = sums;
+            for (int lane = 0; lane < kWarp; ++lane)
+                sums[at(lane)] = before[at(lane)] + before[at(lane ^ distance)];
+        }
+        return sums;
+    }
+
+    bool isForward_ = false;
+};
+
+/// Starts kernels on the host: warp after warp, each with shared memory that holds no numbers.
+struct HostLaunch {
+    template <class Kernel>
+    void operator()(const Kernel& kernel) const {
+        HostWarp warp;
+        const unsigned bytes = kernel.sharedBytes();
+        std::vector<Quad<double>> shared((bytes + sizeof(Quad<double>) - 1) / sizeof(Quad<double>));
+        for (Index i = 0; i < kernel.warpCount(); ++i) {
+            if (bytes > 0) std::memset(shared.data(), 0xFF, bytes);
+            kernel(warp, i, reinterpret_cast<unsigned char*>(shared.data()));
+        }
+    }
+};
+
+}  // namespace espalier::osd::device

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/stencil_table.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+
+namespace espalier::test {
+
+/// How far packed results are from table · source, summed in long double: in ε · Σ |w · x|, the
+/// largest of all rows and components. Infinite where there is nothing to add up and something has
+/// come out.
+template <class Real>
+double errorOfSums(const stencils::StencilTable<Real>& table, std::span<const Real> source,
+                   far::Offset length, std::span<const Real> result) {
+    long double largest = 0;
+    for (far::Index row = 0; row < table.rowCount(); ++row)
+        for (far::Offset c = 0; c < length; ++c) {
+            long double sum = 0, size = 0;
+            for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
+                const long double product =
+                    static_cast<long double>(table.weights(row)[k]) *
+                    source[static_cast<std::size_t>(table.columns(row)[k] * length + c)];
+                sum += product;
+                size += std::abs(product);
+            }
+            const long double error =
+                std::abs(result[static_cast<std::size_t>(row * length + c)] - sum);
+            if (!(error <= 0))
+                largest = std::max(largest, error / (std::numeric_limits<Real>::epsilon() * size));
+        }
+    return static_cast<double>(largest);
+}
+
+}  // namespace espalier::test
