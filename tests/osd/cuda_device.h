@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cuda_runtime_api.h>
+#include <espalier/osd/cuda_evaluator.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace espalier::test {
+
+/// Why tests of the device cannot be run here; empty if they can.
+inline std::string whyNoCuda() {
+    if (osd::cudaDeviceCount() > 0) return {};
+    try {
+        const osd::CudaBuffer<float> buffer(1);
+        return "no device is counted";
+    } catch (const osd::CudaError& error) {
+        return error.what();
+    }
+}
+
+/// A stream of the test's own.
+class Stream {
+public:
+    Stream() {
+        if (cudaStreamCreate(&stream_) != cudaSuccess) throw std::runtime_error("cudaStreamCreate");
+    }
+    ~Stream() { cudaStreamDestroy(stream_); }
+    Stream(const Stream&) = delete;
+    Stream& operator=(const Stream&) = delete;
+
+    operator cudaStream_t() const { return stream_; }
+
+private:
+    cudaStream_t stream_ = nullptr;
+};
+
+/// Tests of a device: skipped where there is none.
+class CudaTest : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (const std::string reason = whyNoCuda(); !reason.empty()) GTEST_SKIP() << reason;
+    }
+};
+
+}  // namespace espalier::test

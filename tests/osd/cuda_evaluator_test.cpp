@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/cuda_evaluator.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+
+#include "bound_table.h"
+#include "cuda_device.h"
+#include "host_device.h"
+#include "sums.h"
+
+// What goes beyond the contract of all evaluators, which is tested in cuda_suite_test.cpp. Of a
+// device, and of one that is the host (fake_cuda.h).
+namespace espalier::osd {
+namespace {
+
+using stencils::StencilTable;
+using test::boundTable;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+using Device = test::CudaTest;
+
+/// A cylinder's: outer products, panels and rows alone.
+template <class Real>
+const StencilTable<Real>& someTable() {
+    static const auto table = boundTable<Real>(shapes::cylinder({.sectors = 5}));
+    return table;
+}
+
+template <class Real>
+std::vector<Real> hostResults(const HostDevice<Real>& host, Index rowCount,
+                              std::span<const Real> source, Offset length, bool isAdjoint) {
+    std::vector<Real> results(static_cast<std::size_t>(rowCount * length));
+    const auto layout = BufferDescriptor::packed(length);
+    if (isAdjoint)
+        host.evaluateAdjoint(source, layout, results, layout, {0, rowCount});
+    else
+        host.evaluate(source, layout, results, layout, {0, rowCount});
+    return results;
+}
+
+template <class Real>
+class CudaEvaluatorTest : public test::CudaTest {};
+using Reals = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(CudaEvaluatorTest, Reals);
+
+// The kernels add the same products in the same order.
+TYPED_TEST(CudaEvaluatorTest, GivesTheBitsOfTheHost) {
+    using Real = TypeParam;
+    for (const Lattice& lattice :
+         {shapes::box({.cells = {4, 3, 3}}), shapes::cylinder({.sectors = 5})}) {
+        const auto table = boundTable<Real>(lattice);
+        for (const bool isGrouped : {true, false}) {
+            const HostDevice<Real> host(table, isGrouped);
+            const CudaEvaluator<Real> cuda(table, {.isGrouped = isGrouped, .hasAdjoint = true});
+            EXPECT_EQ(cuda.rowCount(), table.rowCount());
+            EXPECT_EQ(cuda.columnCount(), table.columnCount());
+            CudaWorkspace workspace;
+            for (const Offset length : {1, 3, 7, 12}) {
+                const auto layout = BufferDescriptor::packed(length);
+                const auto pose = test::randomValuesOf<Real>(table.columnCount() * length, 1);
+                std::vector<Real> points(static_cast<std::size_t>(table.rowCount() * length));
+                cuda.evaluate(pose, layout, points, layout, {0, table.rowCount()}, workspace);
+                workspace.synchronize();
+                EXPECT_EQ(points, hostResults<Real>(host, table.rowCount(), pose, length, false));
+
+                const auto gradients = test::randomValuesOf<Real>(table.rowCount() * length, 2);
+                std::vector<Real> back(static_cast<std::size_t>(table.columnCount() * length));
+                cuda.evaluateAdjoint(gradients, layout, back, layout, {0, table.columnCount()},
+                                     workspace);
+                workspace.synchronize();
+                EXPECT_EQ(back,
+                          hostResults<Real>(host, table.columnCount(), gradients, length, true));
+            }
+        }
+    }
+}
+
+// Source and destination each on the host or on the device, with room between entries.
+TYPED_TEST(CudaEvaluatorTest, TakesAnyPlaces) {
+    using Real = TypeParam;
+    const auto& table = someTable<Real>();
+    const CudaEvaluator<Real> cuda(table);
+    const test::Stream stream;
+    CudaWorkspace workspace(stream);
+    const BufferDescriptor from{2, 3, 5}, to{1, 3, 4};
+    const auto source = test::randomValuesOf<Real>(2 + table.columnCount() * from.stride, 3);
+    const RowRange rows{table.rowCount() / 4, table.rowCount() / 2};
+    const std::size_t size = static_cast<std::size_t>(1 + rows.last * to.stride);
+    std::vector<Real> expected(size, 99);
+    HostDevice<Real>(table, true).evaluate(source, from, expected, to, rows);
+
+    std::vector<Real> result(size, 99);
+    cuda.evaluate(source, from, result, to, rows, workspace);
+    workspace.synchronize();
+    EXPECT_EQ(result, expected);
+
+    const CudaBuffer<Real> sourceThere{std::span<const Real>(source)};
+    std::fill(result.begin(), result.end(), Real{99});
+    cuda.evaluate(sourceThere, from, result, to, rows, workspace);
+    workspace.synchronize();
+    EXPECT_EQ(result, expected);
+
+    for (const bool isSourceThere : {false, true}) {
+        std::fill(result.begin(), result.end(), Real{99});
+        CudaBuffer<Real> there{std::span<const Real>(result)};
+        if (isSourceThere)
+            cuda.evaluate(sourceThere, from, there, to, rows, workspace);
+        else
+            cuda.evaluate(source, from, there, to, rows, workspace);
+        there.download(result, stream);
+        workspace.synchronize();
+        EXPECT_EQ(result, expected);
+    }
+}
+
+// One evaluation behind the other on a stream, without waiting: points of the first pose go on.
+TYPED_TEST(CudaEvaluatorTest, IsOrderedByItsStream) {
+    using Real = TypeParam;
+    const auto& table = someTable<Real>();
+    const CudaEvaluator<Real> cuda(table, {.hasAdjoint = true});
+    const test::Stream stream;
+    CudaWorkspace workspace = cuda.workspace(3, stream);
+    EXPECT_EQ(workspace.stream(), static_cast<CudaStream>(stream));
+    const auto xyz = BufferDescriptor::packed(3);
+    const RowRange points{0, table.rowCount()}, vertices{0, table.columnCount()};
+    const auto pose = test::randomValuesOf<Real>(table.columnCount() * 3, 4);
+    CudaBuffer<Real> there(static_cast<std::size_t>(table.rowCount()) * 3);
+    CudaBuffer<Real> back{std::span<const Real>(pose)};
+    const std::size_t bytes = workspace.byteCount();
+    EXPECT_GT(bytes, 0U);
+    // DᵀD of the pose, twice.
+    for (int i = 0; i < 2; ++i) {
+        cuda.evaluate(back, xyz, there, xyz, points, workspace);
+        cuda.evaluateAdjoint(there, xyz, back, xyz, vertices, workspace);
+    }
+    EXPECT_EQ(workspace.byteCount(), bytes);
+    std::vector<Real> result(pose.size());
+    back.download(result, stream);
+    workspace.synchronize();
+
+    const HostDevice<Real> host(table, true);
+    std::vector<Real> expected = pose;
+    for (int i = 0; i < 2; ++i) {
+        const auto moved = hostResults<Real>(host, table.rowCount(), expected, 3, false);
+        expected = hostResults<Real>(host, table.columnCount(), moved, 3, true);
+    }
+    EXPECT_EQ(result, expected);
+}
+
+// One evaluation as a CUDA graph, which is launched again for another pose at the same place.
+TYPED_TEST(CudaEvaluatorTest, IsCapturedInAGraph) {
+    using Real = TypeParam;
+    const auto& table = someTable<Real>();
+    const CudaEvaluator<Real> cuda(table, {.hasAdjoint = true});
+    const test::Stream stream;
+    CudaWorkspace workspace = cuda.workspace(3, stream);
+    const auto xyz = BufferDescriptor::packed(3);
+    CudaBuffer<Real> pose(static_cast<std::size_t>(table.columnCount()) * 3), back(pose.size());
+    CudaBuffer<Real> points(static_cast<std::size_t>(table.rowCount()) * 3);
+
+    cudaGraph_t graph = nullptr;
+    cudaGraphExec_t executable = nullptr;
+    ASSERT_EQ(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), cudaSuccess);
+    cuda.evaluate(pose, xyz, points, xyz, {0, table.rowCount()}, workspace);
+    cuda.evaluateAdjoint(points, xyz, back, xyz, {0, table.columnCount()}, workspace);
+    ASSERT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
+    ASSERT_EQ(cudaGraphInstantiate(&executable, graph, 0), cudaSuccess);
+
+    const HostDevice<Real> host(table, true);
+    for (const unsigned seed : {5U, 6U}) {
+        const auto values = test::randomValuesOf<Real>(table.columnCount() * 3, seed);
+        pose.upload(values, stream);
+        ASSERT_EQ(cudaGraphLaunch(executable, stream), cudaSuccess);
+        std::vector<Real> moved(points.size()), result(back.size());
+        points.download(moved, stream);
+        back.download(result, stream);
+        workspace.synchronize();
+        const auto expected = hostResults<Real>(host, table.rowCount(), values, 3, false);
+        EXPECT_EQ(moved, expected);
+        EXPECT_EQ(result, hostResults<Real>(host, table.columnCount(), expected, 3, true));
+    }
+    cudaGraphExecDestroy(executable);
+    cudaGraphDestroy(graph);
+}
+
+TEST_F(Device, AWorkspaceDoesNotGrowWhileItsStreamIsCaptured) {
+    const auto& table = someTable<float>();
+    const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
+    const test::Stream stream;
+    CudaWorkspace workspace(stream);
+    const auto xyz = BufferDescriptor::packed(3);
+    CudaBuffer<float> points(static_cast<std::size_t>(table.rowCount()) * 3);
+    CudaBuffer<float> back(static_cast<std::size_t>(table.columnCount()) * 3);
+    ASSERT_EQ(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), cudaSuccess);
+    try {
+        cuda.evaluateAdjoint(points, xyz, back, xyz, {0, table.columnCount()}, workspace);
+        ADD_FAILURE() << "it has grown";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("a stream that is captured holds 0 bytes"),
+                                        HasSubstr("CudaEvaluator::workspace()")));
+    }
+    cudaGraph_t graph = nullptr;
+    ASSERT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
+    cudaGraphDestroy(graph);
+}
+
+TEST_F(Device, AnAdjointHasToBeAskedFor) {
+    const auto& table = someTable<float>();
+    const CudaEvaluator<float> cuda(table);
+    const CudaEvaluator<float> both(table, {.hasAdjoint = true});
+    EXPECT_EQ(cuda.byteCount(), cuda.tableByteCount());
+    EXPECT_EQ(both.tableByteCount(), cuda.tableByteCount());
+    EXPECT_GT(both.byteCount(), cuda.byteCount());
+    CudaWorkspace workspace;
+    std::vector<float> points(static_cast<std::size_t>(table.rowCount()), 1);
+    std::vector<float> back(static_cast<std::size_t>(table.columnCount()));
+    try {
+        cuda.evaluateAdjoint(points, {0, 1, 1}, back, {0, 1, 1}, {0, table.columnCount()},
+                             workspace);
+        ADD_FAILURE() << "it was there";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("CudaTableOptions::hasAdjoint"));
+    }
+}
+
+TEST_F(Device, KeptPointsStayWhereTheyWere) {
+    stencils::Binding<double> binding;
+    binding.table = StencilTable<double>(2, {0, 1, 1, 2, 2}, {1, 0}, {1, 1});
+    binding.kept = {1, 3};
+    binding.keptAt = {Point3{1, 2, 3}, Point3{4, 5, 6}};
+    const CudaEvaluator<float> cuda(stencils::convertTable<float>(binding.table));
+    const CudaKeptPoints<float> kept(binding);
+    const test::Stream stream;
+    CudaWorkspace workspace(stream);
+    const std::vector<float> pose = {10, 20, 30, 40, 50, 60};
+    const BufferDescriptor to{1, 3, 4};
+    CudaBuffer<float> points{std::span<const float>(std::vector<float>(1 + 4 * 4, 99))};
+    cuda.evaluate(pose, {0, 3, 3}, points, to, {0, 4}, workspace);
+    kept.write(points, to, stream);
+    std::vector<float> result(points.size());
+    points.download(result, stream);
+    workspace.synchronize();
+    EXPECT_THAT(result, ::testing::ElementsAre(99, 40, 50, 60, 99, 1, 2, 3, 99, 10, 20, 30, 99, 4,
+                                               5, 6, 99));
+    EXPECT_THROW(kept.write(points, {3, 3, 4}, stream), Error);  // one number too few
+    EXPECT_THROW(kept.write(points, {0, 4, 4}, stream), Error);  // not xyz
+}
+
+TEST_F(Device, BuffersHoldWhatTheyAreGiven) {
+    const std::vector<float> values = {1, 2, 3};
+    CudaBuffer<float> buffer{std::span<const float>(values)};
+    EXPECT_EQ(buffer.size(), 3U);
+    std::vector<float> result(3), tooMany(4);
+    CudaBuffer<float> moved = std::move(buffer);
+    moved.upload(std::vector<float>{7});
+    moved.download(result);
+    CudaWorkspace().synchronize();
+    EXPECT_THAT(result, ::testing::ElementsAre(7, 2, 3));
+    EXPECT_THROW(moved.upload(tooMany), Error);
+    EXPECT_THROW(moved.download(tooMany), Error);
+    const CudaBuffer<float> empty(0);
+    EXPECT_EQ(empty.data(), nullptr);
+}
+
+TEST_F(Device, TablesWithoutRowsOrEntriesAreEvaluated) {
+    CudaWorkspace workspace;
+    std::vector<float> none, two(2, 99);
+    const CudaEvaluator<float> nothing((StencilTable<float>()), {.hasAdjoint = true});
+    nothing.evaluate(none, {0, 1, 1}, none, {0, 1, 1}, {0, 0}, workspace);
+    nothing.evaluateAdjoint(none, {0, 1, 1}, none, {0, 1, 1}, {0, 0}, workspace);
+    const CudaEvaluator<float> empty(StencilTable<float>(0, {0, 0, 0}, {}, {}),
+                                     {.hasAdjoint = true});
+    empty.evaluate(none, {0, 1, 1}, two, {0, 1, 1}, {0, 2}, workspace);
+    empty.evaluateAdjoint(two, {0, 1, 1}, none, {0, 1, 1}, {0, 0}, workspace);
+    workspace.synchronize();
+    EXPECT_THAT(two, ::testing::ElementsAre(0, 0));
+}
+
+// Not skipped where there is no device, but run there alone.
+TEST(NoDevice, IsSaidByTheCallThatFails) {
+    if (cudaDeviceCount() > 0) GTEST_SKIP() << "there is a device";
+    try {
+        const CudaEvaluator<float> evaluator(StencilTable<float>(1, {0, 1}, {0}, {1}));
+        ADD_FAILURE() << "there is none, and it was found";
+    } catch (const CudaError& error) {
+        EXPECT_THAT(error.what(),
+                    AllOf(HasSubstr("cudaGetDevice has failed: "), HasSubstr("(cuda")));
+        EXPECT_NE(error.code(), 0);
+    }
+}
+
+}  // namespace
+}  // namespace espalier::osd

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/cuda_evaluator.h>
+
+#include "cuda_device.h"
+#include "evaluator_suite.h"
+
+namespace espalier::osd {
+namespace {
+
+enum class Place { Host, Device };
+
+/// Copies what a test has on the host to the device and back, where the arguments are to be there.
+template <class Real>
+class OnDevice {
+public:
+    explicit OnDevice(std::span<const Real> values) : buffer_(values) {}
+
+    CudaBuffer<Real>& buffer() { return buffer_; }
+
+    void copyTo(std::span<Real> values, CudaWorkspace& workspace) {
+        buffer_.download(values, workspace.stream());
+        workspace.synchronize();
+    }
+
+private:
+    CudaBuffer<Real> buffer_;
+};
+
+/// An evaluator for GPUs, with source and destination in one place.
+template <bool isGrouped, bool isAdjoint, Place place>
+struct Cuda {
+    static std::string skipReason() { return test::whyNoCuda(); }
+
+    template <class Real>
+    class Of {
+    public:
+        explicit Of(const StencilTable<Real>& table)
+            : evaluator_(isAdjoint ? stencils::transposeTable(table) : table,
+                         {.isGrouped = isGrouped, .hasAdjoint = isAdjoint}) {}
+
+        void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                      MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                      RowRange rows) const {
+            const test::Stream stream;
+            CudaWorkspace workspace(stream);
+            const auto run = [&](const CudaSource<Real>& from, const CudaDestination<Real>& to) {
+                if constexpr (isAdjoint)
+                    evaluator_.evaluateAdjoint(from, sourceLayout, to, destinationLayout, rows,
+                                               workspace);
+                else
+                    evaluator_.evaluate(from, sourceLayout, to, destinationLayout, rows, workspace);
+            };
+            if constexpr (place == Place::Host) {
+                run(source, destination);
+                workspace.synchronize();
+            } else {
+                OnDevice<Real> from(source), to(destination);
+                run(from.buffer(), to.buffer());
+                to.copyTo(destination, workspace);
+            }
+        }
+
+    private:
+        CudaEvaluator<Real> evaluator_;
+    };
+};
+
+using Cases = ::testing::Types<
+    Case<Cuda<true, false, Place::Host>, float>, Case<Cuda<true, false, Place::Host>, double>,
+    Case<Cuda<true, false, Place::Device>, float>, Case<Cuda<true, false, Place::Device>, double>,
+    Case<Cuda<false, false, Place::Host>, float>, Case<Cuda<false, false, Place::Device>, double>,
+    Case<Cuda<true, true, Place::Host>, float>, Case<Cuda<true, true, Place::Device>, float>,
+    Case<Cuda<true, true, Place::Device>, double>, Case<Cuda<false, true, Place::Host>, double>,
+    Case<Cuda<false, true, Place::Device>, float>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Cuda, EvaluatorTest, Cases);
+
+}  // namespace
+}  // namespace espalier::osd

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/cuda_evaluator.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "bound_table.h"
+#include "cuda_device.h"
+#include "fake_cuda.h"
+
+// Which calls of CUDA's are made, and what becomes of it if they fail: seen by a device that is the
+// host.
+namespace espalier::osd {
+namespace {
+
+using stencils::StencilTable;
+namespace fake = test::fake_cuda;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const StencilTable<float>& someTable() {
+    static const auto table = test::boundTable<float>(shapes::cylinder({.sectors = 5}));
+    return table;
+}
+
+constexpr BufferDescriptor kXyz{0, 3, 3};
+
+std::vector<std::string> callsOf(const auto& work) {
+    fake::takeCalls();
+    work();
+    std::vector<std::string> calls = fake::takeCalls();
+    // These are no work of a device's.
+    std::erase_if(calls, [](const std::string& call) {
+        return call == "cudaGetDevice" || call == "cudaStreamIsCapturing";
+    });
+    return calls;
+}
+
+// A kernel for each kind of rows that the table has: products of 4 and of 3 a side, panels, rows
+// alone. Nothing waits, and nothing is allocated.
+TEST(CudaCalls, BetweenBuffersOfTheDeviceAreKernelsAlone) {
+    const auto& table = someTable();
+    const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
+    const test::Stream stream;
+    CudaWorkspace workspace = cuda.workspace(3, stream);
+    CudaBuffer<float> pose(static_cast<std::size_t>(table.columnCount()) * 3);
+    CudaBuffer<float> points(static_cast<std::size_t>(table.rowCount()) * 3);
+    EXPECT_THAT(
+        callsOf([&] {
+            cuda.evaluate(pose, kXyz, points, kXyz, {0, table.rowCount()}, workspace);
+        }),
+        ::testing::AllOf(::testing::Each("cudaLaunchKernel"), ::testing::SizeIs(::testing::Le(6))));
+    EXPECT_THAT(
+        callsOf([&] {
+            cuda.evaluateAdjoint(points, kXyz, pose, kXyz, {0, table.columnCount()}, workspace);
+        }),
+        ::testing::AllOf(::testing::Each("cudaLaunchKernel"), ::testing::SizeIs(::testing::Le(5))));
+}
+
+TEST(CudaCalls, FromAndToTheHostAreTwoCopies) {
+    const auto& table = someTable();
+    const CudaEvaluator<float> cuda(table);
+    CudaWorkspace workspace;
+    const std::vector<float> pose(static_cast<std::size_t>(table.columnCount()) * 3, 1);
+    std::vector<float> points(static_cast<std::size_t>(table.rowCount()) * 3);
+    const auto evaluate = [&] {
+        cuda.evaluate(pose, kXyz, points, kXyz, {0, table.rowCount()}, workspace);
+    };
+    EXPECT_EQ(callsOf(evaluate).front(), "cudaMallocAsync");
+    const auto calls = callsOf(evaluate);
+    EXPECT_EQ(calls.front(), "cudaMemcpyAsync");
+    EXPECT_EQ(calls.back(), "cudaMemcpyAsync");
+    EXPECT_EQ(std::count(calls.begin(), calls.end(), "cudaLaunchKernel"), std::ssize(calls) - 2);
+}
+
+// What is put on a stream does not run before something waits for it.
+TEST(CudaCalls, WaitForNothing) {
+    const auto& table = someTable();
+    const CudaEvaluator<float> cuda(table);
+    const test::Stream stream;
+    CudaWorkspace workspace(stream);
+    const std::vector<float> pose(static_cast<std::size_t>(table.columnCount()) * 3, 1);
+    CudaBuffer<float> points(static_cast<std::size_t>(table.rowCount()) * 3);
+    const auto calls = callsOf([&] {
+        cuda.evaluate(pose, kXyz, points, kXyz, {0, table.rowCount()}, workspace);
+        CudaWorkspace grown(stream);
+        grown.reserve(100);
+        grown.reserve(10'000);
+        grown.reserve(1'000);
+    });
+    for (const char* const waiting :
+         {"cudaStreamSynchronize", "cudaMalloc", "cudaFree", "cudaMemcpy"})
+        EXPECT_EQ(std::count(calls.begin(), calls.end(), waiting), 0) << waiting;
+    EXPECT_EQ(std::count(calls.begin(), calls.end(), "cudaMallocAsync"), 3);
+    EXPECT_EQ(std::count(calls.begin(), calls.end(), "cudaFreeAsync"), 2);
+}
+
+// The device of the table, whatever the calling thread's is.
+TEST(CudaCalls, MakeTheTablesDeviceCurrentAndTheOtherOneAgain) {
+    ASSERT_EQ(cudaSetDevice(1), cudaSuccess);
+    const CudaEvaluator<float> cuda(StencilTable<float>(1, {0, 1}, {0}, {2}));
+    EXPECT_EQ(cuda.device(), 1);
+    CudaWorkspace workspace;
+    ASSERT_EQ(cudaSetDevice(0), cudaSuccess);
+    const std::vector<float> source = {21};
+    std::vector<float> result(1);
+    EXPECT_THAT(callsOf([&] {
+                    cuda.evaluate(source, {0, 1, 1}, result, {0, 1, 1}, {0, 1}, workspace);
+                }),
+                ElementsAre("cudaSetDevice", "cudaMallocAsync", "cudaMemcpyAsync",
+                            "cudaLaunchKernel", "cudaMemcpyAsync", "cudaSetDevice"));
+    int current = -1;
+    cudaGetDevice(&current);
+    EXPECT_EQ(current, 0);
+    EXPECT_THAT(result, ElementsAre(42));
+
+    const CudaEvaluator<float> other(StencilTable<float>(1, {0, 1}, {0}, {2}));
+    try {
+        other.evaluate(source, {0, 1, 1}, result, {0, 1, 1}, {0, 1}, workspace);
+        ADD_FAILURE() << "of the other device, and taken";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("of CUDA device 1, the table of device 0"));
+    }
+}
+
+// Each call fails in its turn: that is an exception, which names it, unless it was made to give
+// memory back; and nothing leaks.
+TEST(CudaCalls, ThatFailAreExceptions) {
+    const auto& table = someTable();
+    std::vector<std::string> failed;
+    for (int number = 1;; ++number) {
+        const std::size_t before = fake::allocationCount();
+        try {
+            const test::Stream stream;
+            const std::vector<float> pose(static_cast<std::size_t>(table.columnCount()) * 4, 1);
+            std::vector<float> points(static_cast<std::size_t>(table.rowCount()) * 4);
+            fake::failCall(number);
+            const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
+            CudaWorkspace workspace = cuda.workspace(3, stream);
+            CudaBuffer<float> there{std::span<const float>(points)};
+            cuda.evaluate(pose, kXyz, there, kXyz, {0, table.rowCount()}, workspace);
+            cuda.evaluate(pose, kXyz, points, {0, 3, 4}, {0, table.rowCount()}, workspace);
+            cuda.evaluateAdjoint(there, kXyz, points, kXyz, {0, table.columnCount()}, workspace);
+            there.upload(points, stream);
+            there.download(points, stream);
+            workspace.synchronize();
+            cudaDeviceCount();
+        } catch (const CudaError& error) {
+            const std::string what = error.what();
+            EXPECT_THAT(what, HasSubstr(" has failed: "));
+            failed.push_back(what.substr(0, what.find(' ')));
+            EXPECT_EQ(cudaGetLastError(), cudaSuccess);
+        }
+        const bool hasFailed = fake::failCall(0);
+        EXPECT_EQ(fake::allocationCount(), before) << number;
+        int current = -1;
+        cudaGetDevice(&current);
+        EXPECT_EQ(current, 0);
+        if (!hasFailed) break;
+        ASSERT_LT(number, 1000);
+    }
+    for (const char* const call :
+         {"cudaGetDevice", "cudaMalloc", "cudaMemcpy", "cudaMallocAsync", "cudaStreamIsCapturing",
+          "cudaMemcpyAsync", "cudaLaunchKernel", "cudaMemcpy2DAsync", "cudaStreamSynchronize",
+          "cudaGetDeviceCount"})
+        EXPECT_THAT(failed, ::testing::Contains(call));
+}
+
+// What is refused for its arguments has called nothing.
+TEST(CudaCalls, AreNotMadeForWhatIsRefused) {
+    const CudaEvaluator<float> cuda(StencilTable<float>(1, {0, 1}, {0}, {2}));
+    CudaWorkspace workspace;
+    CudaBuffer<float> one(1);
+    EXPECT_THAT(
+        callsOf([&] {
+            EXPECT_THROW(cuda.evaluate(one, {0, 1, 1}, one, {1, 1, 1}, {0, 1}, workspace), Error);
+            cuda.evaluate(one, {0, 1, 1}, one, {0, 1, 1}, {1, 1}, workspace);
+        }),
+        ElementsAre());
+}
+
+}  // namespace
+}  // namespace espalier::osd
