@@ -80,11 +80,19 @@ Lattice regularLattice() {
     return shapes::box({.cells = {10, 10, 10}});
 }
 
-Workload regularModel() {
+template <class Real>
+stencils::StencilTable<Real> regularTable(int pointCount) {
     const Lattice box = regularLattice();
     const stencils::TensorLattice lattice(box.complex, box.positions, stencils::Basis::BSpline);
-    return workload(
-        stencils::buildDeformationTable<double>(lattice, stencils::embedPoints(lattice, model())));
+    return stencils::buildDeformationTable<Real>(lattice,
+                                                 stencils::embedPoints(lattice, model(pointCount)));
+}
+
+template stencils::StencilTable<float> regularTable(int);
+template stencils::StencilTable<double> regularTable(int);
+
+Workload regularModel() {
+    return workload(regularTable<double>(kMillion));
 }
 
 Lattice irregularLattice() {

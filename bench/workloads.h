@@ -52,6 +52,10 @@ bool givesBack(std::span<const Point3> moved, std::span<const Point3> points);
 /// row has 64 entries; as a subdivided lattice has between the planes of its base vertices.
 Workload regularModel();
 
+/// The table of such a model of about so many points.
+template <class Real>
+stencils::StencilTable<Real> regularTable(int pointCount);
+
 /// The box.
 Lattice regularLattice();
 

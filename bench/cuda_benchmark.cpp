@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Tables on a GPU, for docs/performance.md: prints its tables, and fails if a result is wrong.
+//
+//     cuda_bench [MILLIONS]...    regular models of so many points; 1 and 30 unless it is said
+
+#include <cuda_runtime_api.h>
+#include <cusparse.h>
+#include <espalier/osd/compiled_adjoint.h>
+#include <espalier/osd/cuda_evaluator.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cuda_peers.h"
+#include "workloads.h"
+
+namespace espalier {
+namespace {
+
+using far::Index;
+using far::Offset;
+using osd::BufferDescriptor;
+using stencils::StencilTable;
+
+void check(cudaError_t error) {
+    if (error != cudaSuccess) throw std::runtime_error(cudaGetErrorString(error));
+}
+
+void check(cusparseStatus_t status) {
+    if (status != CUSPARSE_STATUS_SUCCESS) throw std::runtime_error(cusparseGetErrorString(status));
+}
+
+/// Times what is put on the default stream, with nothing of it in the cache: the median of many
+/// runs, before each of which a larger array is written.
+class Timer {
+public:
+    Timer() {
+        check(cudaMalloc(&other_, kOtherBytes));
+        check(cudaEventCreate(&start_));
+        check(cudaEventCreate(&stop_));
+    }
+    ~Timer() {
+        cudaFree(other_);
+        cudaEventDestroy(start_);
+        cudaEventDestroy(stop_);
+    }
+    Timer(const Timer&) = delete;
+    Timer& operator=(const Timer&) = delete;
+
+    double milliseconds(const std::function<void()>& work) {
+        constexpr int kRuns = 21;
+        std::vector<float> times;
+        for (int run = -3; run < kRuns; ++run) {
+            check(cudaMemsetAsync(other_, run, kOtherBytes, nullptr));
+            check(cudaEventRecord(start_, nullptr));
+            work();
+            check(cudaEventRecord(stop_, nullptr));
+            check(cudaEventSynchronize(stop_));
+            float time = 0;
+            check(cudaEventElapsedTime(&time, start_, stop_));
+            if (run >= 0) times.push_back(time);
+        }
+        std::nth_element(times.begin(), times.begin() + kRuns / 2, times.end());
+        return static_cast<double>(times[kRuns / 2]);
+    }
+
+private:
+    static constexpr std::size_t kOtherBytes = std::size_t{1} << 29;
+
+    void* other_ = nullptr;
+    cudaEvent_t start_ = nullptr, stop_ = nullptr;
+};
+
+/// Bytes a millisecond that a copy reads and writes.
+double copyBandwidth(Timer& timer) {
+    constexpr std::size_t kBytes = std::size_t{1} << 32;
+    const osd::CudaBuffer<float> from(kBytes / sizeof(float));
+    osd::CudaBuffer<float> to(from.size());
+    check(cudaMemset(const_cast<float*>(from.data()), 1, kBytes));
+    return 2.0 * kBytes / timer.milliseconds([&] {
+        check(cudaMemcpyAsync(to.data(), from.data(), kBytes, cudaMemcpyDeviceToDevice, nullptr));
+    });
+}
+
+/// The table as peers take it, on the device.
+template <class Real>
+class PeerTable {
+public:
+    explicit PeerTable(const StencilTable<Real>& table)
+        : rowCount_(table.rowCount()),
+          columnCount_(table.columnCount()),
+          entryCount_(table.entryCount()),
+          offsets_(copied(table.offsets())),
+          columns_(copied(table.columns())),
+          weights_(copied(table.weights())) {
+        // cuSPARSE wants offsets and columns of one size: 32 bits, which is the less to read.
+        if (entryCount_ > std::numeric_limits<std::int32_t>::max())
+            throw std::runtime_error("too many entries for cuSPARSE's 32-bit offsets");
+        const std::vector<std::int32_t> shortOffsets(table.offsets().begin(),
+                                                     table.offsets().end());
+        shortOffsets_ = static_cast<std::int32_t*>(copied(std::span(shortOffsets)));
+        check(cusparseCreate(&handle_));
+        check(cusparseCreateCsr(&matrix_, rowCount_, columnCount_, entryCount_, shortOffsets_,
+                                columns_, weights_, CUSPARSE_INDEX_32I, CUSPARSE_INDEX_32I,
+                                CUSPARSE_INDEX_BASE_ZERO, kType));
+    }
+    ~PeerTable() {
+        cusparseDestroySpMat(matrix_);
+        cusparseDestroy(handle_);
+        for (void* const array : arrays_) cudaFree(array);
+    }
+    PeerTable(const PeerTable&) = delete;
+    PeerTable& operator=(const PeerTable&) = delete;
+
+    /// One thread a row.
+    void evaluateByRows(const Real* source, Real* destination, int components) const {
+        const bench::DeviceTable<Real> table = {static_cast<const std::int64_t*>(offsets_),
+                                                static_cast<const std::int32_t*>(columns_),
+                                                static_cast<const Real*>(weights_), rowCount_};
+        check(bench::evaluateByRows(table, source, destination, components, nullptr));
+    }
+
+    /// cuSPARSE's product with a dense matrix whose rows are entries, by the quickest of its
+    /// algorithms, each prepared before it is timed.
+    double milliseconds(Timer& timer, bool isTransposed, const Real* source, Real* destination,
+                        int components) {
+        const auto operation =
+            isTransposed ? CUSPARSE_OPERATION_TRANSPOSE : CUSPARSE_OPERATION_NON_TRANSPOSE;
+        const Index rows = isTransposed ? columnCount_ : rowCount_;
+        const Index columns = isTransposed ? rowCount_ : columnCount_;
+        cusparseDnMatDescr_t from = nullptr, to = nullptr;
+        check(cusparseCreateDnMat(&from, columns, components, components, const_cast<Real*>(source),
+                                  kType, CUSPARSE_ORDER_ROW));
+        check(cusparseCreateDnMat(&to, rows, components, components, destination, kType,
+                                  CUSPARSE_ORDER_ROW));
+        const Real one = 1, zero = 0;
+        double best = std::numeric_limits<double>::infinity();
+        for (const auto algorithm : {CUSPARSE_SPMM_ALG_DEFAULT, CUSPARSE_SPMM_CSR_ALG1,
+                                     CUSPARSE_SPMM_CSR_ALG2, CUSPARSE_SPMM_CSR_ALG3}) {
+            const auto multiply = [&](void* buffer) {
+                return cusparseSpMM(handle_, operation, CUSPARSE_OPERATION_NON_TRANSPOSE, &one,
+                                    matrix_, from, &zero, to, kType, algorithm, buffer);
+            };
+            std::size_t bytes = 0;
+            if (cusparseSpMM_bufferSize(handle_, operation, CUSPARSE_OPERATION_NON_TRANSPOSE, &one,
+                                        matrix_, from, &zero, to, kType, algorithm,
+                                        &bytes) != CUSPARSE_STATUS_SUCCESS)
+                continue;
+            void* buffer = nullptr;
+            check(cudaMalloc(&buffer, std::max<std::size_t>(bytes, 1)));
+            // Some algorithms do not transpose.
+            if (cusparseSpMM_preprocess(handle_, operation, CUSPARSE_OPERATION_NON_TRANSPOSE, &one,
+                                        matrix_, from, &zero, to, kType, algorithm,
+                                        buffer) == CUSPARSE_STATUS_SUCCESS &&
+                multiply(buffer) == CUSPARSE_STATUS_SUCCESS)
+                best = std::min(best, timer.milliseconds([&] { check(multiply(buffer)); }));
+            check(cudaFree(buffer));
+        }
+        check(cusparseDestroyDnMat(from));
+        check(cusparseDestroyDnMat(to));
+        return best;
+    }
+
+private:
+    static constexpr auto kType = sizeof(Real) == 4 ? CUDA_R_32F : CUDA_R_64F;
+
+    template <class T>
+    void* copied(std::span<const T> values) {
+        void* array = nullptr;
+        check(cudaMalloc(&array, std::max<std::size_t>(values.size_bytes(), 1)));
+        arrays_.push_back(array);
+        check(cudaMemcpy(array, values.data(), values.size_bytes(), cudaMemcpyHostToDevice));
+        return array;
+    }
+
+    Index rowCount_, columnCount_;
+    Offset entryCount_;
+    std::vector<void*> arrays_;
+    void *offsets_, *columns_, *weights_;
+    void* shortOffsets_ = nullptr;
+    cusparseHandle_t handle_ = nullptr;
+    cusparseSpMatDescr_t matrix_ = nullptr;
+};
+
+template <class Real>
+std::vector<Real> valuesOf(const osd::CudaBuffer<Real>& buffer) {
+    std::vector<Real> values(buffer.size());
+    buffer.download(values);
+    check(cudaDeviceSynchronize());
+    return values;
+}
+
+void refuse(const char* who, double error) {
+    throw std::runtime_error(std::string("the result of ") + who + " is off by " +
+                             std::to_string(error));
+}
+
+/// Compares some rows with sums in the order of the table; values up to 1, rows up to 64 entries.
+template <class Real>
+void checkForward(const StencilTable<Real>& table, const std::vector<Real>& pose, int components,
+                  const osd::CudaBuffer<Real>& result, const char* who) {
+    const std::vector<Real> values = valuesOf(result);
+    for (Index row = 0; row < table.rowCount(); row += 997)
+        for (int c = 0; c < components; ++c) {
+            double sum = 0;
+            for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                sum += static_cast<double>(table.weights(row)[k]) *
+                       static_cast<double>(pose[static_cast<std::size_t>(
+                           table.columns(row)[k] * Offset{components} + c)]);
+            const double got =
+                static_cast<double>(values[static_cast<std::size_t>(row * Offset{components} + c)]);
+            if (!(std::abs(got - sum) <= 64 * std::numeric_limits<Real>::epsilon()))
+                refuse(who, std::abs(got - sum));
+        }
+}
+
+/// Compares with sums that others have made: of as many values up to 1 as there are rows, of whose
+/// roundings the root remains.
+template <class Real>
+void checkAdjoint(const std::vector<Real>& expected, Index rowCount,
+                  const osd::CudaBuffer<Real>& result, const char* who) {
+    const std::vector<Real> values = valuesOf(result);
+    const double bound =
+        16 * std::numeric_limits<Real>::epsilon() * std::sqrt(static_cast<double>(rowCount));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const double error =
+            std::abs(static_cast<double>(values[i]) - static_cast<double>(expected[i]));
+        if (!(error <= bound * std::max(1.0, std::abs(static_cast<double>(expected[i])))))
+            refuse(who, error);
+    }
+}
+
+struct Row {
+    double bytes;         ///< that our form has to read and write
+    double grouped, csr;  ///< milliseconds
+    double cuSparse;
+    std::optional<double> byRows;
+};
+
+void printHead() {
+    std::printf(
+        "| table | direction | components | reads and writes | ours | of the copy's "
+        "bandwidth | ours, compressed rows | cuSPARSE | ratio | a thread a row | ratio |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+}
+
+void print(const std::string& table, const char* direction, int components, const Row& row,
+           double bandwidth) {
+    std::printf("| %s | %s | %d | %.3g GB | %.3g ms | %.2f | %.3g ms | %.3g ms | %.1f × |",
+                table.c_str(), direction, components, row.bytes / 1e9, row.grouped,
+                row.bytes / row.grouped / bandwidth, row.csr, row.cuSparse,
+                row.cuSparse / row.grouped);
+    if (row.byRows)
+        std::printf(" %.3g ms | %.1f × |\n", *row.byRows, *row.byRows / row.grouped);
+    else
+        std::printf("  |  |\n");
+    std::fflush(stdout);
+}
+
+/// Every byte of it, so that what nobody writes is no number.
+template <class Real>
+void poison(osd::CudaBuffer<Real>& buffer) {
+    check(cudaMemset(buffer.data(), 0xFF, buffer.size() * sizeof(Real)));
+}
+
+/// A table on the device, ours in both forms and the peers'.
+template <class Real>
+class TableBench {
+public:
+    TableBench(Timer& timer, const StencilTable<Real>& table, bool hasAdjoint)
+        : timer_(timer),
+          table_(table),
+          grouped_(table, {.hasAdjoint = hasAdjoint}),
+          csr_(table, {.isGrouped = false, .hasAdjoint = hasAdjoint}),
+          peer_(table) {}
+
+    Row forward(int components) {
+        const auto layout = BufferDescriptor::packed(components);
+        const std::vector<Real> pose = bench::randomValues(table_, components);
+        const osd::CudaBuffer<Real> source{std::span<const Real>(pose)};
+        osd::CudaBuffer<Real> result(static_cast<std::size_t>(table_.rowCount() * layout.length));
+        osd::CudaWorkspace workspace;
+        const auto timeOf = [&](const std::function<void()>& evaluate, const char* who) {
+            poison(result);
+            evaluate();
+            checkForward(table_, pose, components, result, who);
+            return timer_.milliseconds(evaluate);
+        };
+        const auto ours = [&](const osd::CudaEvaluator<Real>& evaluator) {
+            return [&] {
+                evaluator.evaluate(source, layout, result, layout, {0, table_.rowCount()},
+                                   workspace);
+            };
+        };
+        Row row = {};
+        row.bytes = bytesOf(pose.size() + result.size());
+        row.grouped = timeOf(ours(grouped_), "ours");
+        row.csr = timeOf(ours(csr_), "ours in compressed rows");
+        row.byRows = timeOf([&] { peer_.evaluateByRows(source.data(), result.data(), components); },
+                            "a thread a row");
+        poison(result);
+        row.cuSparse = peer_.milliseconds(timer_, false, source.data(), result.data(), components);
+        checkForward(table_, pose, components, result, "cuSPARSE");
+        return row;
+    }
+
+    Row adjoint(int components) {
+        const auto layout = BufferDescriptor::packed(components);
+        const osd::RowRange columns{0, table_.columnCount()};
+        std::vector<Real> gradients(static_cast<std::size_t>(table_.rowCount() * layout.length));
+        for (std::size_t i = 0; i < gradients.size(); ++i)
+            gradients[i] = static_cast<Real>(std::sin(static_cast<double>(i)));
+        std::vector<Real> expected(static_cast<std::size_t>(table_.columnCount() * layout.length));
+        osd::CompiledAdjoint<Real>(table_).evaluate(gradients, layout, expected, layout, columns);
+        const osd::CudaBuffer<Real> source{std::span<const Real>(gradients)};
+        osd::CudaBuffer<Real> result(expected.size());
+        const auto timeOf = [&](const osd::CudaEvaluator<Real>& evaluator, const char* who) {
+            osd::CudaWorkspace workspace = evaluator.workspace(components);
+            const auto evaluate = [&] {
+                evaluator.evaluateAdjoint(source, layout, result, layout, columns, workspace);
+            };
+            poison(result);
+            evaluate();
+            checkAdjoint(expected, table_.rowCount(), result, who);
+            return timer_.milliseconds(evaluate);
+        };
+        Row row = {};
+        row.bytes = bytesOf(gradients.size() + result.size());
+        row.grouped = timeOf(grouped_, "our adjoint");
+        row.csr = timeOf(csr_, "our adjoint in compressed rows");
+        poison(result);
+        row.cuSparse = peer_.milliseconds(timer_, true, source.data(), result.data(), components);
+        checkAdjoint(expected, table_.rowCount(), result, "cuSPARSE's adjoint");
+        return row;
+    }
+
+private:
+    double bytesOf(std::size_t values) const {
+        return static_cast<double>(grouped_.tableByteCount() + values * sizeof(Real));
+    }
+
+    Timer& timer_;
+    const StencilTable<Real>& table_;
+    osd::CudaEvaluator<Real> grouped_, csr_;
+    PeerTable<Real> peer_;
+};
+
+template <class Real>
+void benchTable(Timer& timer, const std::string& name, const StencilTable<Real>& table,
+                double bandwidth) {
+    // Of the largest not, which would lie in memory four times: of the host, while it is turned.
+    const bool hasAdjoint = table.entryCount() < Offset{1} << 28;
+    TableBench<Real> bench(timer, table, hasAdjoint);
+    const std::string full = name + (sizeof(Real) == 4 ? ", float" : ", double");
+    for (const int components : {3, 12})
+        print(full, "forward", components, bench.forward(components), bandwidth);
+    if (hasAdjoint) print(full, "adjoint", 3, bench.adjoint(3), bandwidth);
+}
+
+void run(const std::vector<int>& millions) {
+    cudaDeviceProp properties;
+    check(cudaGetDeviceProperties(&properties, 0));
+    Timer timer;
+    const double bandwidth = copyBandwidth(timer);
+    std::printf("Device: %s. A copy on it reads and writes %.2f TB/s.\n\n", properties.name,
+                bandwidth / 1e9);
+    printHead();
+    for (const int count : millions) {
+        const std::string name = "regular, " + std::to_string(count) + " M points";
+        benchTable(timer, name, bench::regularTable<float>(count * bench::kMillion), bandwidth);
+        benchTable(timer, name, bench::regularTable<double>(count * bench::kMillion), bandwidth);
+    }
+    const bench::Workload irregular = bench::irregularModel();
+    benchTable(timer, "irregular, 1 M points", irregular.inFloat.table, bandwidth);
+    benchTable(timer, "irregular, 1 M points", irregular.inDouble.table, bandwidth);
+}
+
+}  // namespace
+}  // namespace espalier
+
+int main(int argc, char** argv) {
+    try {
+        std::vector<int> millions;
+        for (int i = 1; i < argc; ++i) millions.push_back(std::atoi(argv[i]));
+        espalier::run(millions.empty() ? std::vector{1, 30} : millions);
+        return EXIT_SUCCESS;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "cuda_bench: %s\n", error.what());
+        return EXIT_FAILURE;
+    }
+}
