@@ -55,7 +55,7 @@ function(espalier_compile_options target)
   target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${options}>")
 endfunction()
 
-# espalier_uses(NAME PUBLIC|PRIVATE TARGET PACKAGE name PKG_CONFIG name|-lname... DEBIAN name)
+# espalier_uses(NAME PUBLIC|PRIVATE TARGET PACKAGE name PKG_CONFIG name|-lname|-Lfolder... DEBIAN name)
 #
 # Links a component to a library of somebody else's, which has these names for find_package, for
 # pkg-config (or none there) and for apt. Those who use the component have to find that, too, unless

@@ -96,6 +96,30 @@ class Packages(unittest.TestCase):
                          *shlex.split(flags))
         self.run_program("./by-pkg-config", env=self.environment())
 
+    def test_cuda(self):
+        if not any(self.prefix.glob("lib*/**/espalier-cuda.pc")):
+            self.skipTest("built without CUDA")
+        (self.folder / "cuda").mkdir()
+        (self.folder / "cuda/main.cpp").write_text(
+            "#include <espalier/osd/cuda_evaluator.h>\n"
+            "int main() { return espalier::osd::cudaDeviceCount() >= 0 ? 0 : 1; }\n")
+        # No CUDA as a language: its headers and its compiler are not asked for.
+        (self.folder / "cuda/CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.25)\nproject(cuda LANGUAGES CXX)\n"
+            "find_package(espalier REQUIRED COMPONENTS cuda)\n"
+            "add_executable(main main.cpp)\ntarget_link_libraries(main espalier::cuda)\n")
+        options = ["-S", "cuda", "-B", "cuda/build", f"-DCMAKE_PREFIX_PATH={self.prefix}"]
+        self.run_program(CMAKE, *options)
+        self.run_program(CMAKE, "--build", "cuda/build")
+        self.run_program("cuda/build/main", env=self.environment())
+
+        path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
+        flags = self.run_program("pkg-config", "--cflags", "--libs", "espalier-cuda",
+                                 env=self.environment(PKG_CONFIG_PATH=path))
+        self.run_program("c++", "-std=c++20", "cuda/main.cpp", "-o", "cuda/by-pkg-config",
+                         *shlex.split(flags))
+        self.run_program("cuda/by-pkg-config", env=self.environment())
+
     def test_each_header_compiles_alone_without_warnings(self):
         path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
         names = [file.stem for file in self.prefix.glob("lib*/**/espalier-*.pc")]
@@ -129,7 +153,8 @@ class Packages(unittest.TestCase):
         headers = {str(path.relative_to(self.prefix / "include/espalier"))
                    for path in self.prefix.glob("include/espalier/**/*.h")}
         self.assertIn("stencils/local_binding.h", headers)
-        for name in ("stencils/group_binder.h", "io/zip_writer.h", "solve/bernstein.h"):
+        for name in ("stencils/group_binder.h", "io/zip_writer.h", "solve/bernstein.h",
+                     "osd/cuda_calls.h"):
             self.assertTrue((HERE.parents[1] / name).is_file(), name)
             self.assertNotIn(name, headers)
 
