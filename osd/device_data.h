@@ -56,7 +56,7 @@ struct SparseRows {
     const Real* weights;  ///< 1 for each entry if null
     const Index* rows;    ///< which row of the table, ascending; row i if null
     Index count;
-    int lanesOfRow;  ///< that go through a row together: a power of 2
+    int lanesLog2;  ///< 2 to this many lanes go through a row together
 };
 
 /// How sizes of outer products are shared out: those of n × m × l factors with n, m and l up to 4

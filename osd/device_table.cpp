@@ -149,18 +149,18 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
 }
 
 template <class Real>
-int lanesOfRows(const SparseArrays<Real>& rows) {
+int lanesLog2Of(const SparseArrays<Real>& rows) {
     const Offset count = std::max(rows.count(), Index{1});
-    int lanes = 1;
-    while (lanes < kWarp && 8 * lanes * count <= std::ssize(rows.columns)) lanes *= 2;
-    return lanes;
+    int log2 = 0;
+    while (1 << log2 < kWarp && (8 << log2) * count <= std::ssize(rows.columns)) ++log2;
+    return log2;
 }
 
 template struct TableArrays<float>;
 template struct TableArrays<double>;
 template struct AdjointArrays<float>;
 template struct AdjointArrays<double>;
-template int lanesOfRows(const SparseArrays<float>&);
-template int lanesOfRows(const SparseArrays<double>&);
+template int lanesLog2Of(const SparseArrays<float>&);
+template int lanesLog2Of(const SparseArrays<double>&);
 
 }  // namespace espalier::osd::device

@@ -63,10 +63,10 @@ struct ESPALIER_API AdjointArrays {
     AdjointArrays(const stencils::StencilTable<Real>& table, const TableArrays<Real>& arrays);
 };
 
-/// How many lanes go through each of these rows side by side: as many as have four entries each in
-/// a row of the mean length, or more, up to a warp.
+/// How many lanes, as a power of 2, go through each of these rows side by side: as many as have
+/// four entries each in a row of the mean length, or more, up to a warp.
 template <class Real>
-ESPALIER_API int lanesOfRows(const SparseArrays<Real>& rows);
+ESPALIER_API int lanesLog2Of(const SparseArrays<Real>& rows);
 
 /// \param place gives where the elements of a vector lie on the device: nothing matters where it is
 ///        empty, but for `offsets`
@@ -77,7 +77,7 @@ SparseRows<Real> viewOf(const SparseArrays<Real>& rows, Place place) {
             rows.weights.empty() ? nullptr : place(rows.weights),
             rows.rows.empty() ? nullptr : place(rows.rows),
             rows.count(),
-            lanesOfRows(rows)};
+            lanesLog2Of(rows)};
 }
 
 template <class Real, class Place>
