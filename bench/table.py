@@ -323,6 +323,11 @@ in a box.
 ![Time of binding and applying by size](figures/performance-growth.svg)
 
 {growth}
+
+## On a GPU
+
+`scripts/cuda` measures it, on a machine that has one: against cuSPARSE's product, and against a thread a
+row. No such machine was at hand yet, so there are no figures ([what to expect](gpu.md#what-is-tested-and-where)).
 """
 
 
