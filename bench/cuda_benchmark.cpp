@@ -40,16 +40,16 @@ void check(cusparseStatus_t status) {
 }
 
 /// Times what is put on the default stream, with nothing of it in the cache: the median of many
-/// runs, before each of which a larger array is written.
+/// runs, before each of which a larger array is read. (Were it written, the cache would be full of
+/// what has yet to go to memory, at the cost of the run.)
 class Timer {
 public:
-    Timer() {
-        check(cudaMalloc(&other_, kOtherBytes));
+    Timer() : other_(kOtherCount), sum_(1) {
+        check(cudaMemset(other_.data(), 0, kOtherCount * sizeof(float)));
         check(cudaEventCreate(&start_));
         check(cudaEventCreate(&stop_));
     }
     ~Timer() {
-        cudaFree(other_);
         cudaEventDestroy(start_);
         cudaEventDestroy(stop_);
     }
@@ -60,7 +60,7 @@ public:
         constexpr int kRuns = 21;
         std::vector<float> times;
         for (int run = -3; run < kRuns; ++run) {
-            check(cudaMemsetAsync(other_, run, kOtherBytes, nullptr));
+            check(bench::readAll(other_.data(), kOtherCount, sum_.data(), nullptr));
             check(cudaEventRecord(start_, nullptr));
             work();
             check(cudaEventRecord(stop_, nullptr));
@@ -74,21 +74,26 @@ public:
     }
 
 private:
-    static constexpr std::size_t kOtherBytes = std::size_t{1} << 29;
+    static constexpr std::size_t kOtherCount = std::size_t{1} << 27;
 
-    void* other_ = nullptr;
+    osd::CudaBuffer<float> other_, sum_;
     cudaEvent_t start_ = nullptr, stop_ = nullptr;
 };
 
 /// Bytes a millisecond that a copy reads and writes.
 double copyBandwidth(Timer& timer) {
     constexpr std::size_t kBytes = std::size_t{1} << 32;
-    const osd::CudaBuffer<float> from(kBytes / sizeof(float));
-    osd::CudaBuffer<float> to(from.size());
-    check(cudaMemset(const_cast<float*>(from.data()), 1, kBytes));
+    osd::CudaBuffer<float> from(kBytes / sizeof(float)), to(from.size());
+    check(cudaMemset(from.data(), 1, kBytes));
     return 2.0 * kBytes / timer.milliseconds([&] {
         check(cudaMemcpyAsync(to.data(), from.data(), kBytes, cudaMemcpyDeviceToDevice, nullptr));
     });
+}
+
+/// Every byte of it, so that what nobody writes is no number.
+template <class Real>
+void poison(osd::CudaBuffer<Real>& buffer) {
+    check(cudaMemset(buffer.data(), 0xFF, buffer.size() * sizeof(Real)));
 }
 
 /// The table as peers take it, on the device.
@@ -130,9 +135,11 @@ public:
     }
 
     /// cuSPARSE's product with a dense matrix whose rows are entries, by the quickest of its
-    /// algorithms, each prepared before it is timed.
-    double milliseconds(Timer& timer, bool isTransposed, const Real* source, Real* destination,
-                        int components) {
+    /// algorithms, each prepared before it is timed, and its result checked. One that cannot do it,
+    /// or not in the memory that is left, is left out.
+    double milliseconds(Timer& timer, bool isTransposed, const Real* source,
+                        osd::CudaBuffer<Real>& result, int components,
+                        const std::function<void()>& checkResult) {
         const auto operation =
             isTransposed ? CUSPARSE_OPERATION_TRANSPOSE : CUSPARSE_OPERATION_NON_TRANSPOSE;
         const Index rows = isTransposed ? columnCount_ : rowCount_;
@@ -140,29 +147,30 @@ public:
         cusparseDnMatDescr_t from = nullptr, to = nullptr;
         check(cusparseCreateDnMat(&from, columns, components, components, const_cast<Real*>(source),
                                   kType, CUSPARSE_ORDER_ROW));
-        check(cusparseCreateDnMat(&to, rows, components, components, destination, kType,
+        check(cusparseCreateDnMat(&to, rows, components, components, result.data(), kType,
                                   CUSPARSE_ORDER_ROW));
-        const Real one = 1, zero = 0;
         double best = std::numeric_limits<double>::infinity();
         for (const auto algorithm : {CUSPARSE_SPMM_ALG_DEFAULT, CUSPARSE_SPMM_CSR_ALG1,
                                      CUSPARSE_SPMM_CSR_ALG2, CUSPARSE_SPMM_CSR_ALG3}) {
-            const auto multiply = [&](void* buffer) {
-                return cusparseSpMM(handle_, operation, CUSPARSE_OPERATION_NON_TRANSPOSE, &one,
-                                    matrix_, from, &zero, to, kType, algorithm, buffer);
+            const Real one = 1, zero = 0;
+            const auto call = [&](auto function, auto extra) {
+                return function(handle_, operation, CUSPARSE_OPERATION_NON_TRANSPOSE, &one, matrix_,
+                                from, &zero, to, kType, algorithm, extra);
             };
             std::size_t bytes = 0;
-            if (cusparseSpMM_bufferSize(handle_, operation, CUSPARSE_OPERATION_NON_TRANSPOSE, &one,
-                                        matrix_, from, &zero, to, kType, algorithm,
-                                        &bytes) != CUSPARSE_STATUS_SUCCESS)
-                continue;
+            if (call(cusparseSpMM_bufferSize, &bytes) != CUSPARSE_STATUS_SUCCESS) continue;
             void* buffer = nullptr;
-            check(cudaMalloc(&buffer, std::max<std::size_t>(bytes, 1)));
-            // Some algorithms do not transpose.
-            if (cusparseSpMM_preprocess(handle_, operation, CUSPARSE_OPERATION_NON_TRANSPOSE, &one,
-                                        matrix_, from, &zero, to, kType, algorithm,
-                                        buffer) == CUSPARSE_STATUS_SUCCESS &&
-                multiply(buffer) == CUSPARSE_STATUS_SUCCESS)
-                best = std::min(best, timer.milliseconds([&] { check(multiply(buffer)); }));
+            if (cudaMalloc(&buffer, std::max<std::size_t>(bytes, 1)) != cudaSuccess) {
+                cudaGetLastError();
+                continue;
+            }
+            poison(result);
+            if (call(cusparseSpMM_preprocess, buffer) == CUSPARSE_STATUS_SUCCESS &&
+                call(cusparseSpMM, buffer) == CUSPARSE_STATUS_SUCCESS) {
+                checkResult();
+                best =
+                    std::min(best, timer.milliseconds([&] { check(call(cusparseSpMM, buffer)); }));
+            }
             check(cudaFree(buffer));
         }
         check(cusparseDestroyDnMat(from));
@@ -266,12 +274,6 @@ void print(const std::string& table, const char* direction, int components, cons
     std::fflush(stdout);
 }
 
-/// Every byte of it, so that what nobody writes is no number.
-template <class Real>
-void poison(osd::CudaBuffer<Real>& buffer) {
-    check(cudaMemset(buffer.data(), 0xFF, buffer.size() * sizeof(Real)));
-}
-
 /// A table on the device, ours in both forms and the peers'.
 template <class Real>
 class TableBench {
@@ -307,9 +309,9 @@ public:
         row.csr = timeOf(ours(csr_), "ours in compressed rows");
         row.byRows = timeOf([&] { peer_.evaluateByRows(source.data(), result.data(), components); },
                             "a thread a row");
-        poison(result);
-        row.cuSparse = peer_.milliseconds(timer_, false, source.data(), result.data(), components);
-        checkForward(table_, pose, components, result, "cuSPARSE");
+        row.cuSparse = peer_.milliseconds(timer_, false, source.data(), result, components, [&] {
+            checkForward(table_, pose, components, result, "cuSPARSE");
+        });
         return row;
     }
 
@@ -337,9 +339,15 @@ public:
         row.bytes = bytesOf(gradients.size() + result.size());
         row.grouped = timeOf(grouped_, "our adjoint");
         row.csr = timeOf(csr_, "our adjoint in compressed rows");
-        poison(result);
-        row.cuSparse = peer_.milliseconds(timer_, true, source.data(), result.data(), components);
-        checkAdjoint(expected, table_.rowCount(), result, "cuSPARSE's adjoint");
+        // Of the table, transposed by the product, or of its transpose: the quicker of the two.
+        PeerTable<Real> transpose(stencils::transposeTable(table_));
+        for (const bool isTransposed : {true, false}) {
+            PeerTable<Real>& peer = isTransposed ? peer_ : transpose;
+            const double time = peer.milliseconds(
+                timer_, isTransposed, source.data(), result, components,
+                [&] { checkAdjoint(expected, table_.rowCount(), result, "cuSPARSE's adjoint"); });
+            row.cuSparse = isTransposed ? time : std::min(row.cuSparse, time);
+        }
         return row;
     }
 
@@ -390,7 +398,13 @@ void run(const std::vector<int>& millions) {
 int main(int argc, char** argv) {
     try {
         std::vector<int> millions;
-        for (int i = 1; i < argc; ++i) millions.push_back(std::atoi(argv[i]));
+        for (int i = 1; i < argc; ++i) {
+            millions.push_back(std::atoi(argv[i]));
+            if (millions.back() < 1 || millions.back() > 33) {  // ×64: cuSPARSE's 32-bit offsets
+                std::fprintf(stderr, "usage: cuda_bench [MILLIONS]..., from 1 to 33\n");
+                return 2;
+            }
+        }
         espalier::run(millions.empty() ? std::vector{1, 30} : millions);
         return EXIT_SUCCESS;
     } catch (const std::exception& error) {

@@ -18,12 +18,27 @@ __global__ void rows(DeviceTable<Real> table, const Real* __restrict__ source,
     for (int c = 0; c < components; ++c) destination[std::int64_t{row} * components + c] = sums[c];
 }
 
+__global__ void sumUp(const float* values, std::size_t count, float* sum) {
+    float own = 0;
+    for (std::size_t i = std::size_t{blockIdx.x} * blockDim.x + threadIdx.x; i < count;
+         i += std::size_t{gridDim.x} * blockDim.x)
+        own += values[i];
+    if (own != 0) *sum = own;  // all are 0; but the compiler does not know
+}
+
 }  // namespace
+
+cudaError_t readAll(const float* values, std::size_t count, float* sum, cudaStream_t stream) {
+    cudaGetLastError();
+    sumUp<<<2048, 256, 0, stream>>>(values, count, sum);
+    return cudaGetLastError();
+}
 
 template <class Real>
 cudaError_t evaluateByRows(const DeviceTable<Real>& table, const Real* source, Real* destination,
                            int components, cudaStream_t stream) {
     constexpr int kThreads = 256;
+    cudaGetLastError();  // of what others have failed with
     const int blocks = (table.rowCount + kThreads - 1) / kThreads;
     if (components == 3)
         rows<3><<<blocks, kThreads, 0, stream>>>(table, source, destination);

@@ -3,6 +3,7 @@
 
 #include <cuda_runtime_api.h>
 
+#include <cstddef>
 #include <cstdint>
 
 namespace espalier::bench {
@@ -21,5 +22,9 @@ struct DeviceTable {
 template <class Real>
 cudaError_t evaluateByRows(const DeviceTable<Real>& table, const Real* source, Real* destination,
                            int components, cudaStream_t stream);
+
+/// Reads all of an array, so that nothing else is in the cache, and nothing that has yet to be
+/// written.
+cudaError_t readAll(const float* values, std::size_t count, float* sum, cudaStream_t stream);
 
 }  // namespace espalier::bench

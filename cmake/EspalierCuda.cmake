@@ -18,6 +18,14 @@ if(CMAKE_CUDA_COMPILER)
     set(ESPALIER_CUDA_FOUND TRUE)
   endif()
 endif()
+# What the CUDA sources of every target of ours are compiled with. Not CUDA_STANDARD: CMake 3.25 does
+# not know that CUDA 12 has C++20.
+function(espalier_cuda_options target)
+  set_target_properties(${target} PROPERTIES CUDA_RUNTIME_LIBRARY Static)
+  set(options -std=c++20 $<$<BOOL:${ESPALIER_WARNINGS_AS_ERRORS}>:-Werror=all-warnings>)
+  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:${options}>")
+endfunction()
+
 if(NOT ESPALIER_CUDA_FOUND)
   message(STATUS "CUDA 12 or later not found: Espalier evaluates on processors alone")
 endif()

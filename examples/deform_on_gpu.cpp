@@ -30,7 +30,7 @@ void deform(int count, char** arguments) {
                                      model->positions())
             .binding;
     const osd::CudaEvaluator<float> table(stencils::convertTable<float>(binding.table));
-    const osd::CudaKeptPoints<float> kept(binding);
+    const osd::CudaKeptPoints<float> kept(table.rowCount(), binding.kept, binding.keptAt);
     const auto xyz = osd::BufferDescriptor::packed(3);
     const osd::RowRange all = {0, table.rowCount()};
     osd::CudaBuffer<float> points(3 * static_cast<std::size_t>(table.rowCount()));

@@ -32,6 +32,12 @@ void* allocateOnDevice(std::size_t bytes) {
     return memory;
 }
 
+void copyToDevice(void* to, const void* from, std::size_t bytes) {
+    if (bytes == 0) return;
+    check(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice), "cudaMemcpy to the device");
+    check(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+}
+
 DeviceArrays::~DeviceArrays() {
     for (void* const array : arrays_) cudaFree(array);
 }
@@ -42,7 +48,7 @@ void* DeviceArrays::add(const void* values, std::size_t bytes) {
     if (memory == nullptr) return nullptr;
     arrays_.push_back(memory);
     byteCount_ += bytes;
-    check(cudaMemcpy(memory, values, bytes, cudaMemcpyHostToDevice), "cudaMemcpy to the device");
+    copyToDevice(memory, values, bytes);
     return memory;
 }
 

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 // CUDA's runtime, with exceptions and owners.
@@ -34,14 +33,17 @@ int currentDevice();
 /// Memory of the current device; null for no bytes.
 void* allocateOnDevice(std::size_t bytes);
 
+/// Copies to memory of the current device, and waits until it is there, for any stream:
+/// cudaMemcpy() alone does not, where the memory of the host is not page-locked.
+void copyToDevice(void* to, const void* from, std::size_t bytes);
+
 /// Arrays in memory of the current device.
 class DeviceArrays {
 public:
     DeviceArrays() = default;
     ~DeviceArrays();
-    DeviceArrays(DeviceArrays&& other) noexcept
-        : arrays_(std::exchange(other.arrays_, {})), byteCount_(other.byteCount_) {}
-    DeviceArrays& operator=(DeviceArrays&&) = delete;
+    DeviceArrays(const DeviceArrays&) = delete;
+    DeviceArrays& operator=(const DeviceArrays&) = delete;
 
     /// Copies one there.
     template <class T>

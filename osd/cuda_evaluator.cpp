@@ -29,7 +29,8 @@ template <class Real>
 void copyToHost(const Real* entries, Offset count, Real* to, const BufferDescriptor& layout,
                 cudaStream_t stream) {
     const std::size_t bytes = bytesOf<Real>(layout.length);
-    if (layout.stride == layout.length)
+    // A row alone may have any stride, also one that CUDA takes for too large.
+    if (layout.stride == layout.length || count == 1)
         check(cudaMemcpyAsync(to, entries, bytesOf<Real>(count * layout.length),
                               cudaMemcpyDeviceToHost, stream),
               "cudaMemcpyAsync to the host");
@@ -99,26 +100,30 @@ int cudaDeviceCount() {
 
 template <class Real>
 CudaBuffer<Real>::CudaBuffer(std::size_t size)
-    : data_(static_cast<Real*>(allocateOnDevice(size * sizeof(Real)))), size_(size) {}
+    : device_(currentDevice()),
+      data_(static_cast<Real*>(allocateOnDevice(size * sizeof(Real)))),
+      size_(size) {}
 
 template <class Real>
 CudaBuffer<Real>::CudaBuffer(std::span<const Real> values) : CudaBuffer(values.size()) {
-    if (!values.empty())
-        check(cudaMemcpy(data_, values.data(), values.size_bytes(), cudaMemcpyHostToDevice),
-              "cudaMemcpy to the device");
+    copyToDevice(data_, values.data(), values.size_bytes());
 }
 
 template <class Real>
 CudaBuffer<Real>::~CudaBuffer() {
-    cudaFree(data_);
+    // Null is no call for nothing: it makes a context.
+    if (data_ != nullptr) cudaFree(data_);
 }
 
 template <class Real>
 CudaBuffer<Real>::CudaBuffer(CudaBuffer&& other) noexcept
-    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+    : device_(other.device_),
+      data_(std::exchange(other.data_, nullptr)),
+      size_(std::exchange(other.size_, 0)) {}
 
 template <class Real>
 CudaBuffer<Real>& CudaBuffer<Real>::operator=(CudaBuffer&& other) noexcept {
+    std::swap(device_, other.device_);
     std::swap(data_, other.data_);
     std::swap(size_, other.size_);
     return *this;
@@ -127,19 +132,21 @@ CudaBuffer<Real>& CudaBuffer<Real>::operator=(CudaBuffer&& other) noexcept {
 template <class Real>
 void CudaBuffer<Real>::upload(std::span<const Real> values, CudaStream stream) {
     checkSize(values.size());
-    if (!values.empty())
-        check(cudaMemcpyAsync(data_, values.data(), values.size_bytes(), cudaMemcpyHostToDevice,
-                              stream),
-              "cudaMemcpyAsync to the device");
+    if (values.empty()) return;
+    const DeviceScope scope(device_);
+    check(
+        cudaMemcpyAsync(data_, values.data(), values.size_bytes(), cudaMemcpyHostToDevice, stream),
+        "cudaMemcpyAsync to the device");
 }
 
 template <class Real>
 void CudaBuffer<Real>::download(std::span<Real> values, CudaStream stream) const {
     checkSize(values.size());
-    if (!values.empty())
-        check(cudaMemcpyAsync(values.data(), data_, values.size_bytes(), cudaMemcpyDeviceToHost,
-                              stream),
-              "cudaMemcpyAsync to the host");
+    if (values.empty()) return;
+    const DeviceScope scope(device_);
+    check(
+        cudaMemcpyAsync(values.data(), data_, values.size_bytes(), cudaMemcpyDeviceToHost, stream),
+        "cudaMemcpyAsync to the host");
 }
 
 template <class Real>
@@ -149,53 +156,55 @@ void CudaBuffer<Real>::checkSize(std::size_t size) const {
                     std::to_string(size) + " were to be copied");
 }
 
+CudaWorkspace::CudaWorkspace(CudaStream stream) : stream_(stream), device_(currentDevice()) {}
+
 CudaWorkspace::~CudaWorkspace() {
     release();
 }
 
 CudaWorkspace::CudaWorkspace(CudaWorkspace&& other) noexcept
     : stream_(other.stream_),
+      device_(other.device_),
       memory_(std::exchange(other.memory_, nullptr)),
       byteCount_(std::exchange(other.byteCount_, 0)),
-      device_(other.device_) {}
+      isInGraph_(std::exchange(other.isInGraph_, false)) {}
 
 CudaWorkspace& CudaWorkspace::operator=(CudaWorkspace&& other) noexcept {
     std::swap(stream_, other.stream_);
+    std::swap(device_, other.device_);
     std::swap(memory_, other.memory_);
     std::swap(byteCount_, other.byteCount_);
-    std::swap(device_, other.device_);
+    std::swap(isInGraph_, other.isInGraph_);
     return *this;
 }
 
 void CudaWorkspace::release() noexcept {
-    if (memory_ != nullptr) {
-        // The default stream is the current device's.
-        int before = 0;
-        cudaGetDevice(&before);
-        cudaSetDevice(device_);
-        cudaFreeAsync(memory_, stream_);
-        cudaSetDevice(before);
-    }
+    if (memory_ == nullptr) return;
+    // The default stream is the current device's.
+    int before = device_;
+    cudaGetDevice(&before);
+    if (before != device_) cudaSetDevice(device_);
+    cudaFreeAsync(memory_, stream_);
+    if (before != device_) cudaSetDevice(before);
     memory_ = nullptr;
     byteCount_ = 0;
 }
 
 void CudaWorkspace::synchronize() const {
+    const DeviceScope scope(device_);
     check(cudaStreamSynchronize(stream_), "cudaStreamSynchronize");
 }
 
 std::byte* CudaWorkspace::reserve(std::size_t bytes) {
     if (bytes == 0) return memory_;
-    const int device = currentDevice();
-    if (byteCount_ > 0 && device != device_)
-        throw Error("the workspace is of CUDA device " + std::to_string(device_) +
-                    ", the table of device " + std::to_string(device));
-    if (bytes <= byteCount_) return memory_;
+    const DeviceScope scope(device_);
     cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
     check(cudaStreamIsCapturing(stream_, &status), "cudaStreamIsCapturing");
-    if (status != cudaStreamCaptureStatusNone)
-        throw Error("the workspace of a stream that is captured holds " +
-                    std::to_string(byteCount_) + " bytes, and " + std::to_string(bytes) +
+    isInGraph_ = isInGraph_ || status != cudaStreamCaptureStatusNone;
+    if (bytes <= byteCount_) return memory_;
+    if (isInGraph_)
+        throw Error("the workspace is used in a CUDA graph and holds " +
+                    std::to_string(byteCount_) + " bytes; " + std::to_string(bytes) +
                     " are needed: CudaEvaluator::workspace() makes one that is large enough");
     release();
     void* memory = nullptr;
@@ -203,7 +212,6 @@ std::byte* CudaWorkspace::reserve(std::size_t bytes) {
           "cudaMallocAsync of " + std::to_string(bytes) + " bytes");
     memory_ = static_cast<std::byte*>(memory);
     byteCount_ = bytes;
-    device_ = device;
     return memory_;
 }
 
@@ -224,6 +232,16 @@ struct CudaEvaluator<Real>::Data {
         if (options.hasAdjoint)
             adjoint = device::viewOf(device::AdjointArrays<Real>(source, arrays), steps,
                                      placeIn(adjointMemory));
+        check(device::loadKernels<Real>(), "cudaFuncGetAttributes");
+    }
+
+    /// The device, where a workspace is of that.
+    /// \throws Error otherwise
+    DeviceScope scopeFor(const CudaWorkspace& workspace) const {
+        if (workspace.device() != device)
+            throw Error("the workspace is of CUDA device " + std::to_string(workspace.device()) +
+                        ", the table of device " + std::to_string(device));
+        return DeviceScope(device);
     }
 };
 
@@ -266,6 +284,8 @@ std::size_t CudaEvaluator<Real>::tableByteCount() const {
 
 template <class Real>
 CudaWorkspace CudaEvaluator<Real>::workspace(Offset length, CudaStream stream) const {
+    if (length < 1)
+        throw Error("a workspace is for 1 component or more, not " + std::to_string(length));
     const DeviceScope scope(data_->device);
     CudaWorkspace workspace(stream);
     if (data_->adjoint) workspace.reserve(roomOf<Real>(data_->adjoint->placeCount * length));
@@ -280,7 +300,7 @@ void CudaEvaluator<Real>::evaluate(CudaSource<Real> source, const BufferDescript
     checkEvaluation(rowCount(), columnCount(), source.size, sourceLayout, destination.size,
                     destinationLayout, rows);
     if (rows.first == rows.last) return;
-    const DeviceScope scope(data_->device);
+    const DeviceScope scope = data_->scopeFor(workspace);
     runOnDevice(columnCount(), source, sourceLayout, destination, destinationLayout, rows, 0,
                 workspace, [&](const auto& evaluation, Real*, cudaStream_t stream) {
                     return device::startTable(data_->table, evaluation, stream);
@@ -300,7 +320,7 @@ void CudaEvaluator<Real>::evaluateAdjoint(CudaSource<Real> source,
     checkEvaluation(columnCount(), rowCount(), source.size, sourceLayout, destination.size,
                     destinationLayout, columns);
     if (columns.first == columns.last) return;
-    const DeviceScope scope(data_->device);
+    const DeviceScope scope = data_->scopeFor(workspace);
     runOnDevice(rowCount(), source, sourceLayout, destination, destinationLayout, columns,
                 data_->adjoint->placeCount * sourceLayout.length, workspace,
                 [&](const auto& evaluation, Real* places, cudaStream_t stream) {
@@ -322,6 +342,13 @@ struct CudaKeptPoints<Real>::Data {
 template <class Real>
 CudaKeptPoints<Real>::CudaKeptPoints(Index pointCount, std::span<const Index> kept,
                                      std::span<const Point3> keptAt) {
+    if (kept.size() != keptAt.size())
+        throw Error(std::to_string(kept.size()) + " points are kept, at " +
+                    std::to_string(keptAt.size()) + " positions");
+    for (const Index point : kept)
+        if (point < 0 || point >= pointCount)
+            throw Error("the kept point " + std::to_string(point) + " is not one of " +
+                        std::to_string(pointCount));
     std::vector<Real> positions;
     for (const Point3& position : keptAt)
         for (const double coordinate : position) positions.push_back(static_cast<Real>(coordinate));

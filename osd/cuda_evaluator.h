@@ -3,8 +3,8 @@
 
 #include <espalier/far/api.h>
 #include <espalier/far/error.h>
+#include <espalier/far/point.h>
 #include <espalier/osd/evaluation.h>
-#include <espalier/stencils/binding.h>
 
 #include <concepts>
 #include <cstddef>
@@ -43,7 +43,11 @@ struct DeviceSpan {
     Real* data = nullptr;
     std::size_t size = 0;
 
-    operator DeviceSpan<const Real>() const { return {data, size}; }
+    DeviceSpan() = default;
+    DeviceSpan(Real* first, std::size_t count) : data(first), size(count) {}
+    template <class Other>
+    requires std::same_as<const Other, Real> DeviceSpan(DeviceSpan<Other> values)
+        : data(values.data), size(values.size) {}
 };
 
 /// Numbers in memory of the device that is current when it is made, as OpenSubdiv's
@@ -55,11 +59,11 @@ public:
     /// \throws CudaError
     explicit CudaBuffer(std::size_t size);
 
-    /// A copy, which is there when this returns.
+    /// A copy, which is there for any stream when this returns.
     /// \throws CudaError
     explicit CudaBuffer(std::span<const Real> values);
 
-    /// Waits for what the device is doing.
+    /// Waits for what the device is doing, as cudaFree().
     ~CudaBuffer();
     CudaBuffer(CudaBuffer&&) noexcept;
     CudaBuffer& operator=(CudaBuffer&&) noexcept;
@@ -71,8 +75,9 @@ public:
     operator DeviceSpan<Real>() { return {data_, size_}; }
     operator DeviceSpan<const Real>() const { return {data_, size_}; }
 
-    /// Copies from or to the host, behind what is on the stream. As cudaMemcpyAsync(), which waits
-    /// for the copy itself unless the memory of the host is page-locked.
+    /// Copies from or to the host, behind what is on the stream, as cudaMemcpyAsync(): of memory
+    /// that is not page-locked it reads what it takes before it returns; where it writes, it may
+    /// wait for the stream. Synchronize before what was downloaded is read.
     ///
     /// \throws Error if there are more numbers than the buffer has; CudaError
     void upload(std::span<const Real> values, CudaStream stream = nullptr);
@@ -81,6 +86,7 @@ public:
 private:
     void checkSize(std::size_t size) const;
 
+    int device_ = 0;
     Real* data_ = nullptr;
     std::size_t size_ = 0;
 };
@@ -125,29 +131,33 @@ private:
         : data(first), size(count), isOnHost(onHost) {}
 };
 
-/// The stream that evaluations are put on, and the memory of the device that they take besides what
-/// they are given. It grows when an evaluation needs more, in the order of the stream and without
-/// waiting for it (cudaMallocAsync()), and is kept for the next one.
+/// A stream of the device that is current when it is made, for evaluations to be put on, and the
+/// memory of the device that they take besides what they are given. It grows when an evaluation
+/// needs more, in the order of the stream and without waiting for it (cudaMallocAsync()), and is
+/// kept for the next one; but not once it has been used in a CUDA graph, which knows where it is.
 ///
-/// For one stream, and the evaluators of one device; not for several threads at a time. It must go
-/// before its stream does.
+/// For one stream; not for several threads at a time. It must go before its stream does, after the
+/// graphs that it was used in, and not while its stream is captured.
 class ESPALIER_API CudaWorkspace {
 public:
     /// Takes no memory yet.
-    explicit CudaWorkspace(CudaStream stream = nullptr) : stream_(stream) {}
+    /// \param stream null is the default stream of that device
+    /// \throws CudaError
+    explicit CudaWorkspace(CudaStream stream = nullptr);
     ~CudaWorkspace();
     CudaWorkspace(CudaWorkspace&&) noexcept;
     CudaWorkspace& operator=(CudaWorkspace&&) noexcept;
 
     CudaStream stream() const { return stream_; }
+    int device() const { return device_; }
     std::size_t byteCount() const { return byteCount_; }
 
     /// Waits until all that is on the stream is done.
     /// \throws CudaError also for what has failed there
     void synchronize() const;
 
-    /// Makes it hold so many bytes, of the current device. What it held is lost if it has to grow.
-    /// \throws Error if it has to grow while its stream is captured, or is another device's;
+    /// Makes it hold so many bytes. What it held is lost if it has to grow.
+    /// \throws Error if it has to grow and is used in a CUDA graph, or its stream is captured;
     ///         CudaError
     std::byte* reserve(std::size_t bytes);
 
@@ -155,9 +165,10 @@ private:
     void release() noexcept;
 
     CudaStream stream_ = nullptr;
+    int device_ = 0;
     std::byte* memory_ = nullptr;
     std::size_t byteCount_ = 0;
-    int device_ = -1;  ///< whose memory it is
+    bool isInGraph_ = false;
 };
 
 struct CudaTableOptions {
@@ -180,16 +191,17 @@ struct CudaTableOptions {
 ///     table.evaluate(pose, xyz, points, xyz, {0, count}, workspace);  // for each pose
 ///
 /// Immutable, and so safe to share between threads, each with a workspace of its own. Calls put
-/// work on the stream of the workspace, wait for nothing, and may come from any thread, whatever
-/// its current device.
+/// work on the stream of the workspace, and may come from any thread, whatever its current device.
+/// From device to device they wait for nothing.
 template <class Real>
 class ESPALIER_API CudaEvaluator {
 public:
-    /// Copies the table, and returns when it is on the device.
+    /// Copies the table, and returns when it is there for any stream, and the kernels are loaded.
     ///
     /// \throws CudaError where there is no device, or not enough memory on it; Error if the adjoint
     ///         has too many sums on the way
-    /// \cost O(entries + rows log rows) on the host
+    /// \cost O(entries + rows log rows) on the host, and there, for a moment, as much memory as it
+    ///       takes on the device; ungrouped none, but for an adjoint that of the table
     explicit CudaEvaluator(const stencils::StencilTable<Real>& table,
                            const CudaTableOptions& options = {});
 
@@ -208,6 +220,8 @@ public:
 
     /// One that is large enough for evaluations of so many components from the device to the
     /// device: of the adjoint, if there is one.
+    /// \param stream of the device of this table
+    /// \throws Error if the length is not 1 or more; CudaError
     CudaWorkspace workspace(Offset length, CudaStream stream = nullptr) const;
 
     /// As checkEvaluation() says, of source and destination on the host or on the device.
@@ -218,16 +232,21 @@ public:
     /// value that is not finite may reach rows beside its own, whose weight for it is 0.
     ///
     /// From the host, the source is copied to the device first; to the host, the rows of the range
-    /// are copied there after it. Those copies are cudaMemcpyAsync()'s: of page-locked memory they
-    /// are on the stream, and the source must stay as it is, and the destination not be read, until
-    /// that is done; for other memory they take place before this returns. Where entries of the
-    /// destination do not lie one behind the other, each is a copy of its own, which is slow.
+    /// are copied there after it, by cudaMemcpyAsync(). Memory that is page-locked must stay as it
+    /// is, or not be read, until these copies are done; of other memory the source is read before
+    /// this returns, and it may wait for the destination. Synchronize before that is read. Where
+    /// entries of the destination do not lie one behind the other, each is a copy of its own, which
+    /// is slow.
     ///
-    /// From device to device, this may be captured as a part of a CUDA graph.
+    /// From device to device, this may be captured as a part of a CUDA graph. Table, buffers and
+    /// workspace must be there as long as the graph is, and no one else may use the workspace while
+    /// it runs.
     ///
-    /// \throws Error as checkEvaluation() says; CudaError if CUDA refuses a copy or a kernel
-    /// \cost O(entries of the range × components), and a look at each group of rows; memory of the
-    ///       workspace for what is copied
+    /// \throws Error as checkEvaluation() says, if the workspace is another device's, or as
+    ///         CudaWorkspace::reserve() says; CudaError if CUDA refuses a copy or a kernel
+    /// \cost O(entries of the range × components), and a look at each group of rows and each row
+    /// that
+    ///       is in none; memory of the workspace for what is copied
     void evaluate(CudaSource<Real> source, const BufferDescriptor& sourceLayout,
                   CudaDestination<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows, CudaWorkspace& workspace) const;
@@ -250,16 +269,15 @@ private:
     std::unique_ptr<const Data> data_;
 };
 
-/// The kept points of a bound model on the device, which evaluators of binding.table have made 0
-/// (binding_evaluator.h).
+/// The kept points of a bound model on the device that is current when it is made: those that
+/// evaluators of its table have made 0 (binding_evaluator.h).
 template <class Real>
 class ESPALIER_API CudaKeptPoints {
 public:
-    /// \throws CudaError
-    template <class Stored, class Table>
-    explicit CudaKeptPoints(const stencils::Binding<Stored, Table>& binding)
-        : CudaKeptPoints(binding.table.rowCount(), binding.kept, binding.keptAt) {}
-
+    /// \param pointCount rows of the table
+    /// \param kept, keptAt as Binding has them: which points, and where they stay
+    /// \throws Error if these are not as many, or a point is not one of the model's; CudaError
+    CudaKeptPoints(Index pointCount, std::span<const Index> kept, std::span<const Point3> keptAt);
     ~CudaKeptPoints();
     CudaKeptPoints(CudaKeptPoints&&) noexcept;
     CudaKeptPoints& operator=(CudaKeptPoints&&) noexcept;
@@ -272,8 +290,6 @@ public:
                CudaStream stream = nullptr) const;
 
 private:
-    CudaKeptPoints(Index pointCount, std::span<const Index> kept, std::span<const Point3> keptAt);
-
     struct Data;
     std::unique_ptr<const Data> data_;
 };

@@ -5,12 +5,6 @@
 namespace espalier::osd::device {
 namespace {
 
-/// Warps of a block, at most: they share nothing but its memory.
-constexpr unsigned kWarpsOfBlock = 4;
-
-/// Shared memory that any block may have.
-constexpr unsigned kMostShared = 48 * 1024;
-
 /// A warp of the device (device_kernels.h), each of whose threads is one lane.
 class CudaWarp {
 public:
@@ -109,6 +103,27 @@ struct Counted {
     Index warps;
 };
 
+template <class Kernel>
+const void* functionOf() {
+    return reinterpret_cast<const void*>(&run<Counted<Kernel>>);
+}
+
+/// Loads kernels, until one fails.
+class KernelLoad {
+public:
+    template <class Kernel>
+    void operator()(const Kernel&) {
+        cudaFuncAttributes attributes;
+        if (error_ == cudaSuccess)
+            error_ = cudaFuncGetAttributes(&attributes, functionOf<Kernel>());
+    }
+
+    cudaError_t error() const { return error_; }
+
+private:
+    cudaError_t error_ = cudaSuccess;
+};
+
 /// Puts kernels on a stream, until one fails.
 class StreamLaunch {
 public:
@@ -119,14 +134,12 @@ public:
         Counted<Kernel> counted = {kernel, kernel.warpCount()};
         if (error_ != cudaSuccess || counted.warps <= 0) return;
         unsigned shared = kernel.sharedBytes();
-        const unsigned fit = shared == 0 ? kWarpsOfBlock : kMostShared / shared;
-        const unsigned warps = fit < kWarpsOfBlock ? fit : kWarpsOfBlock;
-        const unsigned blocks = (static_cast<unsigned>(counted.warps) + warps - 1) / warps;
+        const Blocks blocks = blocksOf(counted.warps, shared);
         void* arguments[] = {&counted, &shared};
         // Not <<<>>>, whose failure is that of any earlier call as well.
         error_ =
-            cudaLaunchKernel(reinterpret_cast<const void*>(&run<Counted<Kernel>>), dim3(blocks),
-                             dim3(warps * kWarp), arguments, warps * shared, stream_);
+            cudaLaunchKernel(functionOf<Kernel>(), dim3(blocks.count), dim3(blocks.warps * kWarp),
+                             arguments, blocks.warps * shared, stream_);
     }
 
     cudaError_t error() const { return error_; }

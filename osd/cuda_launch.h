@@ -7,6 +7,11 @@
 // What cuda_launch.cu compiles for the device: puts kernels on a stream, and returns at once.
 namespace espalier::osd::device {
 
+/// Loads all kernels onto the current device. CUDA would do that when one is first started, and
+/// might wait for the device then.
+template <class Real>
+cudaError_t loadKernels();
+
 /// The kernels of launchTable() in device_evaluation.h.
 /// \return what starting them has failed with
 template <class Real>

@@ -71,7 +71,7 @@ struct TableView {
     Groups<Real> groups;
     TaskList panels;
     TaskList products[kSizeCount];  ///< in the order of kSizes
-    Index mostProductColumns;       ///< of a product
+    Index mostProductColumns;       ///< of a product of other sizes
     SparseRows<Real> alone;         ///< the rows that are in no group
 };
 
@@ -107,10 +107,9 @@ struct Evaluation {
     Index first, last;  ///< rows first to last − 1 are evaluated
 };
 
-/// Components that go through a kernel: `count` times `width` of them, from `from` on.
+/// Components that go through a kernel of some width: `count` times so many, from `from` on.
 struct Components {
     Offset from;
-    int width;
     Offset count;
 };
 

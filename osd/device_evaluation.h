@@ -8,13 +8,37 @@
 // in tests on the host.
 namespace espalier::osd::device {
 
+/// Warps of a block, at most: they share nothing but its memory.
+inline constexpr unsigned kWarpsOfBlock = 4;
+
+/// Shared memory that any block may have on any device.
+inline constexpr unsigned kMostShared = 48 * 1024;
+
+struct Blocks {
+    unsigned count;
+    unsigned warps;  ///< of each
+};
+
+/// How warps go into blocks; each warp has so many bytes of shared memory, no more than
+/// kMostShared.
+constexpr Blocks blocksOf(Index warpCount, unsigned sharedBytes) {
+    const unsigned fit = sharedBytes == 0 ? kWarpsOfBlock : kMostShared / sharedBytes;
+    const unsigned warps = fit < kWarpsOfBlock ? fit : kWarpsOfBlock;
+    return {(static_cast<unsigned>(warpCount) + warps - 1) / warps, warps};
+}
+
+// The largest outer products that are looked for, in the widest numbers.
+static_assert(Entries<4, double>::bytes(kernels::kMostProductColumns) +
+                  Results<4, double>::kBytes <=
+              kMostShared);
+
 /// Calls f.operator()<width>(components) for parts of `length` components, the widths being 1 to 4,
 /// or `most`, so that the same kernel takes as many as can be.
 template <int most, class F>
 void forComponents(Offset length, F f) {
     Offset from = 0;
     const auto take = [&]<int width>(Offset count) {
-        if (count > 0) f.template operator()<width>(Components{from, width, count});
+        if (count > 0) f.template operator()<width>(Components{from, count});
         from += count * width;
     };
     if constexpr (most > 4) take.template operator()<most>(length / most);

@@ -66,7 +66,7 @@ public:
     ESPALIER_DEVICE explicit Entries(unsigned char* shared)
         : quads_(reinterpret_cast<Quad<Real>*>(shared)) {}
 
-    static unsigned bytes(Index columnCount) {
+    static constexpr unsigned bytes(Index columnCount) {
         return static_cast<unsigned>(columnCount) * kQuads * sizeof(Quad<Real>);
     }
 
@@ -253,13 +253,15 @@ template <int n, int width, class Real>
 struct ProductKernel {
     Groups<Real> table;
     TaskList tasks;
-    Index mostColumns;  ///< of a product
+    Index mostColumns;  ///< of a product, if n is 0
     Evaluation<Real> evaluation;
     Components components;
 
     Index warpCount() const { return tasks.count; }
     unsigned sharedBytes() const {
-        return Entries<width, Real>::bytes(mostColumns) + Results<width, Real>::kBytes;
+        // Sizes descend.
+        return Entries<width, Real>::bytes(n > 0 ? n * n * n : mostColumns) +
+               Results<width, Real>::kBytes;
     }
 
     template <class Warp>
@@ -389,6 +391,17 @@ private:
         return first + Offset{index} * (kWarp >> rows.lanesLog2) + (lane >> rows.lanesLog2);
     }
 
+    /// In the table.
+    ESPALIER_DEVICE Index numberOfRow(Offset row) const {
+        return rows.rows == nullptr ? static_cast<Index>(row) : rows.rows[row];
+    }
+
+    ESPALIER_DEVICE bool isWanted(Offset row) const {
+        if (row >= last) return false;
+        const Index number = numberOfRow(row);
+        return number >= evaluation.first && number < evaluation.last;
+    }
+
     template <class Warp>
     ESPALIER_DEVICE void evaluate(Warp& warp, Index index, Offset from) const {
         const Evaluation<Real>& e = evaluation;
@@ -397,8 +410,9 @@ private:
         warp.each([&](int lane) {
             Sums own = {};
             const Offset row = rowOf(index, lane);
-            const Offset end = row < last ? rows.offsets[row + 1] : 0;
-            Offset entry = row < last ? rows.offsets[row] + (lane & (lanes - 1)) : 0;
+            const bool isHere = isWanted(row);
+            const Offset end = isHere ? rows.offsets[row + 1] : 0;
+            Offset entry = isHere ? rows.offsets[row] + (lane & (lanes - 1)) : 0;
 #if defined(__CUDACC__)
 #pragma unroll 4
 #endif
@@ -413,11 +427,10 @@ private:
         });
         warp.sumOver(sums, lanes);
         warp.each([&](int lane) {
-            const Offset i = rowOf(index, lane);
-            if (i >= last) return;
-            const Index row = rows.rows == nullptr ? static_cast<Index>(i) : rows.rows[i];
-            if (row < e.first || row >= e.last) return;
-            Real* to = e.destination + (row - e.destinationFirst) * e.destinationStride + from;
+            const Offset row = rowOf(index, lane);
+            if (!isWanted(row)) return;
+            Real* to = e.destination +
+                       (numberOfRow(row) - e.destinationFirst) * e.destinationStride + from;
             ESPALIER_UNROLL
             for (int c = 0; c < width; ++c)
                 if (((c ^ lane) & (lanes - 1)) == 0) to[c] = sums[lane].of[c];

@@ -25,12 +25,21 @@ std::size_t at(Offset index) {
     return static_cast<std::size_t>(index);
 }
 
+/// The rows of a table that lives longer.
 template <class Real>
-SparseArrays<Real> arraysOf(const StencilTable<Real>& table, std::vector<Index> rows = {}) {
-    return {{table.offsets().begin(), table.offsets().end()},
-            {table.columns().begin(), table.columns().end()},
-            {table.weights().begin(), table.weights().end()},
-            std::move(rows)};
+SparseArrays<Real> viewedRows(const StencilTable<Real>& table) {
+    SparseArrays<Real> rows;
+    rows.offsets = table.offsets();
+    rows.columns = table.columns();
+    rows.weights = table.weights();
+    return rows;
+}
+
+template <class Real>
+SparseArrays<Real> ownRows(StencilTable<Real> table) {
+    SparseArrays<Real> rows = viewedRows(table);
+    rows.table = std::move(table);  // which leaves its arrays where they are
+    return rows;
 }
 
 /// Rows cut into segments of no more than kMostEntries entries.
@@ -56,7 +65,7 @@ template <class Real>
 TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
     : rowCount(table.rowCount()), columnCount(table.columnCount()) {
     if (!isGrouped) {
-        alone = arraysOf(table);
+        alone = viewedRows(table);
         return;
     }
     CompiledRows<Real> compiled = compileRows(table);
@@ -76,16 +85,17 @@ TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
                           {size[0], size[1], size[2]}});
         std::vector<Task>* tasks = &panels;
         if (size[0] > 0) {
-            mostProductColumns = std::max(mostProductColumns, group.columnCount);
             const auto* kind = std::find(std::begin(kSizes), std::end(kSizes) - 1, size[0]);
+            if (*kind == 0) mostProductColumns = std::max(mostProductColumns, group.columnCount);
             tasks = &products[static_cast<std::size_t>(kind - std::begin(kSizes))];
         }
         for (Index first = 0; first < group.rowCount; first += kWarp * kRowsOfLane<Real>)
             tasks->push_back({number, first});
     }
     std::sort(compiled.rows.begin(), compiled.rows.end());
-    const auto rows = stencils::selectRows<Real>(table, compiled.rows);
-    alone = arraysOf(rows, std::move(compiled.rows));
+    alone = ownRows(stencils::selectRows<Real>(table, compiled.rows));
+    alone.ownRows = std::move(compiled.rows);
+    alone.rows = alone.ownRows;
 }
 
 template <class Real>
@@ -101,11 +111,12 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
     }
 
     // The columns of the rows that are in no group.
-    const bool isGrouped = !arrays.groups.empty();
-    segments = arraysOf(
-        stencils::transposeTable(isGrouped ? rowsOnly<Real>(table, arrays.alone.rows) : table));
+    segments = ownRows(arrays.groups.empty()
+                           ? stencils::transposeTable(table)
+                           : stencils::transposeTable(rowsOnly<Real>(table, arrays.alone.rows)));
     Cut cut = cutRows(segments.offsets);
-    segments.offsets = std::move(cut.offsets);
+    segments.ownOffsets = std::move(cut.offsets);
+    segments.offsets = segments.ownOffsets;
     firstSegment = std::ssize(arrays.groupColumns);
     placeCount = firstSegment + segments.count();
 
@@ -128,8 +139,12 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
         if (placeCount > std::numeric_limits<Index>::max())
             throw Error("the adjoint of this table has " + std::to_string(placeCount) +
                         " sums on the way, which are too many");
-        steps.push_back(
-            {{std::move(stepOffsets), {summands.begin(), summands.end()}, {}, {}}, placeCount});
+        SparseArrays<Real> rows;
+        rows.ownOffsets = std::move(stepOffsets);
+        rows.ownColumns.assign(summands.begin(), summands.end());
+        rows.offsets = rows.ownOffsets;
+        rows.columns = rows.ownColumns;
+        steps.push_back({std::move(rows), placeCount});
     };
     const auto longest = [&] {
         Offset most = 0;

@@ -7,6 +7,7 @@
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace espalier::osd::device {
@@ -14,12 +15,24 @@ namespace espalier::osd::device {
 /// Rows in compressed form, and sums of earlier results: what SparseRows points to.
 template <class Real>
 struct SparseArrays {
-    std::vector<Offset> offsets = {0};
-    std::vector<Index> columns = {};
-    std::vector<Real> weights = {};  ///< 1 for each entry if there are none
-    std::vector<Index> rows = {};    ///< row i is row i if there are none
+    std::span<const Offset> offsets = kNone;
+    std::span<const Index> columns = {};
+    std::span<const Real> weights = {};  ///< 1 for each entry if there are none
+    std::span<const Index> rows = {};    ///< row i is row i if there are none
+
+    // What the spans are of, unless it is the caller's.
+    stencils::StencilTable<Real> table = {};
+    std::vector<Offset> ownOffsets = {};
+    std::vector<Index> ownColumns = {}, ownRows = {};
+
+    SparseArrays() = default;
+    SparseArrays(SparseArrays&&) = default;
+    SparseArrays& operator=(SparseArrays&&) = default;
 
     Index count() const { return static_cast<Index>(offsets.size() - 1); }
+
+private:
+    static constexpr Offset kNone[] = {0};
 };
 
 /// A table in the form in which it goes to a device: the arrays of TableView. Rows that share their
@@ -33,11 +46,12 @@ struct ESPALIER_API TableArrays {
     std::vector<Index> groupRows = {};
     std::vector<Task> panels = {};
     std::array<std::vector<Task>, kSizeCount> products = {};
-    Index mostProductColumns = 0;
+    Index mostProductColumns = 0;  ///< of those of kSizes 0
     SparseArrays<Real> alone = {};
 
+    /// \param table must live as long as this, unless it is grouped
     /// \param isGrouped whether to look for rows that share their columns
-    /// \cost O(entries + rows log rows)
+    /// \cost O(entries + rows log rows); ungrouped nothing, and no memory
     TableArrays(const stencils::StencilTable<Real>& table, bool isGrouped);
 };
 

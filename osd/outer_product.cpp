@@ -130,8 +130,8 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
                         [](Real weight) { return std::abs(weight) >= kLeast; }))
             samples.push_back(weights);
     // More columns than splines have: the search would take long, and find nothing.
-    constexpr std::size_t kMostColumns = 512;
-    if (samples.empty() || samples[0].size() < 4 || samples[0].size() > kMostColumns)
+    if (samples.empty() || samples[0].size() < 4 ||
+        samples[0].size() > at(kernels::kMostProductColumns))
         return std::nullopt;
     std::vector<Logarithms> points(samples[0].size(), Logarithms{});
     for (std::size_t s = 0; s < kSamples; ++s) {

@@ -29,8 +29,8 @@ struct OuterProduct {
 ///
 /// \param rows the weights of rows with the same columns
 /// \return nothing if no box is found, or one along a single axis, which saves nothing, or if there
-///         are over 512 columns. The rows looked at are a few: whether one is an outer product,
-///         factorsOf() says.
+///         are over kernels::kMostProductColumns. The rows looked at are a few: whether one is an
+///         outer product, factorsOf() says.
 /// \cost O(columns² log columns)
 template <class Real>
 std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Real>> rows);

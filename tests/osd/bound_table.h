@@ -4,6 +4,7 @@
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/local_binding.h>
 
+#include <utility>
 #include <vector>
 
 #include "support/refined_lattice.h"
@@ -18,6 +19,25 @@ stencils::StencilTable<Real> boundTable(const Lattice& lattice, std::size_t poin
     return stencils::bindPoints<Real>(far::TopologyRefiner(lattice.complex), lattice.positions, 3,
                                       stencils::Rules::Siggraph96, pointsIn(refined, pointCount, 5))
         .binding.table;
+}
+
+/// A table of all kinds of rows: outer products of a box, panels and rows alone of a cylinder,
+/// whose columns are behind those of the box.
+template <class Real>
+stencils::StencilTable<Real> tableOfAllKinds() {
+    const auto box = boundTable<Real>(shapes::box({.cells = {4, 3, 3}}));
+    const auto cylinder = boundTable<Real>(shapes::cylinder({.sectors = 5}));
+    far::Array<far::Offset> offsets(box.offsets().begin(), box.offsets().end());
+    far::Array<far::Index> columns(box.columns().begin(), box.columns().end());
+    far::Array<Real> weights(box.weights().begin(), box.weights().end());
+    for (far::Index row = 0; row < cylinder.rowCount(); ++row) {
+        for (const far::Index column : cylinder.columns(row))
+            columns.push_back(box.columnCount() + column);
+        offsets.push_back(static_cast<far::Offset>(columns.size()));
+    }
+    weights.insert(weights.end(), cylinder.weights().begin(), cylinder.weights().end());
+    return {box.columnCount() + cylinder.columnCount(), std::move(offsets), std::move(columns),
+            std::move(weights)};
 }
 
 /// Between −1 and 1.

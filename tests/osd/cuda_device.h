@@ -21,11 +21,12 @@ inline std::string whyNoCuda() {
     }
 }
 
-/// A stream of the test's own.
+/// A stream of the test's own, of the current device, which waits for no other.
 class Stream {
 public:
     Stream() {
-        if (cudaStreamCreate(&stream_) != cudaSuccess) throw std::runtime_error("cudaStreamCreate");
+        if (cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking) != cudaSuccess)
+            throw std::runtime_error("cudaStreamCreateWithFlags");
     }
     ~Stream() { cudaStreamDestroy(stream_); }
     Stream(const Stream&) = delete;

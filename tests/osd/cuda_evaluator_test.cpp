@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/osd/cuda_evaluator.h>
+#include <espalier/stencils/binding.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <array>
+#include <stdexcept>
+#include <utility>
 
 #include "bound_table.h"
 #include "cuda_device.h"
@@ -22,10 +24,9 @@ using ::testing::HasSubstr;
 
 using Device = test::CudaTest;
 
-/// A cylinder's: outer products, panels and rows alone.
 template <class Real>
 const StencilTable<Real>& someTable() {
-    static const auto table = boundTable<Real>(shapes::cylinder({.sectors = 5}));
+    static const auto table = test::tableOfAllKinds<Real>();
     return table;
 }
 
@@ -199,12 +200,94 @@ TEST_F(Device, AWorkspaceDoesNotGrowWhileItsStreamIsCaptured) {
         cuda.evaluateAdjoint(points, xyz, back, xyz, {0, table.columnCount()}, workspace);
         ADD_FAILURE() << "it has grown";
     } catch (const Error& error) {
-        EXPECT_THAT(error.what(), AllOf(HasSubstr("a stream that is captured holds 0 bytes"),
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("is used in a CUDA graph and holds 0 bytes"),
                                         HasSubstr("CudaEvaluator::workspace()")));
     }
     cudaGraph_t graph = nullptr;
     ASSERT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
     cudaGraphDestroy(graph);
+}
+
+// The graph knows where its memory is.
+TEST_F(Device, AWorkspaceDoesNotGrowOnceItIsInAGraph) {
+    const auto& table = someTable<float>();
+    const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
+    const test::Stream stream;
+    CudaWorkspace workspace = cuda.workspace(3, stream);
+    const std::byte* const memory = workspace.reserve(1);
+    const auto xyz = BufferDescriptor::packed(3);
+    CudaBuffer<float> points(static_cast<std::size_t>(table.rowCount()) * 3);
+    CudaBuffer<float> back(static_cast<std::size_t>(table.columnCount()) * 3);
+    ASSERT_EQ(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), cudaSuccess);
+    cuda.evaluateAdjoint(points, xyz, back, xyz, {0, table.columnCount()}, workspace);
+    cudaGraph_t graph = nullptr;
+    ASSERT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
+    cudaGraphDestroy(graph);
+    EXPECT_THROW(workspace.reserve(workspace.byteCount() + 1), Error);
+    CudaWorkspace moved = std::move(workspace);
+    EXPECT_THROW(moved.reserve(moved.byteCount() + 1), Error);
+    EXPECT_EQ(moved.reserve(moved.byteCount()), memory);
+}
+
+/// Numbers in page-locked memory.
+class PageLocked {
+public:
+    explicit PageLocked(std::size_t size) {
+        void* memory = nullptr;
+        if (cudaMallocHost(&memory, size * sizeof(float)) != cudaSuccess)
+            throw std::runtime_error("cudaMallocHost");
+        values_ = {static_cast<float*>(memory), size};
+    }
+    ~PageLocked() { cudaFreeHost(values_.data()); }
+    PageLocked(const PageLocked&) = delete;
+    PageLocked& operator=(const PageLocked&) = delete;
+
+    std::span<float> values() const { return values_; }
+
+private:
+    std::span<float> values_;
+};
+
+// Copies from and to there are on the stream, in their order with the products.
+TEST_F(Device, PageLockedMemoryIsCopiedOnTheStream) {
+    const auto& table = someTable<float>();
+    const CudaEvaluator<float> cuda(table);
+    const test::Stream stream;
+    CudaWorkspace workspace(stream);
+    const auto xyz = BufferDescriptor::packed(3);
+    const auto count = static_cast<std::size_t>(table.rowCount()) * 3;
+    const PageLocked pose(static_cast<std::size_t>(table.columnCount()) * 3);
+    const PageLocked first(count), second(count);
+    const auto values = test::randomValuesOf<float>(table.columnCount() * 3, 8);
+    std::copy(values.begin(), values.end(), pose.values().begin());
+    cuda.evaluate(pose.values(), xyz, first.values(), xyz, {0, table.rowCount()}, workspace);
+    cuda.evaluate(pose.values(), xyz, second.values(), {0, 3, 3}, {0, table.rowCount() / 2},
+                  workspace);
+    workspace.synchronize();
+    const auto expected =
+        hostResults<float>(HostDevice<float>(table, true), table.rowCount(), values, 3, false);
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), first.values().begin()));
+    EXPECT_TRUE(std::equal(expected.begin(), expected.begin() + table.rowCount() / 2 * 3,
+                           second.values().begin()));
+}
+
+TEST_F(Device, WhatIsMovedStaysWhole) {
+    const StencilTable<float> twice(1, {0, 1}, {0}, {2}), thrice(1, {0, 1}, {0}, {3});
+    CudaEvaluator<float> cuda(twice);
+    cuda = CudaEvaluator<float>(thrice);
+    CudaWorkspace workspace;
+    workspace.reserve(1000);
+    CudaWorkspace other(std::move(workspace));
+    EXPECT_EQ(other.byteCount(), 1000U);
+    workspace = std::move(other);
+    EXPECT_EQ(workspace.byteCount(), 1000U);
+    CudaBuffer<float> source{std::span<const float>(std::vector<float>{7})}, result(1);
+    source = CudaBuffer<float>(std::span<const float>(std::vector<float>{14}));
+    cuda.evaluate(source, {0, 1, 1}, result, {0, 1, 1}, {0, 1}, workspace);
+    std::vector<float> value(1);
+    result.download(value);
+    workspace.synchronize();
+    EXPECT_THAT(value, ::testing::ElementsAre(42));
 }
 
 TEST_F(Device, AnAdjointHasToBeAskedFor) {
@@ -232,7 +315,7 @@ TEST_F(Device, KeptPointsStayWhereTheyWere) {
     binding.kept = {1, 3};
     binding.keptAt = {Point3{1, 2, 3}, Point3{4, 5, 6}};
     const CudaEvaluator<float> cuda(stencils::convertTable<float>(binding.table));
-    const CudaKeptPoints<float> kept(binding);
+    const CudaKeptPoints<float> kept(4, binding.kept, binding.keptAt);
     const test::Stream stream;
     CudaWorkspace workspace(stream);
     const std::vector<float> pose = {10, 20, 30, 40, 50, 60};
@@ -247,6 +330,8 @@ TEST_F(Device, KeptPointsStayWhereTheyWere) {
                                                5, 6, 99));
     EXPECT_THROW(kept.write(points, {3, 3, 4}, stream), Error);  // one number too few
     EXPECT_THROW(kept.write(points, {0, 4, 4}, stream), Error);  // not xyz
+    EXPECT_THROW(CudaKeptPoints<float>(3, binding.kept, binding.keptAt), Error);
+    EXPECT_THROW(CudaKeptPoints<float>(4, binding.kept, {}), Error);
 }
 
 TEST_F(Device, BuffersHoldWhatTheyAreGiven) {
@@ -259,6 +344,8 @@ TEST_F(Device, BuffersHoldWhatTheyAreGiven) {
     moved.download(result);
     CudaWorkspace().synchronize();
     EXPECT_THAT(result, ::testing::ElementsAre(7, 2, 3));
+    EXPECT_THROW(CudaEvaluator<float>(StencilTable<float>(1, {0, 1}, {0}, {1})).workspace(0),
+                 Error);
     EXPECT_THROW(moved.upload(tooMany), Error);
     EXPECT_THROW(moved.download(tooMany), Error);
     const CudaBuffer<float> empty(0);

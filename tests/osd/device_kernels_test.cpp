@@ -150,6 +150,28 @@ TYPED_TEST(DeviceKernels, AddUpLongColumnsInSteps) {
               20);
 }
 
+// The warps of a block have no more shared memory than any block may have; and of few columns or
+// none as many are in a block as may be.
+TEST(DeviceBlocks, HoldTheSharedMemoryOfTheirWarps) {
+    using device::blocksOf;
+    device::ProductKernel<0, 4, double> largest = {};
+    largest.mostColumns = kernels::kMostProductColumns;
+    for (const unsigned shared :
+         {largest.sharedBytes(), device::ProductKernel<4, 3, float>{}.sharedBytes(),
+          device::PanelKernel<12, double>{}.sharedBytes(), 0U}) {
+        EXPECT_EQ(shared % 16, 0U);
+        for (const Index warps : {1, 4, 5, 1'000'000}) {
+            const device::Blocks blocks = blocksOf(warps, shared);
+            EXPECT_LE(blocks.warps * shared, device::kMostShared);
+            EXPECT_GE(blocks.count * blocks.warps, static_cast<unsigned>(warps));
+            EXPECT_LT((blocks.count - 1) * blocks.warps, static_cast<unsigned>(warps));
+        }
+    }
+    EXPECT_EQ(blocksOf(10, 0).warps, 4U);
+    EXPECT_EQ(blocksOf(10, 4000).warps, 4U);
+    EXPECT_EQ(blocksOf(10, largest.sharedBytes()).warps, 2U);
+}
+
 // What lies on the device for a row of a regular region: 12 factors and the number of the row, and
 // a little for each group.
 TYPED_TEST(DeviceKernels, KeepTwelveNumbersOfARegularRow) {

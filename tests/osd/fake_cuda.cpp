@@ -23,6 +23,7 @@
 using Work = std::vector<std::function<void()>>;
 
 struct CUstream_st {
+    int device = 0;
     Work queue;
     CUgraph_st* captured = nullptr;  ///< what is put on it goes there
 };
@@ -41,17 +42,19 @@ constexpr std::align_val_t kAlignment{256};
 struct Device {
     std::vector<std::string> calls;
     int failing = 0;  ///< calls from here on
+    std::string failed;
     cudaError_t lastError = cudaSuccess;
     int current = 0;
-    CUstream_st defaultStreams[kDeviceCount];
+    CUstream_st defaultStreams[kDeviceCount] = {{0, {}, nullptr}, {1, {}, nullptr}};
     std::set<CUstream_st*> streams;  ///< others
-    std::map<void*, std::size_t> memory;
+    std::map<void*, std::size_t> memory, pageLocked;
 } device;
 
 /// What every call begins with: whether it is to fail.
 cudaError_t enter(const char* name, cudaError_t how = cudaErrorUnknown) {
     device.calls.emplace_back(name);
     if (device.failing == 0 || --device.failing > 0) return cudaSuccess;
+    device.failed = name;
     return device.lastError = how;
 }
 
@@ -103,10 +106,10 @@ void release(void* memory) {
     setAccess(false);
 }
 
-/// Whether the range is in what has been allocated.
-bool isOnDevice(const void* first, std::size_t bytes) {
+/// Whether a range is in one of these.
+bool isIn(const std::map<void*, std::size_t>& all, const void* first, std::size_t bytes) {
     const auto* const address = static_cast<const std::byte*>(first);
-    for (const auto& [memory, size] : device.memory) {
+    for (const auto& [memory, size] : all) {
         const auto* const start = static_cast<const std::byte*>(memory);
         if (address >= start && address + bytes <= start + size) return true;
     }
@@ -120,16 +123,20 @@ cudaError_t copy(void* to, std::size_t toPitch, const void* from, std::size_t fr
     const bool isUpload = kind == cudaMemcpyHostToDevice;
     const void* const onDevice = isUpload ? to : from;
     const std::size_t pitch = isUpload ? toPitch : fromPitch;
-    if (!isOnDevice(onDevice, (height - 1) * pitch + width))
+    if (!isIn(device.memory, onDevice, (height - 1) * pitch + width))
         return device.lastError = cudaErrorInvalidValue;
+    const bool isPageLocked = isIn(device.pageLocked, isUpload ? from : to,
+                                   (height - 1) * (isUpload ? fromPitch : toPitch) + width);
     const auto rows = [=](void* target, std::size_t targetPitch, const void* source,
                           std::size_t sourcePitch) {
         for (std::size_t i = 0; i < height; ++i)
             std::memcpy(static_cast<std::byte*>(target) + i * targetPitch,
                         static_cast<const std::byte*>(source) + i * sourcePitch, width);
     };
-    if (isUpload) {
-        // Memory that is not page-locked is read before the call returns.
+    if (isPageLocked) {
+        put(stream, [=] { rows(to, toPitch, from, fromPitch); });
+    } else if (isUpload) {
+        // Read before the call returns; on the device later.
         auto staged = std::make_shared<std::vector<std::byte>>(width * height);
         rows(staged->data(), width, from, fromPitch);
         put(stream, [=] { rows(to, toPitch, staged->data(), width); });
@@ -148,8 +155,9 @@ std::vector<std::string> takeCalls() {
     return std::exchange(device.calls, {});
 }
 
-bool failCall(int number) {
-    return std::exchange(device.failing, number) == 0;
+std::string failCall(int number) {
+    device.failing = number;
+    return std::exchange(device.failed, {});
 }
 
 std::size_t allocationCount() {
@@ -209,6 +217,8 @@ cudaError_t cudaMallocAsync(void** memory, std::size_t size, cudaStream_t) {
 
 cudaError_t cudaFreeAsync(void* memory, cudaStream_t stream) {
     device.calls.emplace_back("cudaFreeAsync");
+    // What a graph frees must have been allocated in it.
+    if (streamOf(stream).captured != nullptr) return device.lastError = cudaErrorInvalidValue;
     put(stream, [=] {
         release(memory);
         setAccess(true);
@@ -216,11 +226,22 @@ cudaError_t cudaFreeAsync(void* memory, cudaStream_t stream) {
     return cudaSuccess;
 }
 
+cudaError_t cudaMallocHost(void** memory, std::size_t size) {
+    *memory = ::operator new(size, kAlignment);
+    device.pageLocked.emplace(*memory, size);
+    return cudaSuccess;
+}
+
+cudaError_t cudaFreeHost(void* memory) {
+    device.pageLocked.erase(memory);
+    ::operator delete(memory, kAlignment);
+    return cudaSuccess;
+}
+
+// To the device it returns before what it has read is there.
 cudaError_t cudaMemcpy(void* to, const void* from, std::size_t size, cudaMemcpyKind kind) {
     if (const auto error = enter("cudaMemcpy")) return error;
-    const cudaError_t error = copy(to, size, from, size, size, 1, kind, nullptr);
-    finish(streamOf(nullptr));
-    return error;
+    return copy(to, size, from, size, size, 1, kind, nullptr);
 }
 
 cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t size, cudaMemcpyKind kind,
@@ -236,8 +257,8 @@ cudaError_t cudaMemcpy2DAsync(void* to, std::size_t toPitch, const void* from,
     return copy(to, toPitch, from, fromPitch, width, height, kind, stream);
 }
 
-cudaError_t cudaStreamCreate(cudaStream_t* stream) {
-    device.streams.insert(*stream = new CUstream_st);
+cudaError_t cudaStreamCreateWithFlags(cudaStream_t* stream, unsigned) {
+    device.streams.insert(*stream = new CUstream_st{device.current, {}, nullptr});
     return cudaSuccess;
 }
 
@@ -295,6 +316,19 @@ cudaError_t cudaGraphExecDestroy(cudaGraphExec_t executable) {
 namespace espalier::osd::device {
 namespace {
 
+class KernelLoad {
+public:
+    template <class Kernel>
+    void operator()(const Kernel&) {
+        if (error_ == cudaSuccess) error_ = enter("cudaFuncGetAttributes");
+    }
+
+    cudaError_t error() const { return error_; }
+
+private:
+    cudaError_t error_ = cudaSuccess;
+};
+
 /// Puts kernels on a stream, until one fails.
 class StreamLaunch {
 public:
@@ -304,6 +338,8 @@ public:
     void operator()(const Kernel& kernel) {
         if (error_ != cudaSuccess || kernel.warpCount() <= 0) return;
         error_ = enter("cudaLaunchKernel", cudaErrorLaunchOutOfResources);
+        if (error_ == cudaSuccess && streamOf(stream_).device != ::device.current)
+            error_ = cudaErrorInvalidResourceHandle;
         if (error_ == cudaSuccess) put(stream_, [kernel] { HostLaunch{}(kernel); });
     }
 

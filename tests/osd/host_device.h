@@ -6,6 +6,7 @@
 #include <espalier/osd/evaluation.h>
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "host_warp.h"
@@ -16,9 +17,10 @@ namespace espalier::osd {
 template <class Real>
 class HostDevice {
 public:
-    HostDevice(const stencils::StencilTable<Real>& table, bool isGrouped)
-        : arrays_(table, isGrouped),
-          adjointArrays_(table, arrays_),
+    HostDevice(stencils::StencilTable<Real> table, bool isGrouped)
+        : table_(std::move(table)),
+          arrays_(table_, isGrouped),
+          adjointArrays_(table_, arrays_),
           view_(viewOf(arrays_, kInPlace)),
           adjoint_(viewOf(adjointArrays_, steps_, kInPlace)) {}
 
@@ -67,6 +69,7 @@ private:
                 rows.last};
     }
 
+    stencils::StencilTable<Real> table_;
     device::TableArrays<Real> arrays_;
     device::AdjointArrays<Real> adjointArrays_;
     std::vector<device::SumStep<Real>> steps_;
