@@ -244,9 +244,8 @@ public:
     ///
     /// \throws Error as checkEvaluation() says, if the workspace is another device's, or as
     ///         CudaWorkspace::reserve() says; CudaError if CUDA refuses a copy or a kernel
-    /// \cost O(entries of the range × components), and a look at each group of rows and each row
-    /// that
-    ///       is in none; memory of the workspace for what is copied
+    /// \cost O(entries of the range × components), and a look at each group of rows and each row in
+    ///       none; memory of the workspace for what is copied
     void evaluate(CudaSource<Real> source, const BufferDescriptor& sourceLayout,
                   CudaDestination<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows, CudaWorkspace& workspace) const;

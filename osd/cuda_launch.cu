@@ -108,46 +108,23 @@ const void* functionOf() {
     return reinterpret_cast<const void*>(&run<Counted<Kernel>>);
 }
 
-/// Loads kernels, until one fails.
-class KernelLoad {
-public:
-    template <class Kernel>
-    void operator()(const Kernel&) {
-        cudaFuncAttributes attributes;
-        if (error_ == cudaSuccess)
-            error_ = cudaFuncGetAttributes(&attributes, functionOf<Kernel>());
-    }
+template <class Kernel>
+cudaError_t loadKernel(const Kernel&) {
+    cudaFuncAttributes attributes;
+    return cudaFuncGetAttributes(&attributes, functionOf<Kernel>());
+}
 
-    cudaError_t error() const { return error_; }
-
-private:
-    cudaError_t error_ = cudaSuccess;
-};
-
-/// Puts kernels on a stream, until one fails.
-class StreamLaunch {
-public:
-    explicit StreamLaunch(cudaStream_t stream) : stream_(stream) {}
-
-    template <class Kernel>
-    void operator()(const Kernel& kernel) {
-        Counted<Kernel> counted = {kernel, kernel.warpCount()};
-        if (error_ != cudaSuccess || counted.warps <= 0) return;
-        unsigned shared = kernel.sharedBytes();
-        const Blocks blocks = blocksOf(counted.warps, shared);
-        void* arguments[] = {&counted, &shared};
-        // Not <<<>>>, whose failure is that of any earlier call as well.
-        error_ =
-            cudaLaunchKernel(functionOf<Kernel>(), dim3(blocks.count), dim3(blocks.warps * kWarp),
-                             arguments, blocks.warps * shared, stream_);
-    }
-
-    cudaError_t error() const { return error_; }
-
-private:
-    cudaStream_t stream_;
-    cudaError_t error_ = cudaSuccess;
-};
+template <class Kernel>
+cudaError_t startKernel(const Kernel& kernel, cudaStream_t stream) {
+    Counted<Kernel> counted = {kernel, kernel.warpCount()};
+    if (counted.warps <= 0) return cudaSuccess;
+    unsigned shared = kernel.sharedBytes();
+    const Blocks blocks = blocksOf(counted.warps, shared);
+    void* arguments[] = {&counted, &shared};
+    // Not <<<>>>, whose failure is that of any earlier call as well.
+    return cudaLaunchKernel(functionOf<Kernel>(), dim3(blocks.count), dim3(blocks.warps * kWarp),
+                            arguments, blocks.warps * shared, stream);
+}
 
 }  // namespace
 

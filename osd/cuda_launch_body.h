@@ -1,11 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// What cuda_launch.h declares, of a class StreamLaunch that puts kernels on a stream, and a class
-// KernelLoad that loads them. Included by cuda_launch.cu, and by a test that has a device of its
-// own, each inside the namespace and behind these classes. No #pragma once, and no includes.
+// What cuda_launch.h declares, of loadKernel(kernel) and startKernel(kernel, stream). Included by
+// cuda_launch.cu, and by a test that has a device of its own, each inside the namespace and behind
+// these functions. No #pragma once, and no includes.
+
+/// Calls something with kernels, until it fails.
+template <class Call>
+class UntilError {
+public:
+    explicit UntilError(Call call) : call_(call) {}
+
+    template <class Kernel>
+    void operator()(const Kernel& kernel) {
+        if (error_ == cudaSuccess) error_ = call_(kernel);
+    }
+
+    cudaError_t error() const { return error_; }
+
+private:
+    Call call_;
+    cudaError_t error_ = cudaSuccess;
+};
+
+inline auto launchOn(cudaStream_t stream) {
+    return UntilError([stream](const auto& kernel) { return startKernel(kernel, stream); });
+}
 
 template <class Real>
 cudaError_t loadKernels() {
-    KernelLoad load;
+    UntilError load([](const auto& kernel) { return loadKernel(kernel); });
     Evaluation<Real> evaluation = {};
     const SumStep<Real> step = {};
     AdjointView<Real> adjoint = {};
@@ -24,7 +46,7 @@ cudaError_t loadKernels() {
 template <class Real>
 cudaError_t startTable(const TableView<Real>& table, const Evaluation<Real>& evaluation,
                        cudaStream_t stream) {
-    StreamLaunch launch(stream);
+    auto launch = launchOn(stream);
     launchTable(table, evaluation, launch);
     return launch.error();
 }
@@ -32,7 +54,7 @@ cudaError_t startTable(const TableView<Real>& table, const Evaluation<Real>& eva
 template <class Real>
 cudaError_t startAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoint,
                          const Evaluation<Real>& evaluation, Real* places, cudaStream_t stream) {
-    StreamLaunch launch(stream);
+    auto launch = launchOn(stream);
     launchAdjoint(table, adjoint, evaluation, places, launch);
     return launch.error();
 }
@@ -40,7 +62,7 @@ cudaError_t startAdjoint(const TableView<Real>& table, const AdjointView<Real>& 
 template <class Real>
 cudaError_t startScatter(const Index* rows, Index count, const Real* values,
                          const Evaluation<Real>& evaluation, cudaStream_t stream) {
-    StreamLaunch launch(stream);
+    auto launch = launchOn(stream);
     launch(ScatterKernel<Real>{rows, count, values, evaluation});
     return launch.error();
 }

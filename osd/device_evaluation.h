@@ -44,16 +44,10 @@ void forComponents(Offset length, F f) {
     if constexpr (most > 4) take.template operator()<most>(length / most);
     if ((length - from) % 3 == 0) return take.template operator()<3>((length - from) / 3);
     take.template operator()<4>((length - from) / 4);
-    switch (length - from) {
-        case 1:
-            return take.template operator()<1>(1);
-        case 2:
-            return take.template operator()<2>(1);
-        case 3:
-            return take.template operator()<3>(1);
-        default:
-            return;
-    }
+    const Offset left = length - from;
+    take.template operator()<3>(left == 3);
+    take.template operator()<2>(left == 2);
+    take.template operator()<1>(left == 1);
 }
 
 /// Components of rows that are read for each of them anew where there are more.

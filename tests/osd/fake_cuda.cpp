@@ -316,39 +316,19 @@ cudaError_t cudaGraphExecDestroy(cudaGraphExec_t executable) {
 namespace espalier::osd::device {
 namespace {
 
-class KernelLoad {
-public:
-    template <class Kernel>
-    void operator()(const Kernel&) {
-        if (error_ == cudaSuccess) error_ = enter("cudaFuncGetAttributes");
-    }
+template <class Kernel>
+cudaError_t loadKernel(const Kernel&) {
+    return enter("cudaFuncGetAttributes");
+}
 
-    cudaError_t error() const { return error_; }
-
-private:
-    cudaError_t error_ = cudaSuccess;
-};
-
-/// Puts kernels on a stream, until one fails.
-class StreamLaunch {
-public:
-    explicit StreamLaunch(cudaStream_t stream) : stream_(stream) {}
-
-    template <class Kernel>
-    void operator()(const Kernel& kernel) {
-        if (error_ != cudaSuccess || kernel.warpCount() <= 0) return;
-        error_ = enter("cudaLaunchKernel", cudaErrorLaunchOutOfResources);
-        if (error_ == cudaSuccess && streamOf(stream_).device != ::device.current)
-            error_ = cudaErrorInvalidResourceHandle;
-        if (error_ == cudaSuccess) put(stream_, [kernel] { HostLaunch{}(kernel); });
-    }
-
-    cudaError_t error() const { return error_; }
-
-private:
-    cudaStream_t stream_;
-    cudaError_t error_ = cudaSuccess;
-};
+template <class Kernel>
+cudaError_t startKernel(const Kernel& kernel, cudaStream_t stream) {
+    if (kernel.warpCount() <= 0) return cudaSuccess;
+    if (const auto error = enter("cudaLaunchKernel", cudaErrorLaunchOutOfResources)) return error;
+    if (streamOf(stream).device != ::device.current) return cudaErrorInvalidResourceHandle;
+    put(stream, [kernel] { HostLaunch{}(kernel); });
+    return cudaSuccess;
+}
 
 }  // namespace
 
