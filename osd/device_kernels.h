@@ -285,7 +285,7 @@ struct ProductKernel {
                 if constexpr (n > 0)
                     results.set(lane, multiply(group, factors[lane], entries));
                 else
-                    results.set(lane, multiplyAny(warp, group, task.part, lane, entries));
+                    results.set(lane, multiplyAny(group, task.part, lane, entries));
             });
             results.store(warp, table.rows + group.firstRow + task.part, rowCount, evaluation,
                           from);
@@ -339,14 +339,14 @@ private:
         return all;
     }
 
-    template <class Warp>
-    ESPALIER_DEVICE Sums multiplyAny(Warp& warp, const Group& group, Index firstRow, int lane,
+    ESPALIER_DEVICE Sums multiplyAny(const Group& group, Index firstRow, int lane,
                                      const Entries<width, Real>& entries) const {
         const Index sizeA = group.size[0], sizeB = group.size[1], sizeC = group.size[2];
         const Real* numbers =
             numberOf(table, group, firstRow + lane * kRowsOfLane<Real>, sizeA + sizeB + sizeC, 0);
-        const auto factor = [&](Index which) {
-            return warp.template load<RowNumbers<Real>>(numbers + which * kLanes<Real>);
+        // Not Warp::load(): those of the first axis are read again for each line.
+        const auto factor = [&](Index which) -> const RowNumbers<Real>& {
+            return *reinterpret_cast<const RowNumbers<Real>*>(numbers + which * kLanes<Real>);
         };
         Sums all = {};
         for (Index k = 0; k < sizeC; ++k) {

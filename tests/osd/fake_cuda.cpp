@@ -91,6 +91,11 @@ void finishAll() {
     for (CUstream_st* const stream : device.streams) finish(*stream);
 }
 
+/// What was given back on a stream, and not waited for, goes at the end.
+struct AtExit {
+    ~AtExit() { finishAll(); }
+} atExit;
+
 void* allocate(std::size_t size) {
     void* const memory = ::operator new(size, kAlignment);
     std::memset(memory, 0xFF, size);  // no numbers
