@@ -3,25 +3,30 @@
 
 #include <espalier/stencils/composition.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "sort_unique.h"
+#include "table_builder.h"
 
 namespace espalier::stencils {
 namespace {
+
+Index placeIn(std::span<const Index> ascending, Index value) {
+    return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
+                              ascending.begin());
+}
 
 /// A table over some of its columns, which hold all of its entries.
 /// \param columns ascending
 StencilTable<double> overColumns(const StencilTable<double>& table,
                                  std::span<const Index> columns) {
     Array<Index> places(table.columns().size());
-    std::transform(
-        table.columns().begin(), table.columns().end(), places.begin(), [&](Index column) {
-            return static_cast<Index>(std::lower_bound(columns.begin(), columns.end(), column) -
-                                      columns.begin());
-        });
+    std::transform(table.columns().begin(), table.columns().end(), places.begin(),
+                   [&](Index column) { return placeIn(columns, column); });
     return StencilTable<double>(Trusted{}, static_cast<Index>(columns.size()),
                                 {table.offsets().begin(), table.offsets().end()}, std::move(places),
                                 {table.weights().begin(), table.weights().end()});
@@ -57,6 +62,93 @@ std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>
         stencils = k == 1 ? std::move(steps[1])
                           : multiply<double>(overColumns(steps[k], vertices[k - 1]), stencils);
         result.push_back(multiply<Real>(overColumns(rows[k], vertices[k]), stencils));
+    }
+    return result;
+}
+
+namespace {
+
+/// The rows of `own`, and behind them those of `more`, over the vertices of the level above.
+/// \param step R of the level
+StencilTable<double> carried(const StencilTable<double>& own, const StencilTable<double>& more,
+                             const StencilTable<double>& step) {
+    return buildTable<double>(own.rowCount() + more.rowCount(), step.columnCount(),
+                              [&](Index row, RowAccumulator& accumulator) {
+                                  const bool isOwn = row < own.rowCount();
+                                  const StencilTable<double>& source = isOwn ? own : more;
+                                  const Index from = isOwn ? row : row - own.rowCount();
+                                  const auto columns = source.columns(from);
+                                  const auto weights = source.weights(from);
+                                  for (std::size_t i = 0; i < columns.size(); ++i) {
+                                      const auto next = step.columns(columns[i]);
+                                      const auto factors = step.weights(columns[i]);
+                                      for (std::size_t k = 0; k < next.size(); ++k)
+                                          accumulator.add(next[k], weights[i] * factors[k]);
+                                  }
+                                  accumulator.makeSumZero();
+                              });
+}
+
+/// Three rows after three made orthonormal: each spans with those before it what it did.
+StencilTable<double> orthonormal(const StencilTable<double>& rows) {
+    return buildTable<double>(
+        rows.rowCount(), rows.columnCount(), [&](Index row, RowAccumulator& accumulator) {
+            const Index first = row / 3 * 3;
+            std::vector<Index> columns;
+            for (Index r = first; r <= row; ++r)
+                columns.insert(columns.end(), rows.columns(r).begin(), rows.columns(r).end());
+            sortUnique(columns);
+            Eigen::MatrixXd vectors = Eigen::MatrixXd::Zero(
+                std::ssize(columns), static_cast<Eigen::Index>(row - first) + 1);
+            for (Index r = first; r <= row; ++r)
+                for (std::size_t k = 0; k < rows.columns(r).size(); ++k)
+                    vectors(placeIn(columns, rows.columns(r)[k]), r - first) = rows.weights(r)[k];
+            const Eigen::MatrixXd basis =
+                Eigen::HouseholderQR<Eigen::MatrixXd>(vectors).householderQ() *
+                Eigen::MatrixXd::Identity(vectors.rows(), vectors.cols());
+            for (std::size_t i = 0; i < columns.size(); ++i)
+                accumulator.add(columns[i], basis(static_cast<Eigen::Index>(i), row - first));
+            accumulator.makeSumZero();
+        });
+}
+
+StencilTable<double> concatenated(const StencilTable<double>& first,
+                                  const StencilTable<double>& second) {
+    return buildTable<double>(first.rowCount() + second.rowCount(), first.columnCount(),
+                              [&](Index row, RowAccumulator& accumulator) {
+                                  const bool isFirst = row < first.rowCount();
+                                  const StencilTable<double>& table = isFirst ? first : second;
+                                  const Index from = isFirst ? row : row - first.rowCount();
+                                  for (std::size_t k = 0; k < table.columns(from).size(); ++k)
+                                      accumulator.add(table.columns(from)[k],
+                                                      table.weights(from)[k]);
+                              });
+}
+
+}  // namespace
+
+std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTable<double>> tables,
+                                                     std::vector<StencilTable<double>> rows,
+                                                     RowMeaning meaning) {
+    // On the first levels rows share most vertices, and rounding grows to 2⁶ times itself only.
+    constexpr std::size_t kSharedLevels = 6;
+    std::vector<Index> counts;
+    for (const auto& level : rows) counts.push_back(level.rowCount());
+    StencilTable<double> below;
+    for (; rows.size() > kSharedLevels + 1; rows.pop_back()) {
+        below = carried(rows.back(), below, tables[rows.size() - 2]);
+        if (meaning == RowMeaning::Spans) below = orthonormal(below);
+    }
+    if (below.rowCount() > 0) rows.back() = concatenated(rows.back(), below);
+    auto result = composeRows<double>(tables, std::move(rows));
+    // Takes the rows of the last levels apart again.
+    const StencilTable<double> last = std::move(result.back());
+    result.pop_back();
+    Index first = 0;
+    for (std::size_t k = result.size(); k < counts.size(); ++k) {
+        std::vector<Index> own(static_cast<std::size_t>(counts[k]));
+        std::iota(own.begin(), own.end(), std::exchange(first, first + counts[k]));
+        result.push_back(selectRows(last, own));
     }
     return result;
 }

@@ -19,4 +19,17 @@ template <class Real>
 std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>> tables,
                                             std::vector<StencilTable<double>> rows);
 
+/// Whether rows of derivatives stand for themselves, or for the space that each three of them span.
+enum class RowMeaning { Themselves, Spans };
+
+/// The same for rows of derivatives, each right to its own size, however deep its level is.
+///
+/// Such rows sum to 0. Each level takes them to about half their size, but not the rounding of
+/// their sum. So they are carried up level by level, and their sums are put right on each. Rows
+/// that span a space are made orthonormal too: where a smooth boundary bends a corner flat, the
+/// three derivatives tend to a plane, and the third one, near to it, would be lost in rounding.
+std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTable<double>> tables,
+                                                     std::vector<StencilTable<double>> rows,
+                                                     RowMeaning meaning);
+
 }  // namespace espalier::stencils

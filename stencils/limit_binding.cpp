@@ -4,6 +4,8 @@
 #include <espalier/stencils/limit_table.h>
 
 #include <Eigen/LU>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -18,41 +20,81 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// The rows of places of one level over its vertices: those of the positions, and behind them, if
-/// gradients are asked for, those by x, by y and by z of the rest pose.
-/// \param positions of the level at rest
-/// \param scale what gradients by those positions are multiplied by
-StencilTable<double> rowsOf(const PlaceRows& places, std::size_t placeCount,
-                            std::span<const Point3> positions, bool gradients, double scale) {
-    const std::size_t blocks = gradients ? 4 : 1;
-    std::vector<Matrix3d> inverses;  // Of ∂X/∂(u, v, w); not finite where there is none.
-    if (gradients)
-        for (std::size_t i = 0; i < placeCount; ++i) {
-            Matrix3d jacobian = Matrix3d::Zero();
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                for (const auto& [vertex, weight] : places.weights(i, kFirst[axis]))
-                    jacobian.col(static_cast<Eigen::Index>(axis)) +=
-                        weight * Vector3d(positions[static_cast<std::size_t>(vertex)].data());
-            inverses.push_back(scale * jacobian.inverse());
-        }
+/// Around irregular features gradients are those of the nearest vertex of a cell of this size.
+constexpr double kGradientTolerance = 1e-12;
+
+/// Options whose places serve gradients too, if these are asked for.
+LimitOptions forGradients(LimitOptions options) {
+    if (options.gradients) options.tolerance = std::min(options.tolerance, kGradientTolerance);
+    return options;
+}
+
+/// The rows of places over the vertices of their level.
+StencilTable<double> rowsOf(const PlaceRows& places, std::size_t placeCount, Index vertexCount) {
     return buildTable<double>(
-        static_cast<Index>(blocks * placeCount), static_cast<Index>(positions.size()),
-        [&](Index row, RowAccumulator& accumulator) {
-            const std::size_t i = static_cast<std::size_t>(row) % placeCount;
-            const std::size_t block = static_cast<std::size_t>(row) / placeCount;
-            if (block == 0) {
-                for (const auto& [vertex, weight] : places.weights(i, kPosition))
-                    accumulator.add(vertex, weight);
-                return;
-            }
-            if (!inverses[i].allFinite()) return;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double slope = inverses[i](static_cast<Eigen::Index>(axis),
-                                                 static_cast<Eigen::Index>(block) - 1);
-                for (const auto& [vertex, weight] : places.weights(i, kFirst[axis]))
-                    accumulator.add(vertex, slope * weight);
-            }
+        static_cast<Index>(placeCount), vertexCount, [&](Index row, RowAccumulator& accumulator) {
+            const auto weights = places.weights(static_cast<std::size_t>(row), kPosition);
+            for (const auto& [vertex, weight] : weights) accumulator.add(vertex, weight);
         });
+}
+
+/// (T X)⁻¹ for the directions T of one place, three rows from `first` on, and the rest pose X. Not
+/// a number where T X spans no volume.
+Matrix3d inverseAtRest(const StencilTable<double>& tangents, Index first,
+                       std::span<const Point3> positions) {
+    // Rounding of T X is some 1e-16 of the sums of its terms' sizes: of what is this flat, F would
+    // have six digits at best.
+    constexpr double kFlat = 1e-10;
+    Matrix3d atRest = Matrix3d::Zero();
+    Vector3d sizes = Vector3d::Zero();
+    for (Index row = 0; row < 3; ++row) {
+        const auto columns = tangents.columns(first + row);
+        const auto weights = tangents.weights(first + row);
+        if (columns.empty()) continue;
+        // Rows sum to 0: seen from a vertex near by, coordinates are small.
+        const Vector3d origin(positions[static_cast<std::size_t>(columns.front())].data());
+        for (std::size_t k = 0; k < columns.size(); ++k) {
+            const Vector3d term =
+                weights[k] *
+                (Vector3d(positions[static_cast<std::size_t>(columns[k])].data()) - origin);
+            atRest.row(row) += term.transpose();
+            sizes[row] += term.norm();
+        }
+    }
+    // Directions of any length: derivatives of deep levels are very small.
+    const Matrix3d unit = sizes.cwiseInverse().asDiagonal() * atRest;
+    if (!(std::abs(unit.determinant()) > kFlat))
+        return Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    return unit.inverse() * sizes.cwiseInverse().asDiagonal();
+}
+
+/// A row of F's column `axis` for each place. F maps the rest pose as the directions T do:
+/// Fᵀ = (T X)⁻¹ T x.
+/// \param tangents three rows a place, over the base
+/// \param positions of the base at rest
+/// \param scale what gradients by these positions are multiplied by
+std::array<StencilTable<double>, 3> gradientsOf(const StencilTable<double>& tangents,
+                                                std::span<const Point3> positions, double scale) {
+    const Index placeCount = tangents.rowCount() / 3;
+    std::vector<Matrix3d> inverses(static_cast<std::size_t>(placeCount));
+    for (Index i = 0; i < placeCount; ++i)
+        inverses[static_cast<std::size_t>(i)] = scale * inverseAtRest(tangents, 3 * i, positions);
+    std::array<StencilTable<double>, 3> gradients;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        gradients[axis] = buildTable<double>(
+            placeCount, tangents.columnCount(), [&](Index place, RowAccumulator& accumulator) {
+                const Matrix3d& inverse = inverses[static_cast<std::size_t>(place)];
+                if (!inverse.allFinite()) return;
+                for (Index row = 0; row < 3; ++row) {
+                    const double factor = inverse(static_cast<Eigen::Index>(axis), row);
+                    const auto columns = tangents.columns(3 * place + row);
+                    const auto weights = tangents.weights(3 * place + row);
+                    for (std::size_t k = 0; k < columns.size(); ++k)
+                        accumulator.add(columns[k], factor * weights[k]);
+                }
+                accumulator.makeSumZero();
+            });
+    return gradients;
 }
 
 std::vector<Point3> chosen(std::span<const Point3> points, const std::vector<Index>& numbers) {
@@ -65,13 +107,14 @@ std::vector<Point3> chosen(std::span<const Point3> points, const std::vector<Ind
 template <class Real>
 class LimitBinder : public GroupBinder<LimitTable<Real>> {
 public:
-    /// \param positions in units
+    /// \param positions in units; must outlive this
     LimitBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
                 const LengthUnit& unit, Rules rules, const LimitOptions& options)
         : rules_(rules),
+          positions_(positions),
           perLength_(unit.toUnits(1.0)),
           gradients_(options.gradients),
-          search_(base, positions, rules, options) {}
+          search_(base, positions, rules, forGradients(options)) {}
 
     using Part = BoundPart<LimitTable<Real>>;
 
@@ -108,31 +151,34 @@ private:
             part.largestResidual = std::max(part.largestResidual, located.residual);
             places[static_cast<std::size_t>(located.place->level)].push_back(*located.place);
         }
-        std::vector<StencilTable<double>> rows;
+        std::vector<StencilTable<double>> rows, directions;
         for (std::size_t level = 0; level < ofLevels.size(); ++level) {
             const PlaceRows weights(found.descent.refiner, static_cast<int>(level), rules_,
                                     places[level]);
-            rows.push_back(rowsOf(weights, places[level].size(), found.positions[level], gradients_,
-                                  perLength_));
+            rows.push_back(rowsOf(weights, places[level].size(),
+                                  static_cast<Index>(found.positions[level].size())));
+            if (gradients_) directions.push_back(weights.tangents());
         }
-        const auto tables = composeRows<Real>(found.descent.tables, std::move(rows));
+        auto tables = composeRows<Real>(found.descent.tables, std::move(rows));
+        if (gradients_)
+            directions =
+                composeDerivatives(found.descent.tables, std::move(directions), RowMeaning::Spans);
         for (std::size_t level = 0; level < ofLevels.size(); ++level) {
             if (places[level].empty()) continue;
-            const auto block = [&](std::size_t number) {
-                std::vector<Index> of(places[level].size());
-                std::iota(of.begin(), of.end(), static_cast<Index>(number * of.size()));
-                return selectRows(tables[level], of);
-            };
             LimitTable<Real>& table = ofLevels[level].table;
-            table.points = block(0);
-            for (std::size_t axis = 0; gradients_ && axis < 3; ++axis)
-                table.gradients[axis] = block(axis + 1);
+            table.points = std::move(tables[level]);
+            if (gradients_) {
+                auto gradients = gradientsOf(directions[level], positions_, perLength_);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    table.gradients[axis] = convertTable<Real>(std::move(gradients[axis]));
+            }
             parts.push_back(std::move(ofLevels[level]));
         }
         if (!without.points.empty()) parts.push_back(std::move(without));
     }
 
     Rules rules_;
+    std::span<const Point3> positions_;
     double perLength_;  ///< units in a length of 1
     bool gradients_;
     LimitSearch search_;

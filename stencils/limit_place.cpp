@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 #include "sort_unique.h"
@@ -131,7 +132,12 @@ int leastLevelOfSmall(double tolerance) {
 
 PlaceRows::PlaceRows(const far::TopologyRefiner& refiner, int level, Rules rules,
                      std::span<const LimitPlace> places)
-    : level_(refiner.level(level)), places_(places), patches_(places.size()) {
+    : refiner_(refiner),
+      levelNumber_(level),
+      level_(refiner.level(level)),
+      rules_(rules),
+      places_(places),
+      patches_(places.size()) {
     const auto blend = [&](std::span<const Index> corners) {
         vertices_.insert(vertices_.end(), corners.begin(), corners.end());
     };
@@ -166,6 +172,56 @@ std::vector<VertexWeight> PlaceRows::weights(std::size_t i, const Orders& orders
             if (place->offset[axis] != 0)
                 add(weights, place->offset[axis], patches_[i]->weights(uvw, kFirst[axis]));
     return weights;
+}
+
+StencilTable<double> PlaceRows::tangents() const {
+    std::vector<CellCorner> corners;
+    std::vector<Index> cornerOf(places_.size());  // Read where there is no patch.
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+        if (patches_[i]) continue;
+        cornerOf[i] = static_cast<Index>(corners.size());
+        corners.push_back(nearestCorner(i));
+    }
+    StencilTable<double> atCorners;
+    if (!corners.empty()) atCorners = buildTangentTable(refiner_, levelNumber_, rules_, corners);
+    return buildTable<double>(static_cast<Index>(3 * places_.size()), level_.complex.count(0),
+                              [&](Index row, RowAccumulator& accumulator) {
+                                  const auto i = static_cast<std::size_t>(row / 3);
+                                  const auto axis = static_cast<std::size_t>(row % 3);
+                                  if (patches_[i]) {
+                                      for (const auto& [vertex, weight] : weights(i, kFirst[axis]))
+                                          accumulator.add(vertex, weight);
+                                      accumulator.makeSumZero();
+                                      return;
+                                  }
+                                  const Index source = 3 * cornerOf[i] + row % 3;
+                                  for (std::size_t k = 0; k < atCorners.columns(source).size(); ++k)
+                                      accumulator.add(atCorners.columns(source)[k],
+                                                      atCorners.weights(source)[k]);
+                              });
+}
+
+/// The vertex with the largest share in a place, of those that have a limit.
+CellCorner PlaceRows::nearestCorner(std::size_t i) const {
+    Index cell = 0;
+    std::vector<VertexWeight> weights;
+    if (const auto* place = std::get_if<FramePlace>(&places_[i].where)) {
+        cell = place->frame.cell;
+        weights = blendWeights(*place, kPosition);
+    } else {
+        CellPlace inCell = std::get<CellPlace>(places_[i].where);
+        inCell.offset = {};
+        cell = inCell.cell.value;
+        weights = placeWeights(level_.complex, inCell);
+    }
+    std::map<Index, double> shares;
+    for (const auto& [vertex, weight] : weights) shares[vertex] += weight;
+    CellCorner corner{cell, far::kMaxIndex};
+    for (const auto& [vertex, share] : shares)
+        if (!level_.strata.isOpen({0, vertex}) &&
+            (corner.vertex == far::kMaxIndex || share > shares.at(corner.vertex)))
+            corner.vertex = vertex;
+    return corner;
 }
 
 /// Weights of vertices, of those of their limits.

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "limit_tangents.h"
 #include "tricubic_patch.h"
 
 // Places in the limit volume, and their weights over the vertices of the level that they are in.
@@ -73,10 +74,19 @@ public:
     /// alone. Second ones of a FramePlace alone; those of a blend by u, v or w twice are 0.
     std::vector<VertexWeight> weights(std::size_t i, const Orders& orders) const;
 
+    /// Rows 3i to 3i + 2 give three directions of the limit at place i. They sum to 0. In a regular
+    /// cell they are the derivatives by u, v and w. In a blend, they are the directions in which
+    /// the cell leaves the nearest of its vertices (see buildTangentTable()).
+    StencilTable<double> tangents() const;
+
 private:
+    CellCorner nearestCorner(std::size_t i) const;
     std::vector<VertexWeight> inLimits(std::span<const VertexWeight> weights) const;
 
+    const far::TopologyRefiner& refiner_;
+    int levelNumber_;
     const far::Level& level_;
+    Rules rules_;
     std::span<const LimitPlace> places_;
     std::vector<std::optional<TricubicPatch>> patches_;  ///< one a place
     std::vector<Index> vertices_;                        ///< whose limits are known, ascending

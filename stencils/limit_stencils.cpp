@@ -8,7 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <limits>
 #include <numeric>
+#include <sstream>
 #include <string>
 
 #include "level_rows.h"
@@ -101,21 +104,20 @@ void refine(Walk& walk, std::vector<Walker>& walkers, Rules rules,
     }
 }
 
-/// The rows of the places of one level: a block for each derivative.
-StencilTable<double> rowsOf(const Walk& walk, std::size_t level, Rules rules,
-                            const std::vector<Orders>& orders) {
-    const auto& places = walk.places[level];
-    const PlaceRows rows(walk.refiner, static_cast<int>(level), rules, places);
+/// The rows of the places of one level: a block for each derivative of `orders`.
+StencilTable<double> rowsOf(const Walk& walk, std::size_t level, const PlaceRows& rows,
+                            std::span<const Orders> orders) {
+    const std::size_t placeCount = walk.places[level].size();
     return buildTable<double>(
-        static_cast<Index>(places.size() * orders.size()),
+        static_cast<Index>(placeCount * orders.size()),
         walk.refiner.level(static_cast<int>(level)).complex.count(0),
         [&](Index row, RowAccumulator& accumulator) {
-            const auto& order = orders[static_cast<std::size_t>(row) / places.size()];
+            const auto& order = orders[static_cast<std::size_t>(row) / placeCount];
             // Coordinates are twice as fast on each level.
             const double scale =
                 std::ldexp(1.0, static_cast<int>(level) * (order[0] + order[1] + order[2]));
             for (const auto& [vertex, weight] :
-                 rows.weights(static_cast<std::size_t>(row) % places.size(), order))
+                 rows.weights(static_cast<std::size_t>(row) % placeCount, order))
                 accumulator.add(vertex, scale * weight);
         });
 }
@@ -132,22 +134,39 @@ StencilTable<double> rowsOf(const far::Level& level, const far::RefinerOptions& 
         if (walkers.empty()) break;
         refine(walk, walkers, rules, locations);
     }
-    std::vector<StencilTable<double>> rows;
-    for (std::size_t k = 0; k < walk.places.size(); ++k)
-        rows.push_back(rowsOf(walk, k, rules, orders));
+    const std::span derivatives = std::span(orders).subspan(1);
+    std::vector<StencilTable<double>> rows, derivativeRows;
+    for (std::size_t k = 0; k < walk.places.size(); ++k) {
+        const PlaceRows ofPlaces(walk.refiner, static_cast<int>(k), rules, walk.places[k]);
+        rows.push_back(rowsOf(walk, k, ofPlaces, std::span(orders).first(1)));
+        if (!derivatives.empty()) derivativeRows.push_back(rowsOf(walk, k, ofPlaces, derivatives));
+    }
     const auto tables = composeRows<double>(walk.tables, std::move(rows));
+    if (!derivatives.empty())
+        derivativeRows =
+            composeDerivatives(walk.tables, std::move(derivativeRows), RowMeaning::Themselves);
     // Where the row of each location and derivative is.
-    std::vector<std::pair<std::size_t, Index>> sources(count * orders.size());
-    for (std::size_t k = 0; k < walk.places.size(); ++k)
-        for (std::size_t i = 0; i < walk.locations[k].size(); ++i)
-            for (std::size_t o = 0; o < orders.size(); ++o)
-                sources[o * count + walk.locations[k][i] - first] = {
-                    k, static_cast<Index>(o * walk.locations[k].size() + i)};
+    struct Source {
+        const StencilTable<double>* table;
+        Index row;
+    };
+    std::vector<Source> sources(count * orders.size());
+    for (std::size_t k = 0; k < walk.places.size(); ++k) {
+        const std::size_t here = walk.locations[k].size();
+        for (std::size_t i = 0; i < here; ++i) {
+            const std::size_t location = walk.locations[k][i] - first;
+            sources[location] = {&tables[k], static_cast<Index>(i)};
+            for (std::size_t o = 0; o < derivatives.size(); ++o)
+                sources[(o + 1) * count + location] = {&derivativeRows[k],
+                                                       static_cast<Index>(o * here + i)};
+        }
+    }
     return buildTable<double>(static_cast<Index>(sources.size()), level.complex.count(0),
                               [&](Index row, RowAccumulator& accumulator) {
-                                  const auto& [k, source] = sources[static_cast<std::size_t>(row)];
-                                  const auto columns = tables[k].columns(source);
-                                  const auto weights = tables[k].weights(source);
+                                  const auto& [table, source] =
+                                      sources[static_cast<std::size_t>(row)];
+                                  const auto columns = table->columns(source);
+                                  const auto weights = table->weights(source);
                                   for (std::size_t e = 0; e < columns.size(); ++e)
                                       accumulator.add(columns[e], weights[e]);
                               });
@@ -165,13 +184,21 @@ Walker walkerAt(const far::CellComplex& complex, std::size_t location, const Lim
     if (at.cell < 0 || at.cell >= complex.count(3))
         throw Error(name + " is in cell " + std::to_string(at.cell) + ", of " +
                     std::to_string(complex.count(3)));
-    for (const double x : at.uvw)
-        if (!(x >= 0 && x <= 1))
-            throw Error(name + " is at " + std::to_string(x) + "; expected 0 to 1");
+    // Sums of coordinates may pass 1 by their rounding.
+    constexpr double kRounding = 1e-14;
+    std::array<double, 3> uvw;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        uvw[axis] = std::clamp(at.uvw[axis], 0.0, 1.0);
+        if (std::abs(at.uvw[axis] - uvw[axis]) <= kRounding) continue;
+        std::ostringstream text;
+        text << std::setprecision(std::numeric_limits<double>::max_digits10) << name << " is at "
+             << at.uvw[axis] << "; expected 0 to 1";
+        throw Error(text.str());
+    }
     const auto frame = frameOf(complex, at.cell);
     if (!frame)
         throw Error(name + " is in cell " + std::to_string(at.cell) + ", which is no hexahedron");
-    return {location, *frame, at.uvw};
+    return {location, *frame, uvw};
 }
 
 /// Takes the blocks of a table apart.

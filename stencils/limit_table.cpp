@@ -7,12 +7,9 @@
 #include <espalier/stencils/vertex_ring.h>
 
 #include <algorithm>
-#include <map>
 #include <numeric>
-#include <optional>
 #include <vector>
 
-#include "sort_unique.h"
 #include "surroundings.h"
 #include "table_builder.h"
 
@@ -55,22 +52,10 @@ void addRegularRow(const far::Level& level, Index vertex, RowAccumulator& row) {
 /// The limits of vertices that are not regular, each ring's shape solved for once.
 class IrregularLimits {
 public:
-    /// \param vertices those that are asked for, once each
     IrregularLimits(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
-                    const std::vector<Index>& vertices) {
-        std::optional<Surroundings> surroundings;
-        if (vertices.size() > 1 && Surroundings::decideRows(level, refiner.boundary(), rules))
-            surroundings.emplace(level);
-        std::vector<Index> firsts;
-        std::map<Index, std::size_t> placeOfShape;
-        for (const Index vertex : vertices) {
-            std::size_t place = firsts.size();
-            if (surroundings)
-                place =
-                    placeOfShape.emplace(surroundings->shapeOf({0, vertex}), place).first->second;
-            if (place == firsts.size()) firsts.push_back(vertex);
-            placeOf_.emplace(vertex, place);
-        }
+                    std::span<const Index> vertices)
+        : groups_(groupByShape(refiner, level, rules, vertices)) {
+        const std::vector<Index>& firsts = groups_.firsts;
         masks_.resize(firsts.size());
         far::parallelFor(std::ssize(firsts), 1, [&](Offset first, Offset last) {
             for (Offset i = first; i < last; ++i) {
@@ -82,10 +67,10 @@ public:
     }
 
     /// The weights of the vertices around one, by their ascending numbers.
-    const Eigen::VectorXd& maskOf(Index vertex) const { return masks_[placeOf_.at(vertex)]; }
+    const Eigen::VectorXd& maskOf(Index vertex) const { return masks_[groups_.groupOf.at(vertex)]; }
 
 private:
-    std::map<Index, std::size_t> placeOf_;
+    ShapeGroups groups_;
     std::vector<Eigen::VectorXd> masks_;
 };
 
@@ -115,7 +100,6 @@ StencilTable<double> buildLimitTable(const far::TopologyRefiner& refiner, int le
     for (std::size_t i = 0; i < vertices.size(); ++i)
         if (!isRegular[i] && !here.strata.isOpen({0, vertices[i]}))
             irregular.push_back(vertices[i]);
-    sortUnique(irregular);
     const IrregularLimits limits(refiner, here, rules, irregular);
     return buildTable<double>(
         static_cast<Index>(vertices.size()), here.complex.count(0),

@@ -2,6 +2,7 @@
 #include <espalier/stencils/surroundings.h>
 
 #include <cstdint>
+#include <optional>
 
 namespace espalier::stencils {
 
@@ -91,6 +92,24 @@ void Surroundings::describe(int dimension, Index index) {
     for (std::size_t i = 0; i < parts.size(); ++i)
         // Parts that do not touch the entity bear no name here.
         description_.push_back(near.has(parts[i]) ? signs[i] * (near.placeOf(parts[i]) + 1) : 0);
+}
+
+ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+                         std::span<const Index> vertices) {
+    std::optional<Surroundings> surroundings;
+    if (vertices.size() > 1 && Surroundings::decideRows(level, refiner.boundary(), rules))
+        surroundings.emplace(level);
+    ShapeGroups groups;
+    std::map<Index, std::size_t> groupOfShape;
+    for (const Index vertex : vertices) {
+        const auto [place, isNew] = groups.groupOf.emplace(vertex, groups.firsts.size());
+        if (!isNew) continue;
+        if (surroundings)
+            place->second = groupOfShape.emplace(surroundings->shapeOf({0, vertex}), place->second)
+                                .first->second;
+        if (place->second == groups.firsts.size()) groups.firsts.push_back(vertex);
+    }
+    return groups;
 }
 
 }  // namespace espalier::stencils

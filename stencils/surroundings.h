@@ -6,6 +6,8 @@
 #include <espalier/stencils/place_map.h>
 
 #include <array>
+#include <map>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -64,5 +66,17 @@ private:
     std::unordered_map<std::vector<Index>, Index, Hash> shapes_;
     Index shapeCount_ = 0;
 };
+
+/// Vertices by the shape of their surroundings: rows of vertices of one group have the same
+/// weights, over the vertices around them in ascending order.
+struct ShapeGroups {
+    std::vector<Index> firsts;             ///< one vertex of each group
+    std::map<Index, std::size_t> groupOf;  ///< of each vertex
+};
+
+/// Where shapes do not decide rows, each vertex is a group of its own.
+/// \param vertices of `level`, a level of `refiner`; repeats are allowed
+ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+                         std::span<const Index> vertices);
 
 }  // namespace espalier::stencils

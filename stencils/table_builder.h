@@ -6,6 +6,7 @@
 #include <espalier/stencils/stencil_table.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -93,6 +94,26 @@ public:
             touched_.push_back(column);
         }
         sums_[at] += weight;
+    }
+
+    /// Takes the sum of the row from its largest weight, so that the row sums to 0 but for the
+    /// rounding of that weight.
+    ///
+    /// Derivatives shrink with each level that they are carried up, and an error in the sum does
+    /// not: without this, rounding outgrows them.
+    void makeSumZero() {
+        if (touched_.empty()) return;
+        std::sort(touched_.begin(), touched_.end());  // The sum does not depend on the calls.
+        double sum = 0;
+        Index largest = touched_.front();
+        const auto at = [&](Index column) -> double& {
+            return sums_[static_cast<std::size_t>(column)];
+        };
+        for (const Index column : touched_) {
+            sum += at(column);
+            if (std::abs(at(column)) > std::abs(at(largest))) largest = column;
+        }
+        at(largest) -= sum;
     }
 
     /// Ends the row, and starts a new one. Sums that cancelled to exactly 0 are left out.

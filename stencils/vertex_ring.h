@@ -38,7 +38,7 @@ struct VertexRing {
     std::vector<Index> vertices;  ///< verticesAround() the vertex
 
     /// Row i holds the weights of point i of the first ring over `vertices`.
-    Eigen::MatrixXd start;
+    Eigen::SparseMatrix<double> start;
 
     int levels = 1;  ///< how far on the first ring is
 };
@@ -51,15 +51,21 @@ ESPALIER_API std::vector<Index> verticesAround(const far::CellComplex& complex, 
 /// \param vertex of it, not open
 /// \throws Error under Rules::Rats, whose rules look further than the ring; for a vertex that is
 ///         not there; and for one on the open boundary, which does not stay
-/// \cost O(n²) in the entries of the ring; less where it is sparse
+/// \cost O(entries of the ring's matrices)
 ESPALIER_API VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
                                Rules rules, Index vertex);
 
-/// The weights of the ring in the limit of the vertex: ℓ with ℓM = ℓ, of sum 1.
-/// \throws Error if there is no single one: the rules do not converge there
+/// The weights of the ring in the limit of the vertex: ℓ with ℓM = ℓ, of sum 1, which the row of
+/// the vertex in Mᵏ goes to.
+/// \throws Error if it goes to nothing: the rules do not converge there
+/// \cost O(entries of M), some hundred times
 ESPALIER_API Eigen::VectorXd limitMask(const VertexRing& ring);
 
+/// Rings of more points are refused by eigenvalues(): 2,000 take half a minute.
+inline constexpr Index kMaxEigenvalues = 2000;
+
 /// The eigenvalues of M by descending modulus; the first is 1.
+/// \throws Error if the ring has more than kMaxEigenvalues points
 /// \cost O(n³) in the points of the ring
 ESPALIER_API std::vector<std::complex<double>> eigenvalues(const VertexRing& ring);
 
