@@ -125,7 +125,6 @@ static void test_cells(void) {
             if (!has_faces) c.cell_faces = NULL;
             for (int at = 0; at < 2; ++at) {
                 const int64_t before = cell_offsets[at];
-                /* 5 to 8 are offsets that a longer array could have. */
                 cell_offsets[at] = int64s[i];
                 try_cells(&c);
                 cell_offsets[at] = before;
