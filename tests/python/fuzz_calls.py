@@ -108,14 +108,14 @@ def main():
                 method = attempt(getattr, made, name)
                 if callable(method) and not skips(name) and not isinstance(method, Exception):
                     if not name.startswith("__") or name in {"__init__", "__setstate__", "__exit__"}:
-                        call_with_all(method, 4)
+                        call_with_all(method, 200)
         for each in CLASSES:
-            call_with_all(each, 10)
+            call_with_all(each, 500)
             attempt(each.__init__)
         for module in espalier, espalier.shapes:
             for name, function in vars(module).items():
                 if inspect.isbuiltin(function) and not name.startswith("_"):
-                    call_with_all(function, 10)
+                    call_with_all(function, 500)
     print("done")
 
 
