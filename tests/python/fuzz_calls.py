@@ -6,6 +6,7 @@ return or raise an Exception; SystemError is none that a call should raise.
 """
 
 import copy
+import importlib
 import inspect
 import pickle
 import random
@@ -29,7 +30,12 @@ OBJECTS = [
     espalier.MemoryLimit(2**40), espalier.fit(BOX, BINDING, 0 * POINTS),
     CHECK.check(BOX.positions), CHECK.largest_step(BOX.positions),
 ]
-CLASSES = [each for each in vars(espalier._core).values() if isinstance(each, type)]
+MODULES = [espalier._core]
+try:
+    MODULES.append(importlib.import_module("espalier._compare"))
+except ImportError:
+    pass  # built without OpenSubdiv
+CLASSES = [each for module in MODULES for each in vars(module).values() if isinstance(each, type)]
 EMPTY = [each.__new__(each) for each in CLASSES]
 READ_ONLY = np.zeros((12, 3))
 READ_ONLY.setflags(write=False)
