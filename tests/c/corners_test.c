@@ -312,6 +312,63 @@ static void test_binding(void) {
     }
 }
 
+static void test_nested(void) {
+    for (int k = 0; k < 5; ++k)
+        for (size_t i = 0; i < COUNT(int32s); ++i) {
+            espalier_bind_options options = espalier_default_bind_options();
+            int32_t child = BOX_VERTICES, parent = BOX_VERTICES;
+            *(k == 0   ? &child
+              : k == 1 ? &parent
+              : k == 2 ? &options.level
+                       : &options.outside) = int32s[i];
+            if (k == 4) options.tolerance = doubles[i % COUNT(doubles)];
+            espalier_table* t = NULL;
+            took(espalier_table_create_nested(table, child, positions, refiner, parent, positions,
+                                              &options, &t));
+            espalier_table_destroy(t);
+        }
+}
+
+static void try_fit(int32_t targets, const int32_t* rows, const espalier_fit_options* options,
+                    int32_t vertices) {
+    const double miss[3] = {0.1, 0, 0};
+    took(
+        espalier_lattice_fit(table, lattice, targets, rows, miss, options, vertices, values, NULL));
+}
+
+static void test_fit(void) {
+    const int32_t frozen[1] = {0};
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t row = int32s[i];
+        espalier_fit_options options = espalier_default_fit_options();
+        try_fit(1, NULL, NULL, int32s[i]);
+        try_fit(int32s[i], NULL, NULL, BOX_VERTICES);
+        if (row <= 1) try_fit(row, frozen, NULL, BOX_VERTICES);
+        try_fit(1, &row, NULL, BOX_VERTICES);
+        options.smoothing = int32s[i];
+        try_fit(1, NULL, &options, BOX_VERTICES);
+        options = espalier_default_fit_options();
+        options.undetermined = int32s[i];
+        try_fit(1, NULL, &options, BOX_VERTICES);
+        options = espalier_default_fit_options();
+        options.frozen = &row;
+        options.frozen_count = 1;
+        try_fit(1, NULL, &options, BOX_VERTICES);
+    }
+    for (size_t i = 0; i < COUNT(lengths); ++i) {
+        espalier_fit_options options = espalier_default_fit_options();
+        options.frozen = frozen;
+        options.frozen_count = lengths[i];
+        try_fit(1, NULL, &options, BOX_VERTICES);
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        espalier_fit_options options = espalier_default_fit_options();
+        options.smoothing = ESPALIER_SMOOTHING_LAPLACIAN;
+        options.strength = doubles[i];
+        try_fit(1, NULL, &options, BOX_VERTICES);
+    }
+}
+
 /* What each function with layouts is called with. */
 typedef struct buffers {
     int64_t source_size;
@@ -441,6 +498,8 @@ int main(void) {
     test_lattice();
     test_refine_options();
     test_binding();
+    test_nested();
+    test_fit();
     test_evaluators();
     printf("%d calls, %d accepted\n", tried, accepted);
 
