@@ -193,6 +193,37 @@ ESPALIER_C_API espalier_status espalier_lattice_create_hexahedra(int32_t vertex_
                                                                  const int32_t* vertices,
                                                                  espalier_lattice** lattice);
 
+/// A box of hexahedra (shapes/inventory.h). Vertex (i, j, k) is i + (cells[0] + 1) (j + (cells[1] +
+/// 1) k).
+///
+/// \param cells along x, y and z: 1 or more each
+/// \param min, max the corners, `max` above `min` in each coordinate
+ESPALIER_C_API espalier_status espalier_lattice_create_box(const int32_t cells[3],
+                                                           const double min[3], const double max[3],
+                                                           espalier_lattice** lattice);
+
+/// A disk swept along an axis, with wedges round the axis (shapes/inventory.h).
+///
+/// \param sectors sides of the disk, 3 or more
+/// \param rings of cells in the disk, 1 or more
+/// \param layers of cells along the axis, 1 or more
+/// \param radius of the outermost vertices, above 0
+/// \param from, to the centres of the ends, x, y, z each
+ESPALIER_C_API espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings,
+                                                                int32_t layers, double radius,
+                                                                const double from[3],
+                                                                const double to[3],
+                                                                espalier_lattice** lattice);
+
+/// Joins lattices by welding the vertices that coincide (shapes/merge.h).
+///
+/// \param count of lattices, 1 or more
+/// \param tolerance how far apart vertices may be, as a fraction of the diagonal of the box round
+///        all; 1e-6 is usual
+ESPALIER_C_API espalier_status
+espalier_lattice_create_merged(int64_t count, const espalier_lattice* const* lattices,
+                               double tolerance, espalier_lattice** lattice);
+
 /// Reads a lattice in the format of its extension: .ovm, .vtu or .vtk, with marks (io/).
 ESPALIER_C_API espalier_status espalier_lattice_read(const char* path, espalier_lattice** lattice);
 

@@ -312,6 +312,40 @@ static void test_binding(void) {
     }
 }
 
+static void test_shapes(void) {
+    const double from[3] = {0, 0, 0}, to[3] = {1, 1, 1};
+    for (size_t i = 0; i < COUNT(int32s); ++i)
+        for (int k = 0; k < 3; ++k) {
+            int32_t counts[3] = {3, 1, 1};
+            espalier_lattice* l = NULL;
+            counts[k] = int32s[i];
+            took(espalier_lattice_create_box(counts, from, to, &l));
+            espalier_lattice_destroy(l);
+            l = NULL;
+            took(
+                espalier_lattice_create_cylinder(counts[0], counts[1], counts[2], 1, from, to, &l));
+            espalier_lattice_destroy(l);
+        }
+    const espalier_lattice* both[2] = {lattice, lattice};
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[3] = {doubles[i], 0, 0};
+        const int32_t ones[3] = {1, 1, 1};
+        espalier_lattice* l = NULL;
+        took(espalier_lattice_create_box(ones, odd, to, &l));
+        espalier_lattice_destroy(l);
+        l = NULL;
+        took(espalier_lattice_create_cylinder(3, 1, 1, doubles[i], from, to, &l));
+        espalier_lattice_destroy(l);
+        l = NULL;
+        took(espalier_lattice_create_merged(1, both, doubles[i], &l));
+        espalier_lattice_destroy(l);
+    }
+    espalier_lattice* l = NULL;
+    for (size_t i = 0; i < COUNT(lengths); ++i)
+        REFUSES(espalier_lattice_create_merged(lengths[i], both, 1e-6, &l));
+    REFUSES(espalier_lattice_create_merged(0, both, 1e-6, &l));
+}
+
 static void test_nested(void) {
     for (int k = 0; k < 5; ++k)
         for (size_t i = 0; i < COUNT(int32s); ++i) {
@@ -498,6 +532,7 @@ int main(void) {
     test_lattice();
     test_refine_options();
     test_binding();
+    test_shapes();
     test_nested();
     test_fit();
     test_evaluators();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lattices fitted and nested, and tables in files. */
+/* Lattices of the inventory, fitted and nested, and tables in files. */
 
 #include <math.h>
 
@@ -107,6 +107,47 @@ static void test_nested(void) {
     CHECK(nested == NULL);
 }
 
+static void test_shapes(void) {
+    const int32_t cubes[3] = {2, 2, 2};
+    const double origin[3] = {0, 0, 0}, corner[3] = {1, 1, 1}, beside[3] = {1, 0, 0},
+                 far[3] = {2, 1, 1}, top[3] = {0, 0, 2};
+    espalier_lattice *one = NULL, *two = NULL, *both = NULL, *round = NULL;
+    uint64_t hash = 0, other = 1;
+    int32_t counts[4];
+    /* The box of this test. */
+    OK(espalier_lattice_create_box(cubes, origin, corner, &one));
+    OK(espalier_lattice_topology_hash(lattice, &hash));
+    OK(espalier_lattice_topology_hash(one, &other));
+    CHECK(hash == other);
+    int32_t count = 0;
+    const double* positions = NULL;
+    OK(espalier_lattice_positions(one, &count, &positions));
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) CHECK(positions[i] == rest[i]);
+    /* Two of them share 9 vertices. */
+    OK(espalier_lattice_create_box(cubes, beside, far, &two));
+    const espalier_lattice* parts[2] = {one, two};
+    OK(espalier_lattice_create_merged(2, parts, 1e-6, &both));
+    OK(espalier_lattice_counts(both, counts));
+    CHECK(counts[0] == 45 && counts[3] == 16);
+    /* 8 wedges round the axis in each of 3 layers; 4 times an axis and 8 vertices round it. */
+    OK(espalier_lattice_create_cylinder(8, 1, 3, 0.5, origin, top, &round));
+    OK(espalier_lattice_counts(round, counts));
+    CHECK(counts[0] == 36 && counts[3] == 24);
+    espalier_lattice_destroy(one);
+    espalier_lattice_destroy(two);
+    espalier_lattice_destroy(both);
+    espalier_lattice_destroy(round);
+    one = NULL;
+    parts[1] = NULL;
+    REFUSED(espalier_lattice_create_merged(1, parts + 1, 1e-6, &one), ESPALIER_ERROR_INPUT,
+            "one of the lattices is null");
+    REFUSED(espalier_lattice_create_box(NULL, origin, corner, &one), ESPALIER_ERROR_INPUT,
+            "cells is null");
+    REFUSED(espalier_lattice_create_cylinder(8, 1, 1, 1, NULL, top, &one), ESPALIER_ERROR_INPUT,
+            "from is null");
+    CHECK(one == NULL);
+}
+
 static void test_files(const char* path) {
     espalier_table* other = NULL;
     espalier_csr a, b;
@@ -133,6 +174,7 @@ int main(int argc, char** argv) {
     set_up();
     test_fit();
     test_nested();
+    test_shapes();
     for (int i = 1; i < argc; ++i) test_files(argv[i]);
     tear_down();
     return 0;
