@@ -404,6 +404,13 @@ ESPALIER_C_API espalier_status espalier_table_create_stencils(const espalier_ref
 /// R_level: vertices of the level × vertices of the level before. Level 1 or above.
 ESPALIER_C_API espalier_status espalier_table_create_level(const espalier_refiner* refiner,
                                                            int32_t level, espalier_table** table);
+
+/// Where the vertices of a level go in the limit: vertices of the level × vertices of the lattice
+/// (stencils/limit_table.h).
+///
+/// \retval ESPALIER_ERROR_INPUT no such level; rules or a boundary without a limit here
+ESPALIER_C_API espalier_status espalier_table_create_limits(const espalier_refiner* refiner,
+                                                            int32_t level, espalier_table** table);
 ESPALIER_C_API void espalier_table_destroy(espalier_table* table);
 
 /// Writes a table in the format of the extension (io/matrix_file.h): .mtx, .npz of SciPy, .npy

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/matrix_file.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/limit_table.h>
 #include <espalier/stencils/nested_lattices.h>
 
 #include <string>
@@ -38,6 +39,15 @@ espalier_status espalier_table_create_level(const espalier_refiner* refiner, int
         auto& out = c::deref(table, "table");
         const auto& own = c::deref(refiner, "refiner");
         out = c::newTable(stencils::buildLevelTable(own.refiner, level, own.rules));
+    });
+}
+
+espalier_status espalier_table_create_limits(const espalier_refiner* refiner, int32_t level,
+                                             espalier_table** table) {
+    return c::guarded([&] {
+        auto& out = c::deref(table, "table");
+        const auto& own = c::deref(refiner, "refiner");
+        out = c::newTable(stencils::buildVertexLimits<double>(own.refiner, level, own.rules));
     });
 }
 

@@ -243,6 +243,9 @@ static void test_levels(void) {
         CHECK(took(espalier_table_create_stencils(refiner, level, &t)) == is_there);
         espalier_table_destroy(t);
         t = NULL;
+        CHECK(took(espalier_table_create_limits(refiner, level, &t)) == is_there);
+        espalier_table_destroy(t);
+        t = NULL;
         CHECK(took(espalier_table_create_level(refiner, level, &t)) == (level == 1));
         espalier_table_destroy(t);
         took(espalier_refiner_carry_values(refiner, level, 3, positions, 81, values, 81));

@@ -148,6 +148,25 @@ static void test_shapes(void) {
     CHECK(one == NULL);
 }
 
+/* The middle of the box is where it was, by symmetry, and has the mask (1, 4, 1)/6 three times: its
+ * own weight is (4/6)³. */
+static void test_limits(void) {
+    espalier_table* limits = NULL;
+    espalier_csr csr;
+    OK(espalier_table_create_limits(refiner, 0, &limits));
+    OK(espalier_table_csr(limits, &csr));
+    CHECK(csr.row_count == BOX_VERTICES && csr.column_count == BOX_VERTICES);
+    const int64_t first = csr.offsets[BOX_CENTRE];
+    CHECK(csr.offsets[BOX_CENTRE + 1] - first == BOX_VERTICES);
+    CHECK(fabs(csr.weights[first + BOX_CENTRE] - 8.0 / 27) < tolerance);
+    espalier_table_destroy(limits);
+    limits = NULL;
+    REFUSED(espalier_table_create_limits(refiner, 1, &limits), ESPALIER_ERROR_INPUT, "level 1");
+    REFUSED(espalier_table_create_limits(NULL, 0, &limits), ESPALIER_ERROR_INPUT,
+            "refiner is null");
+    CHECK(limits == NULL);
+}
+
 static void test_files(const char* path) {
     espalier_table* other = NULL;
     espalier_csr a, b;
@@ -175,6 +194,7 @@ int main(int argc, char** argv) {
     test_fit();
     test_nested();
     test_shapes();
+    test_limits();
     for (int i = 1; i < argc; ++i) test_files(argv[i]);
     tear_down();
     return 0;
