@@ -23,20 +23,22 @@ T& deref(T* pointer, const char* name) {
     return *pointer;
 }
 
-/// An array and its length.
-/// \throws Error if `count` is negative, or the array is null and should not be
+/// An array of `count` entities with `each` values an entity.
+/// \throws Error if `count` is negative, or larger than any memory, or the array is null and should
+///         not be
 template <class T>
-std::span<T> array(T* values, std::int64_t count, const char* name) {
-    if (count < 0)
+std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t each = 1) {
+    const std::int64_t most = PTRDIFF_MAX / static_cast<std::int64_t>(sizeof(T)) / each;
+    if (count < 0 || count > most)
         throw Error(std::string(name) + ": the count is " + std::to_string(count) +
-                    "; expected 0 or more");
+                    "; expected 0 to " + std::to_string(most));
     if (count > 0) deref(values, name);
-    return {values, static_cast<std::size_t>(count)};
+    return {values, static_cast<std::size_t>(count * each)};
 }
 
 /// \param count of positions; there are three times as many numbers
 inline std::vector<Point3> positions(const double* values, std::int64_t count, const char* name) {
-    array(values, count, name);
+    array(values, count, name, 3);
     std::vector<Point3> result(static_cast<std::size_t>(count));
     if (count > 0) std::memcpy(result.data(), values, result.size() * sizeof(Point3));
     return result;

@@ -82,6 +82,7 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
     return c::guarded([&] {
         auto& out = c::deref(binding, "binding");
         const auto& own = c::deref(refiner, "refiner");
+        c::checkCount(vertex_count, own.refiner.level(0).complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
         const auto chosen = c::optionsOr(options, espalier_default_bind_options(),
@@ -158,9 +159,10 @@ espalier_status espalier_binding_apply(const espalier_binding* binding, int32_t 
                                        const double* pose, int32_t point_count, double* points) {
     return c::guarded([&] {
         const auto& own = c::dataOf(binding).model.binding;
+        c::checkCount(vertex_count, own.table.columnCount(), "positions of vertices");
         const auto from = c::positions(pose, vertex_count, "pose");
-        c::array(points, point_count, "points");
         c::checkCount(point_count, own.table.rowCount(), "points of room for the result");
+        c::array(points, point_count, "points", 3);
         const auto moved = osd::evaluateBinding(own, std::span<const Point3>(from));
         if (!moved.empty()) std::memcpy(points, moved.data(), moved.size() * sizeof(Point3));
     });

@@ -193,6 +193,37 @@ ESPALIER_C_API espalier_status espalier_lattice_create_hexahedra(int32_t vertex_
                                                                  const int32_t* vertices,
                                                                  espalier_lattice** lattice);
 
+/// A box of hexahedra (shapes/inventory.h). Vertex (i, j, k) is i + (cells[0] + 1) (j + (cells[1] +
+/// 1) k).
+///
+/// \param cells along x, y and z: 1 or more each
+/// \param min, max the corners, `max` above `min` in each coordinate
+ESPALIER_C_API espalier_status espalier_lattice_create_box(const int32_t cells[3],
+                                                           const double min[3], const double max[3],
+                                                           espalier_lattice** lattice);
+
+/// A disk swept along an axis, with wedges round the axis (shapes/inventory.h).
+///
+/// \param sectors sides of the disk, 3 or more
+/// \param rings of cells in the disk, 1 or more
+/// \param layers of cells along the axis, 1 or more
+/// \param radius of the outermost vertices, above 0
+/// \param from, to the centres of the ends, x, y, z each
+ESPALIER_C_API espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings,
+                                                                int32_t layers, double radius,
+                                                                const double from[3],
+                                                                const double to[3],
+                                                                espalier_lattice** lattice);
+
+/// Joins lattices by welding the vertices that coincide (shapes/merge.h).
+///
+/// \param count of lattices, 1 or more
+/// \param tolerance how far apart vertices may be, as a fraction of the diagonal of the box round
+///        all; 1e-6 is usual
+ESPALIER_C_API espalier_status
+espalier_lattice_create_merged(int64_t count, const espalier_lattice* const* lattices,
+                               double tolerance, espalier_lattice** lattice);
+
 /// Reads a lattice in the format of its extension: .ovm, .vtu or .vtk, with marks (io/).
 ESPALIER_C_API espalier_status espalier_lattice_read(const char* path, espalier_lattice** lattice);
 
@@ -355,7 +386,7 @@ typedef struct espalier_table espalier_table;
 
 /// Its numbers in compressed sparse rows, the form of SciPy, Eigen and MKL. Row r has the entries
 /// offsets[r] to offsets[r + 1] − 1. Columns ascend and are unique in a row. Every row sums to 1,
-/// or is empty: that of a point that is kept in place.
+/// or is empty: that of a point that is kept in place. (Tables that were read are as their files.)
 typedef struct espalier_csr {
     int32_t row_count;
     int32_t column_count;
@@ -373,7 +404,21 @@ ESPALIER_C_API espalier_status espalier_table_create_stencils(const espalier_ref
 /// R_level: vertices of the level × vertices of the level before. Level 1 or above.
 ESPALIER_C_API espalier_status espalier_table_create_level(const espalier_refiner* refiner,
                                                            int32_t level, espalier_table** table);
+
+/// Where the vertices of a level go in the limit: vertices of the level × vertices of the lattice
+/// (stencils/limit_table.h).
+///
+/// \retval ESPALIER_ERROR_INPUT no such level; rules or a boundary without a limit here
+ESPALIER_C_API espalier_status espalier_table_create_limits(const espalier_refiner* refiner,
+                                                            int32_t level, espalier_table** table);
 ESPALIER_C_API void espalier_table_destroy(espalier_table* table);
+
+/// Writes a table in the format of the extension (io/matrix_file.h): .mtx, .npz of SciPy, .npy
+/// (three files), or .petsc.
+ESPALIER_C_API espalier_status espalier_table_write(const espalier_table* table, const char* path);
+
+/// Reads a table in the format of the extension: .mtx, .npz or .petsc. Rows need not sum to 1.
+ESPALIER_C_API espalier_status espalier_table_read(const char* path, espalier_table** table);
 
 /// The numbers of a table, without a copy.
 ESPALIER_C_API espalier_status espalier_table_csr(const espalier_table* table, espalier_csr* csr);
@@ -485,6 +530,90 @@ ESPALIER_C_API espalier_status espalier_binding_kept(const espalier_binding* bin
 ESPALIER_C_API espalier_status espalier_binding_apply(const espalier_binding* binding,
                                                       int32_t vertex_count, const double* pose,
                                                       int32_t point_count, double* points);
+
+/// Carries points by a lattice, the child, that lies in another, the parent: D = D_child ·
+/// D_parent, points × vertices of the parent (stencils/nested_lattices.h). Nests go as deep as
+/// wanted.
+///
+/// \param child D_child, points × vertices of the child
+/// \param child_pose of the vertices of the child, where the parent is at rest: 3 ·
+///        child_vertex_count numbers
+/// \param parent_positions of the vertices of the parent at rest, 3 · parent_vertex_count numbers
+/// \param options null for the defaults; limit_tolerance must be 0. Under ESPALIER_OUTSIDE_NEAREST
+/// a
+///        vertex of the child outside of the parent is taken along, and refused under any other
+/// \retval ESPALIER_ERROR_INPUT sizes that do not match; a vertex of the child that is outside
+/// \cost as espalier_binding_create() for the vertices of the child, and the product of tables.
+ESPALIER_C_API espalier_status espalier_table_create_nested(
+    const espalier_table* child, int32_t child_vertex_count, const double* child_pose,
+    const espalier_refiner* parent, int32_t parent_vertex_count, const double* parent_positions,
+    const espalier_bind_options* options, espalier_table** table);
+
+// ---- Fitting --------------------------------------------------------------------------------
+
+/// What is asked of displacements besides that they reach the targets (solve/lattice_fit.h).
+enum {
+    ESPALIER_SMOOTHING_NONE = 0,
+    ESPALIER_SMOOTHING_TIKHONOV = 1,  ///< that they are small
+    ESPALIER_SMOOTHING_LAPLACIAN = 2  ///< that each is like those of the neighbours
+};
+
+/// What is done where the targets leave some displacements open.
+enum {
+    ESPALIER_UNDETERMINED_SMALLEST = 0,  ///< of all that fit as well, the smallest
+    ESPALIER_UNDETERMINED_REFUSE = 1
+};
+
+/// How a lattice is fitted. Begin with espalier_default_fit_options(), as with those above.
+typedef struct espalier_fit_options {
+    size_t size;            ///< of this struct: sizeof(espalier_fit_options)
+    int32_t smoothing;      ///< ESPALIER_SMOOTHING_...; default NONE
+    int32_t undetermined;   ///< ESPALIER_UNDETERMINED_...; default SMALLEST
+    double strength;        ///< of smoothing against targets, 1e-4 to 1e4; default 1e-3
+    int64_t frozen_count;   ///< default 0
+    const int32_t* frozen;  ///< vertices that stay where they are: frozen_count numbers
+} espalier_fit_options;
+
+static inline espalier_fit_options espalier_default_fit_options(void) {
+    espalier_fit_options options;
+    options.size = sizeof options;
+    options.smoothing = ESPALIER_SMOOTHING_NONE;
+    options.undetermined = ESPALIER_UNDETERMINED_SMALLEST;
+    options.strength = 1e-3;
+    options.frozen_count = 0;
+    options.frozen = NULL;
+    return options;
+}
+
+/// How well displacements do.
+typedef struct espalier_fit_quality {
+    double largest_miss;  ///< how far a point is from its target
+    double rms_miss;      ///< the root of the mean of the squares of these distances
+    double condition;     ///< of the least-squares matrix; infinity where displacements are open
+} espalier_fit_quality;
+
+/// The displacements of the vertices of a lattice that carry points to where they are wanted, in
+/// the sense of least squares.
+///
+/// \param deformation D: points × vertices of the lattice
+/// \param lattice whose edges are the neighbours of smoothing
+/// \param target_count points that have targets
+/// \param rows the rows of D that these points have; null for all rows, in order
+/// \param misses of each of these points: its target, less where it is at rest. 3 · target_count
+///        numbers
+/// \param options null for the defaults
+/// \param vertex_count that of the lattice
+/// \param displacements 3 · vertex_count numbers are written
+/// \param quality may be null
+/// \retval ESPALIER_ERROR_INPUT no targets; a row that is not there, or is empty; misses that are
+/// not
+///         finite; options out of range; a frozen vertex that is not there; open displacements
+///         under ESPALIER_UNDETERMINED_REFUSE
+/// \cost O(Σ entries² of the rows + a sparse Cholesky factor of the vertices)
+ESPALIER_C_API espalier_status espalier_lattice_fit(
+    const espalier_table* deformation, const espalier_lattice* lattice, int32_t target_count,
+    const int32_t* rows, const double* misses, const espalier_fit_options* options,
+    int32_t vertex_count, double* displacements, espalier_fit_quality* quality);
 
 // ---- Evaluators -----------------------------------------------------------------------------
 

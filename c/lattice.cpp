@@ -22,11 +22,14 @@ std::span<const Index> row(std::span<const std::int64_t> offsets, const Index* v
     return {values + offsets[index], static_cast<std::size_t>(offsets[index + 1] - offsets[index])};
 }
 
+/// The offsets of `count` rows.
 /// \throws Error if they do not begin with 0, or do not ascend
 std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, Index count,
                                              const char* name) {
-    array(offsets, count, name);
-    const std::span checked(&deref(offsets, name), static_cast<std::size_t>(count) + 1);
+    if (count < 0)
+        throw Error(std::string(name) + ": the count is " + std::to_string(count) +
+                    "; expected 0 or more");
+    const auto checked = array(offsets, std::int64_t{count} + 1, name);
     if (checked[0] != 0)
         throw Error(std::string(name) + "[0] is " + std::to_string(checked[0]) + "; expected 0");
     for (std::size_t i = 1; i < checked.size(); ++i)
@@ -37,10 +40,28 @@ std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, Index 
     return checked;
 }
 
+/// Refuses more vertices than are named, before anything is read or allocated for each of them.
+/// \param named vertices that the cells name, with repetitions
+void checkVertexCount(Index vertexCount, std::int64_t named) {
+    if (vertexCount < 0)
+        throw Error("the count of vertices is " + std::to_string(vertexCount) +
+                    "; expected 0 or more");
+    if (vertexCount > named)
+        throw Error("there are " + std::to_string(vertexCount) + " vertices, and the cells name " +
+                    std::to_string(named) + " at most; expected each vertex to be in a cell");
+}
+
 far::CellComplex buildCells(const espalier_cells& cells) {
     const auto cellOffsets = checkedOffsets(cells.cell_offsets, cells.cell_count, "cell_offsets");
     const auto faceOffsets = checkedOffsets(cells.face_offsets, cells.face_count, "face_offsets");
+    // A face is in two cells at most: an offset beyond is wrong, and is not followed.
+    if (const auto most = 2 * std::int64_t{cells.face_count};
+        cells.cell_faces != nullptr && cellOffsets.back() > most)
+        throw Error("cell_offsets[" + std::to_string(cells.cell_count) + "] is " +
+                    std::to_string(cellOffsets.back()) + "; expected " + std::to_string(most) +
+                    " at most, since a face is in two cells at most");
     array(cells.face_vertices, faceOffsets.back(), "face_vertices");
+    checkVertexCount(cells.vertex_count, faceOffsets.back());
 
     far::ComplexBuilder builder(3, cells.vertex_count);
     std::vector<std::vector<Index>> loops;
@@ -54,6 +75,9 @@ far::CellComplex buildCells(const espalier_cells& cells) {
                             "; there are " + std::to_string(cells.face_count));
             isUsed[static_cast<std::size_t>(face)] = true;
             const auto loop = row(faceOffsets, cells.face_vertices, static_cast<std::size_t>(face));
+            if (std::ssize(loop) > cells.vertex_count)
+                throw Error("face " + std::to_string(face) + " has " + std::to_string(loop.size()) +
+                            " vertices; there are " + std::to_string(cells.vertex_count));
             loops.emplace_back(loop.begin(), loop.end());
         }
         builder.addCell(loops);
@@ -89,8 +113,9 @@ espalier_status espalier_lattice_create(const espalier_cells* cells, const doubl
     return c::guarded([&] {
         auto& out = c::deref(lattice, "lattice");
         const auto& given = c::deref(cells, "cells");
+        auto complex = c::buildCells(given);
         auto points = c::positions(positions, given.vertex_count, "positions");
-        out = new espalier_lattice{{c::buildCells(given), std::move(points), {}, {}}};
+        out = new espalier_lattice{{std::move(complex), std::move(points), {}, {}}};
     });
 }
 
@@ -99,9 +124,9 @@ espalier_status espalier_lattice_create_hexahedra(int32_t vertex_count, const do
                                                   espalier_lattice** lattice) {
     return c::guarded([&] {
         auto& out = c::deref(lattice, "lattice");
+        const auto corners = c::array(vertices, cell_count, "vertices", 8);
+        c::checkVertexCount(vertex_count, std::ssize(corners));
         auto points = c::positions(positions, vertex_count, "positions");
-        c::array(vertices, cell_count, "vertices");
-        const std::span corners(vertices, 8 * static_cast<std::size_t>(cell_count));
         out = new espalier_lattice{
             {c::buildHexahedra(vertex_count, corners), std::move(points), {}, {}}};
     });
@@ -157,10 +182,10 @@ espalier_status espalier_lattice_mark_edges(espalier_lattice* lattice, int64_t c
     return c::guarded([&] {
         auto& own = c::deref(lattice, "lattice").lattice;
         const auto values = c::array(sharpness, count, "sharpness");
-        c::array(vertices, count, "vertices");
+        const auto ends = c::array(vertices, count, "vertices", 2);
         c::addMarks(own, [&](far::Marks& marks) {
             for (std::size_t i = 0; i < values.size(); ++i)
-                marks.edges.push_back({{vertices[2 * i], vertices[2 * i + 1]}, values[i]});
+                marks.edges.push_back({{ends[2 * i], ends[2 * i + 1]}, values[i]});
         });
     });
 }

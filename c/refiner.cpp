@@ -132,10 +132,13 @@ espalier_status espalier_refiner_carry_values(const espalier_refiner* refiner, i
         const auto& own = c::deref(refiner, "refiner");
         const auto from = c::array(values, size, "values");
         const auto to = c::array(result, result_size, "result");
-        const std::int64_t count = own.refiner.level(level).complex.count(0);
+        const auto countOf = [&](int each) -> std::int64_t {
+            return own.refiner.level(each).complex.count(0);
+        };
         if (components < 1)
             throw Error("components is " + std::to_string(components) + "; expected 1 or more");
-        c::checkCount(result_size, count * components, "numbers of room for the result");
+        c::checkCount(size, countOf(0) * components, "numbers on the vertices of the lattice");
+        c::checkCount(result_size, countOf(level) * components, "numbers of room for the result");
         const auto carried =
             stencils::refineValues(own.refiner, level, own.rules, from, components);
         std::copy(carried.begin(), carried.end(), to.begin());

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/matrix_file.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/limit_table.h>
+#include <espalier/stencils/nested_lattices.h>
 
+#include <string>
 #include <utility>
 
 #include "arguments.h"
@@ -35,6 +39,55 @@ espalier_status espalier_table_create_level(const espalier_refiner* refiner, int
         auto& out = c::deref(table, "table");
         const auto& own = c::deref(refiner, "refiner");
         out = c::newTable(stencils::buildLevelTable(own.refiner, level, own.rules));
+    });
+}
+
+espalier_status espalier_table_create_limits(const espalier_refiner* refiner, int32_t level,
+                                             espalier_table** table) {
+    return c::guarded([&] {
+        auto& out = c::deref(table, "table");
+        const auto& own = c::deref(refiner, "refiner");
+        out = c::newTable(stencils::buildVertexLimits<double>(own.refiner, level, own.rules));
+    });
+}
+
+espalier_status espalier_table_write(const espalier_table* table, const char* path) {
+    return c::guarded(
+        [&] { io::writeMatrix(&c::deref(path, "path"), *c::deref(table, "table").table); });
+}
+
+espalier_status espalier_table_read(const char* path, espalier_table** table) {
+    return c::guarded([&] {
+        auto& out = c::deref(table, "table");
+        out = c::newTable(io::readMatrix(&c::deref(path, "path")));
+    });
+}
+
+espalier_status espalier_table_create_nested(
+    const espalier_table* child, int32_t child_vertex_count, const double* child_pose,
+    const espalier_refiner* parent, int32_t parent_vertex_count, const double* parent_positions,
+    const espalier_bind_options* options, espalier_table** table) {
+    return c::guarded([&] {
+        auto& out = c::deref(table, "table");
+        const auto& own = *c::deref(child, "child").table;
+        const auto& outer = c::deref(parent, "parent");
+        const auto& complex = outer.refiner.level(0).complex;
+        c::checkCount(child_vertex_count, own.columnCount(), "positions of the child's vertices");
+        c::checkCount(parent_vertex_count, complex.count(0), "positions of the parent's vertices");
+        const auto pose = c::positions(child_pose, child_vertex_count, "child_pose");
+        const auto rest = c::positions(parent_positions, parent_vertex_count, "parent_positions");
+        const auto chosen = c::optionsOr(options, espalier_default_bind_options(),
+                                         offsetof(espalier_bind_options, limit_tolerance),
+                                         "espalier_default_bind_options");
+        if (chosen.limit_tolerance != 0)
+            throw Error("limit_tolerance is " + std::to_string(chosen.limit_tolerance) +
+                        "; expected 0, since lattices nest in a level");
+        stencils::EmbeddingOptions embedding;
+        embedding.outside = c::choice(chosen.outside, stencils::OutsidePolicy::Error, "outside");
+        embedding.tolerance = chosen.tolerance;
+        out = c::newTable(
+            stencils::nestTables(own, pose, far::TopologyRefiner(complex, outer.refiner.options()),
+                                 rest, chosen.level, outer.rules, embedding));
     });
 }
 

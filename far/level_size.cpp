@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/level_size.h>
 
+#include <algorithm>
+#include <limits>
+
 namespace espalier::far {
 namespace {
 
@@ -39,7 +42,10 @@ LevelSize levelSize(const CellComplex& complex, int levels) {
     size.cellFaces = pairCount(complex, 3, 2);
     size.cellEdges = pairCount(complex, 3, 1);
     size.cellVertices = pairCount(complex, 3, 0);
-    for (int level = 0; level < levels; ++level) size = next(size);
+    // Sizes that are not 0 double at least: long before this level they are infinite, and remain
+    // so.
+    constexpr int kAllInfinite = 2 * std::numeric_limits<double>::max_exponent;
+    for (int level = 0; level < std::min(levels, kAllInfinite); ++level) size = next(size);
     return size;
 }
 

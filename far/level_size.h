@@ -25,7 +25,7 @@ struct LevelSize {
 /// The size of a level, known without refining to it. (Under Boundary::Open levels are smaller.)
 ///
 /// \param levels how many levels above `complex`, 0 or more
-/// \cost O(levels), and the relations of `complex` that refinement derives anyway
+/// \cost O(1), and the relations of `complex` that refinement derives anyway
 /// \cite Azlan & Misro, Table 2, for the counts of polyhedra; the rest follows from the intervals
 ///       of Refinement
 ESPALIER_API LevelSize levelSize(const CellComplex& complex, int levels);

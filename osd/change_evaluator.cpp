@@ -218,6 +218,7 @@ std::size_t ChangeEvaluator<Real>::byteCount() const {
 
 template <class Real>
 Workspace ChangeEvaluator<Real>::workspace(Offset length) const {
+    checkLength(length);
     return Workspace(data_->roomFor(length));
 }
 

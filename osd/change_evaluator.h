@@ -61,6 +61,7 @@ public:
                          std::span<const Index> changed, Workspace& workspace) const;
 
     /// One that is large enough for entries of so many components, in any layout, and any columns.
+    /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
     Workspace workspace(Offset length) const;
 
     /// The rows that evaluateChanged() writes, ascending: for what a host derives from them.

@@ -111,11 +111,12 @@ std::size_t CompiledAdjoint<Real>::byteCount() const {
 template <class Real>
 std::size_t CompiledAdjoint<Real>::roomFor(Offset length) const {
     return data_->taskNumbers().bytes() +
-           roomOf<Real>(std::ssize(data_->rows.groupColumns) * length);
+           roomOf<Real>(std::ssize(data_->rows.groupColumns), length);
 }
 
 template <class Real>
 Workspace CompiledAdjoint<Real>::workspace(Offset length) const {
+    checkLength(length);
     return Workspace(roomFor(length));
 }
 

@@ -60,6 +60,7 @@ public:
                   RowRange rows, Workspace& workspace) const;
 
     /// One that is large enough for entries of so many components, in any layout.
+    /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
     Workspace workspace(Offset length) const;
 
 private:

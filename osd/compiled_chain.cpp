@@ -136,6 +136,7 @@ std::size_t CompiledChain<Real>::byteCount() const {
 
 template <class Real>
 Workspace CompiledChain<Real>::workspace(Offset length) const {
+    checkLength(length);
     return Workspace(ChainRoom<Real>(std::span(steps_), length).bytes());
 }
 
@@ -172,6 +173,7 @@ std::size_t CompiledAdjointChain<Real>::byteCount() const {
 
 template <class Real>
 Workspace CompiledAdjointChain<Real>::workspace(Offset length) const {
+    checkLength(length);
     return Workspace(ChainRoom<Real>(std::span(steps_), length).bytes());
 }
 

@@ -72,11 +72,12 @@ template <class Real>
 std::size_t CompiledTable<Real>::roomFor(Offset length, bool hasPaddedSource) const {
     const Offset stride = paddedLength(length);
     return taskNumbers(*data_, stride).bytes() +
-           (hasPaddedSource ? 0 : roomOf<Real>(columnCount() * stride));
+           (hasPaddedSource ? 0 : roomOf<Real>(columnCount(), stride));
 }
 
 template <class Real>
 Workspace CompiledTable<Real>::workspace(Offset length) const {
+    checkLength(length);
     return Workspace(roomFor(length, false));
 }
 

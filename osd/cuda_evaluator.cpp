@@ -3,6 +3,7 @@
 #include <espalier/osd/cuda_evaluator.h>
 #include <espalier/osd/cuda_launch.h>
 #include <espalier/osd/device_table.h>
+#include <espalier/osd/room.h>
 
 #include <optional>
 #include <utility>
@@ -10,13 +11,10 @@
 namespace espalier::osd {
 namespace {
 
-/// Parts of a workspace start at multiples of this, as what CUDA allocates does.
-constexpr std::size_t kAlignment = 256;
-
+/// Bytes of a part of a workspace. Parts start at multiples of 256, as what CUDA allocates does.
 template <class Real>
-std::size_t roomOf(Offset count) {
-    return (static_cast<std::size_t>(count) * sizeof(Real) + kAlignment - 1) / kAlignment *
-           kAlignment;
+std::size_t deviceRoomOf(Offset count) {
+    return osd::roomOf<Real, 256>(count);
 }
 
 template <class Real>
@@ -52,12 +50,13 @@ void runOnDevice(Index sourceCount, CudaSource<Real> source, const BufferDescrip
     const Offset sourceNumbers =
         source.isOnHost && sourceCount > 0 ? (sourceCount - 1) * sourceLayout.stride + length : 0;
     const Offset destinationNumbers = destination.isOnHost ? rowCount * length : 0;
-    std::byte* const memory = workspace.reserve(
-        roomOf<Real>(placeCount) + roomOf<Real>(sourceNumbers) + roomOf<Real>(destinationNumbers));
+    std::byte* const memory =
+        workspace.reserve(deviceRoomOf<Real>(placeCount) + deviceRoomOf<Real>(sourceNumbers) +
+                          deviceRoomOf<Real>(destinationNumbers));
     Real* const places = reinterpret_cast<Real*>(memory);
-    Real* const sourceCopy = reinterpret_cast<Real*>(memory + roomOf<Real>(placeCount));
-    Real* const results =
-        reinterpret_cast<Real*>(memory + roomOf<Real>(placeCount) + roomOf<Real>(sourceNumbers));
+    Real* const sourceCopy = reinterpret_cast<Real*>(memory + deviceRoomOf<Real>(placeCount));
+    Real* const results = reinterpret_cast<Real*>(memory + deviceRoomOf<Real>(placeCount) +
+                                                  deviceRoomOf<Real>(sourceNumbers));
     if (sourceNumbers > 0)
         check(cudaMemcpyAsync(sourceCopy, source.data + sourceLayout.offset,
                               bytesOf<Real>(sourceNumbers), cudaMemcpyHostToDevice, stream),
@@ -101,7 +100,7 @@ int cudaDeviceCount() {
 template <class Real>
 CudaBuffer<Real>::CudaBuffer(std::size_t size)
     : device_(currentDevice()),
-      data_(static_cast<Real*>(allocateOnDevice(size * sizeof(Real)))),
+      data_(static_cast<Real*>(allocateOnDevice(roomOf<Real>(static_cast<Offset>(size))))),
       size_(size) {}
 
 template <class Real>
@@ -284,11 +283,10 @@ std::size_t CudaEvaluator<Real>::tableByteCount() const {
 
 template <class Real>
 CudaWorkspace CudaEvaluator<Real>::workspace(Offset length, CudaStream stream) const {
-    if (length < 1)
-        throw Error("a workspace is for 1 component or more, not " + std::to_string(length));
+    checkLength(length);
     const DeviceScope scope(data_->device);
     CudaWorkspace workspace(stream);
-    if (data_->adjoint) workspace.reserve(roomOf<Real>(data_->adjoint->placeCount * length));
+    if (data_->adjoint) workspace.reserve(deviceRoomOf<Real>(data_->adjoint->placeCount * length));
     return workspace;
 }
 

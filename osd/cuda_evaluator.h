@@ -221,7 +221,7 @@ public:
     /// One that is large enough for evaluations of so many components from the device to the
     /// device: of the adjoint, if there is one.
     /// \param stream of the device of this table
-    /// \throws Error if the length is not 1 or more; CudaError
+    /// \throws Error as checkLength() does; CudaError
     CudaWorkspace workspace(Offset length, CudaStream stream = nullptr) const;
 
     /// As checkEvaluation() says, of source and destination on the host or on the device.

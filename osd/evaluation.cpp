@@ -2,10 +2,24 @@
 #include <espalier/far/error.h>
 #include <espalier/osd/evaluation.h>
 
+#include <limits>
 #include <string>
 
 namespace espalier::osd {
 namespace {
+
+/// Whether a buffer of `size` numbers holds all entries. Subtracted and divided, not added and
+/// multiplied: sums and products may overflow. An offset beyond the buffer is refused even where
+/// there are no entries, since evaluators add it to the address.
+bool holds(const BufferDescriptor& layout, std::size_t size, Offset entries) {
+    const auto offset = static_cast<std::size_t>(layout.offset);
+    const auto length = static_cast<std::size_t>(layout.length);
+    if (offset > size) return false;
+    if (entries == 0) return true;
+    if (length > size - offset) return false;
+    return (size - offset - length) / static_cast<std::size_t>(layout.stride) >=
+           static_cast<std::size_t>(entries - 1);
+}
 
 // Nothing is put into words but where it is thrown: no evaluation allocates for its checks.
 void checkLayout(const BufferDescriptor& layout, std::size_t size, Offset entries,
@@ -17,16 +31,21 @@ void checkLayout(const BufferDescriptor& layout, std::size_t size, Offset entrie
         refuse("has offset " + std::to_string(layout.offset) + ", length " +
                std::to_string(layout.length) + " and stride " + std::to_string(layout.stride) +
                "; expected offset ≥ 0 and stride ≥ length ≥ 1");
-    if (entries == 0) return;
-    // Divided, not multiplied: the product might overflow.
-    const Offset room = static_cast<Offset>(size) - layout.offset - layout.length;
-    if (room < 0 || room / layout.stride < entries - 1)
+    checkLength(layout.length);
+    if (!holds(layout, size, entries))
         refuse("holds " + std::to_string(size) + " numbers: too few for " +
                std::to_string(entries) + " entries at offset " + std::to_string(layout.offset) +
                " and stride " + std::to_string(layout.stride));
 }
 
 }  // namespace
+
+void checkLength(Offset length) {
+    constexpr Offset kMaxLength = std::numeric_limits<Index>::max();
+    if (length < 1 || length > kMaxLength)
+        throw Error("an entry cannot have " + std::to_string(length) +
+                    " components; expected 1 to " + std::to_string(kMaxLength));
+}
 
 void checkEvaluation(Index rowCount, Index columnCount, std::size_t sourceSize,
                      const BufferDescriptor& sourceLayout, std::size_t destinationSize,

@@ -26,6 +26,9 @@ using Values = std::span<const std::type_identity_t<Real>>;
 template <class Real>
 using MutableValues = std::span<std::type_identity_t<Real>>;
 
+/// Throws Error unless `length` is a number of components that an entry can have: 1 to 2³¹ − 1.
+ESPALIER_API void checkLength(Offset length);
+
 /// The checks of checkEvaluation() below, for any form of a table of so many rows and columns, and
 /// buffers of so many numbers.
 ESPALIER_API void checkEvaluation(Index rowCount, Index columnCount, std::size_t sourceSize,

@@ -6,15 +6,24 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <span>
 
 // How the memory of a workspace is shared out.
 namespace espalier::osd {
 
-/// Bytes of so many values in a Room.
-template <class T>
-constexpr std::size_t roomOf(far::Offset count) {
-    return (static_cast<std::size_t>(count) * sizeof(T) + 63) / 64 * 64;
+/// Bytes of `count` times `each` values in a Room: a multiple of `alignment`. A few of these
+/// can be added without overflow.
+/// \throws std::bad_array_new_length if that is more than any memory holds
+template <class T, std::size_t alignment = 64>
+constexpr std::size_t roomOf(far::Offset count, far::Offset each = 1) {
+    constexpr std::size_t kMaxBytes = std::size_t{1} << 60;
+    std::size_t bytes = 0;
+    if (__builtin_mul_overflow(static_cast<std::size_t>(count), static_cast<std::size_t>(each),
+                               &bytes) ||
+        __builtin_mul_overflow(bytes, sizeof(T), &bytes) || bytes > kMaxBytes)
+        throw std::bad_array_new_length();
+    return (bytes + alignment - 1) / alignment * alignment;
 }
 
 /// Memory that is handed out part by part, each aligned to 64 bytes. Not initialized.
@@ -43,7 +52,7 @@ public:
         : taskCount_(taskCount), count_(count <= kOnStack ? 0 : count) {}
 
     std::size_t bytes() const {
-        return static_cast<std::size_t>(taskCount_) * roomOf<Real>(count_);
+        return roomOf<std::byte>(taskCount_, static_cast<far::Offset>(roomOf<Real>(count_)));
     }
 
     /// Before the tasks.

@@ -75,5 +75,6 @@ PYBIND11_MODULE(_compare, module) {
     module.def("compare", &compareWithOpenSubdiv, py::arg("refiner"), py::arg("level"),
                "Compares the surface of what a Refiner holds with OpenSubdiv's: see "
                "espalier.compare().");
+    protectClasses(module);
     py::delattr(module, "__module__");
 }

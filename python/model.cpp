@@ -42,6 +42,18 @@ ModelFile modelOfPoints(std::span<const Point3> points) {
     return modelOfBytes("points.obj", std::move(bytes));
 }
 
+namespace {
+
+/// As os.fsdecode() has it: bytes that are not UTF-8 become surrogates.
+py::str nameOf(const ModelFile& file) {
+    PyObject* const name = PyUnicode_DecodeFSDefaultAndSize(
+        file.name.data(), static_cast<Py_ssize_t>(file.name.size()));
+    if (name == nullptr) throw py::error_already_set();
+    return py::reinterpret_steal<py::str>(name);
+}
+
+}  // namespace
+
 void addModel(py::module_& module) {
     py::class_<ModelFile, std::shared_ptr<ModelFile>>(module, "Model", R"(
 The thing that is deformed: a file with points in it. Written with other points it keeps all else as
@@ -55,7 +67,7 @@ it was, byte for byte. read_model() makes it.
                               {static_cast<py::ssize_t>(points.size()), 3}, self);
             },
             "The points, in the order of the file: array (N, 3) of float64, read-only.")
-        .def_readonly("name", &ModelFile::name, "Name of the file, without folders: str.")
+        .def_property_readonly("name", &nameOf, "Name of the file, without folders: str.")
         .def(
             "write",
             [](const ModelFile& self, const std::filesystem::path& path,
@@ -67,8 +79,8 @@ it was, byte for byte. read_model() makes it.
             "path"_a, "positions"_a,
             "Writes the model with these points, array (N, 3), in the format that it was read in.")
         .def("__repr__", [](const ModelFile& self) {
-            return "<espalier.Model: " + self.name + ", " +
-                   std::to_string(self.model->positions().size()) + " points>";
+            return py::str("<espalier.Model: {}, {} points>")
+                .format(nameOf(self), self.model->positions().size());
         });
     module.def(
         "read_model",

@@ -22,5 +22,6 @@ PYBIND11_MODULE(_core, module) {
     addValidity(module);
     addHolding(module);
     addLimits(module);
+    protectClasses(module);
     py::delattr(module, "__module__");
 }

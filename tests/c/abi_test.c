@@ -24,6 +24,11 @@ static_assert(ESPALIER_TRIANGLES_CATMARK == 0 && ESPALIER_TRIANGLES_SMOOTH == 1,
 static_assert(ESPALIER_OUTSIDE_KEEP == 0 && ESPALIER_OUTSIDE_NEAREST == 1 &&
                   ESPALIER_OUTSIDE_REFUSE == 2,
               "outside");
+static_assert(ESPALIER_SMOOTHING_NONE == 0 && ESPALIER_SMOOTHING_TIKHONOV == 1 &&
+                  ESPALIER_SMOOTHING_LAPLACIAN == 2,
+              "smoothing");
+static_assert(ESPALIER_UNDETERMINED_SMALLEST == 0 && ESPALIER_UNDETERMINED_REFUSE == 1,
+              "undetermined");
 static_assert(ESPALIER_POINT_INSIDE == 0 && ESPALIER_POINT_OUTSIDE == 1 &&
                   ESPALIER_POINT_NOT_CONVERGED == 2,
               "points");
@@ -43,6 +48,14 @@ IS_AT(espalier_bind_options, level, sizeof(size_t));
 IS_AT(espalier_bind_options, outside, sizeof(size_t) + 4);
 IS_AT(espalier_bind_options, tolerance, sizeof(size_t) + 8);
 IS_AT(espalier_bind_options, limit_tolerance, sizeof(size_t) + 16);
+
+IS_AT(espalier_fit_options, size, 0);
+IS_AT(espalier_fit_options, smoothing, sizeof(size_t));
+IS_AT(espalier_fit_options, undetermined, sizeof(size_t) + 4);
+IS_AT(espalier_fit_options, strength, sizeof(size_t) + 8);
+IS_AT(espalier_fit_options, frozen_count, sizeof(size_t) + 16);
+IS_AT(espalier_fit_options, frozen, sizeof(size_t) + 24);
+static_assert(sizeof(espalier_fit_quality) == 24, "espalier_fit_quality cannot grow");
 
 IS_AT(espalier_cells, vertex_count, 0);
 IS_AT(espalier_cells, face_count, 4);

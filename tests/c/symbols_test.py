@@ -35,6 +35,17 @@ class Symbols(unittest.TestCase):
         declared = re.findall(r"ESPALIER_C_API [^(;]*?\b(espalier_\w+)\(", text)
         self.assertEqual(sorted(declared), names(HERE / "symbols.txt"), HOW_TO_CHANGE)
 
+    def test_corners(self):
+        """Functions that take numbers, arrays or options are in corners_test.c."""
+        text = re.sub(r"//.*", "", HEADER.read_text(encoding="utf-8"))
+        test = (HERE / "corners_test.c").read_text(encoding="utf-8")
+        number = r"(u?int\d+_t|size_t|double|float|espalier_buffer_layout) \w+\b(?!\[)"
+        struct = r"const espalier_(cells|\w+_options)\*"
+        for name, parameters in re.findall(
+                r"ESPALIER_C_API [^(;]*?\b(espalier_\w+)\(([^)]*)\)", text):
+            if re.search(f"{number}|{struct}", parameters):
+                self.assertTrue(f"{name}(" in test, f"corners_test.c does not try {name}")
+
 
 if __name__ == "__main__":
     HEADER = pathlib.Path(sys.argv.pop())

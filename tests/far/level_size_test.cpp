@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "support/complexes.h"
 
@@ -46,6 +47,14 @@ TEST(LevelSize, IsKnownOfLevelsThatCannotBe) {
     const LevelSize size = levelSize(test::singleCell(StandardCell::Hexahedron), 30);
     EXPECT_EQ(size.counts[3], std::ldexp(1, 90));
     EXPECT_GT(size.bytes(), 10 * std::ldexp(1, 90));
+}
+
+// In no time: CTest's limit ends a test that goes through 2³¹ levels a thousand times.
+TEST(LevelSize, OfTheHighestLevelCostsNoMoreThanOfOthers) {
+    const CellComplex cube = test::singleCell(StandardCell::Hexahedron);
+    for (int i = 0; i < 1000; ++i)
+        for (const double count : levelSize(cube, std::numeric_limits<int>::max()).counts)
+            EXPECT_TRUE(std::isinf(count));
 }
 
 }  // namespace

@@ -328,10 +328,65 @@ TYPED_TEST_P(EvaluatorTest, RefusesWhatDoesNotFitAndWritesNothing) {
     expectRefused("too few", from, {0, 2, Offset{1} << 62}, to, pairs, {0, 3});
 }
 
+// Layouts with the corner values of their type are accepted or refused as arithmetic without
+// overflow says; nothing is read or written outside.
+TYPED_TEST_P(EvaluatorTest, LayoutsOfCornerValues) {
+    using R = typename TestFixture::Real;
+    __extension__ typedef __int128 Wide;
+    constexpr Offset kMax = std::numeric_limits<Offset>::max();
+    constexpr Offset kMin = std::numeric_limits<Offset>::min();
+    constexpr Offset kIndexMax = std::numeric_limits<Index>::max();
+    const Offset corners[] = {kMin,          -1,       0,        1,        2,        3,   kIndexMax,
+                              kIndexMax + 1, kMax / 8, kMax / 4, kMax - 2, kMax - 1, kMax};
+    const std::vector<R> source(8, 1);
+    std::vector<R> destination(8, 99);
+    const StencilTable<R> withoutColumns(0, {0, 0, 0}, {}, {});
+    const StencilTable<R> withoutRows(3, {0}, {}, {});
+    const auto fits = [](const BufferDescriptor& layout, std::size_t size, Index entries) {
+        if (layout.offset < 0 || layout.length < 1 || layout.stride < layout.length) return false;
+        if (layout.length > kIndexMax || static_cast<Wide>(layout.offset) > Wide{size}) return false;
+        return entries == 0 ||
+               Wide{layout.offset} + Wide{entries - 1} * layout.stride + layout.length <=
+                   Wide{size};
+    };
+    int accepted = 0;
+    const auto check = [&](const StencilTable<R>& table,
+                           const typename TestFixture::Evaluator& evaluator, std::size_t size,
+                           const BufferDescriptor& layout, bool isSource) {
+        const BufferDescriptor packed = BufferDescriptor::packed(layout.length);
+        const BufferDescriptor &from = isSource ? layout : packed, &to = isSource ? packed : layout;
+        const std::size_t fromSize = isSource ? size : source.size();
+        const std::size_t toSize = isSource ? destination.size() : size;
+        const bool isGood =
+            fits(from, fromSize, table.columnCount()) && fits(to, toSize, table.rowCount());
+        accepted += isGood ? 1 : 0;
+        try {
+            evaluator.evaluate(std::span(source).first(fromSize), from,
+                               std::span(destination).first(toSize), to, {0, table.rowCount()});
+            EXPECT_TRUE(isGood) << layout.offset << ' ' << layout.length << ' ' << layout.stride;
+        } catch (const Error&) {
+            EXPECT_FALSE(isGood) << layout.offset << ' ' << layout.length << ' ' << layout.stride;
+        } catch (const std::bad_alloc&) {
+            // Memory for entries of 2³¹ components, of which there are none.
+            EXPECT_GE(layout.length, kIndexMax);
+        }
+    };
+    for (const StencilTable<R>* table : {&this->small, &withoutColumns, &withoutRows}) {
+        const typename TestFixture::Evaluator evaluator(*table);
+        for (const std::size_t size : {std::size_t{0}, std::size_t{8}})
+            for (const Offset offset : corners)
+                for (const Offset length : corners)
+                    for (const Offset stride : corners)
+                        for (const bool isSource : {true, false})
+                            check(*table, evaluator, size, {offset, length, stride}, isSource);
+    }
+    EXPECT_GT(accepted, 20);
+}
+
 REGISTER_TYPED_TEST_SUITE_P(EvaluatorTest, ByHand, OffsetsAndStrides,
                             WhatLiesBetweenEntriesOfTheSourceMakesNoDifference,
                             SubRangeWritesItsRowsOnly, RandomTables, RowsThatShareTheirColumns,
                             RowsOfTheSameWeights, SetsOfTheSameWeights,
-                            RefusesWhatDoesNotFitAndWritesNothing);
+                            RefusesWhatDoesNotFitAndWritesNothing, LayoutsOfCornerValues);
 
 }  // namespace espalier::osd

@@ -122,3 +122,15 @@ def test_a_table_that_is_none(binding):
     columns, offsets, *rest = binding.table.__getstate__()
     with pytest.raises(ValueError):
         blank.__setstate__((columns, offsets[::-1], *rest))
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_all_protocols(protocol):
+    lattice = shapes.box(cells=(2, 1, 1))
+    binding = espalier.bind(lattice, lattice.positions[:2], level=1)
+    for value in lattice, binding, binding.table:
+        other = pickle.loads(pickle.dumps(value, protocol))
+        assert type(other) is type(value) and repr(other) == repr(value)
+    for value in espalier.Refiner(lattice), espalier.Lattice.__new__(espalier.Lattice):
+        with pytest.raises(TypeError):
+            pickle.dumps(value, protocol)

@@ -1,0 +1,559 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every number that a function takes, at the corners of its type: accepted or refused, but nothing
+ * outside of an array is read or written, and nothing ends the program. symbols_test.py sees that
+ * no function with a number is left out.
+ *
+ * The library cannot know how long an array is: counts that are larger than an array, and that it
+ * could be as long as, are not tried where the array is read to its end. */
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+
+#include "box.h"
+#include "check.h"
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+
+static const int32_t int32s[] = {INT32_MIN, INT32_MIN + 1, -2,       -1, 0, 1, 2, 3, 25, 27,
+                                 28,        INT32_MAX - 1, INT32_MAX};
+/* Of lengths of arrays: each is refused, since no memory holds as many numbers. */
+static const int64_t lengths[] = {INT64_MIN,        INT64_MIN + 1,    -1,
+                                  (int64_t)1 << 61, (int64_t)1 << 62, INT64_MAX / 3,
+                                  INT64_MAX / 2,    INT64_MAX - 2,    INT64_MAX - 1,
+                                  INT64_MAX};
+static const int64_t int64s[] = {INT64_MIN,
+                                 INT64_MIN + 1,
+                                 -1,
+                                 0,
+                                 1,
+                                 2,
+                                 3,
+                                 80,
+                                 81,
+                                 82,
+                                 INT32_MAX,
+                                 (int64_t)INT32_MAX + 1,
+                                 UINT32_MAX,
+                                 (int64_t)1 << 59,
+                                 (int64_t)1 << 60,
+                                 ((int64_t)1 << 61) - 1,
+                                 (int64_t)1 << 62,
+                                 INT64_MAX - 3,
+                                 INT64_MAX - 2,
+                                 INT64_MAX - 1,
+                                 INT64_MAX};
+static const double doubles[] = {NAN,     -INFINITY, INFINITY, -DBL_MAX, DBL_MAX, -1, -DBL_MIN, 0,
+                                 DBL_MIN, 1e-300,    1e-14,    0.1,      1,       10, 1e300};
+
+static double positions[3 * BOX_VERTICES], values[3 * BOX_VERTICES];
+static float singles[3 * BOX_VERTICES], single_results[3 * BOX_VERTICES];
+static int32_t cells[8 * BOX_CELLS];
+static const double point[3] = {0.5, 0.5, 0.5};
+static espalier_lattice* lattice;
+static espalier_refiner* refiner;
+static espalier_binding* binding;
+static espalier_table* table;
+
+static int tried, accepted;
+
+/* Counts a call; what it makes is destroyed by the caller. */
+static int took(espalier_status status) {
+    ++tried;
+    CHECK(status == ESPALIER_OK || status == ESPALIER_ERROR_INPUT ||
+          status == ESPALIER_ERROR_MEMORY);
+    CHECK(status == ESPALIER_OK || strlen(espalier_last_error()) > 0);
+    accepted += status == ESPALIER_OK;
+    return status == ESPALIER_OK;
+}
+
+#define REFUSES(call) CHECK(!took(call))
+
+static void set_up(void) {
+    make_box(positions, cells);
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) singles[i] = (float)positions[i];
+    OK(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, &lattice));
+    OK(espalier_refiner_create(lattice, NULL, &refiner));
+    OK(espalier_refiner_refine(refiner, 1));
+    OK(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, NULL, &binding));
+    OK(espalier_binding_table(binding, &table));
+}
+
+static int32_t go_on(void* user, const espalier_progress* progress) {
+    (void)user;
+    (void)progress;
+    return 1;
+}
+
+static void test_host(void) {
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        espalier_progress_scope* progress = NULL;
+        CHECK(took(espalier_progress_scope_create(go_on, NULL, int32s[i], &progress)) ==
+              (int32s[i] >= 0));
+        if (progress != NULL)
+            OK(espalier_binding_apply(binding, BOX_VERTICES, positions, 1, values));
+        espalier_progress_scope_destroy(progress);
+        espalier_thread_limit* threads = NULL;
+        CHECK(took(espalier_thread_limit_create(int32s[i], &threads)) == (int32s[i] >= 1));
+        if (threads != NULL)
+            OK(espalier_binding_apply(binding, BOX_VERTICES, positions, 1, values));
+        espalier_thread_limit_destroy(threads);
+    }
+    for (size_t i = 0; i < COUNT(int64s); ++i) {
+        espalier_memory_limit* memory = NULL;
+        CHECK(took(espalier_memory_limit_create(int64s[i], &memory)) == (int64s[i] >= 1));
+        espalier_memory_limit_destroy(memory);
+    }
+}
+
+static void try_cells(const espalier_cells* c) {
+    espalier_lattice* l = NULL;
+    took(espalier_lattice_create(c, positions, &l));
+    espalier_lattice_destroy(l);
+}
+
+static void test_cells(void) {
+    int64_t cell_offsets[2] = {0, 4}, face_offsets[5] = {0, 3, 6, 9, 12};
+    int32_t cell_faces[4] = {0, 1, 2, 3};
+    int32_t tetrahedron[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    const espalier_cells good = {4, 4, 1, cell_offsets, cell_faces, face_offsets, tetrahedron};
+    try_cells(&good);
+    CHECK(accepted > 0);
+    for (int has_faces = 0; has_faces < 2; ++has_faces)
+        for (size_t i = 0; i < COUNT(int64s); ++i) {
+            espalier_cells c = good;
+            if (!has_faces) c.cell_faces = NULL;
+            for (int at = 0; at < 2; ++at) {
+                const int64_t before = cell_offsets[at];
+                cell_offsets[at] = int64s[i];
+                try_cells(&c);
+                cell_offsets[at] = before;
+            }
+            for (int at = 0; at < 5; ++at) {
+                const int64_t before = face_offsets[at];
+                face_offsets[at] = int64s[i];
+                try_cells(&c);
+                face_offsets[at] = before;
+            }
+        }
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        espalier_cells c = good;
+        c.vertex_count = int32s[i];
+        try_cells(&c);
+        c = good;
+        if (int32s[i] <= 4) {
+            c.face_count = int32s[i];
+            try_cells(&c);
+        }
+        if (int32s[i] <= 1) {
+            c = good;
+            c.cell_count = int32s[i];
+            try_cells(&c);
+        }
+        cell_faces[1] = int32s[i];
+        try_cells(&good);
+        cell_faces[1] = 1;
+        tetrahedron[1] = int32s[i];
+        try_cells(&good);
+        tetrahedron[1] = 2;
+
+        espalier_lattice* l = NULL;
+        CHECK(took(espalier_lattice_create_hexahedra(int32s[i], positions, BOX_CELLS, cells, &l)) ==
+              (int32s[i] == BOX_VERTICES));
+        espalier_lattice_destroy(l);
+        l = NULL;
+        if (int32s[i] < BOX_CELLS)
+            REFUSES(
+                espalier_lattice_create_hexahedra(BOX_VERTICES, positions, int32s[i], cells, &l));
+        cells[3] = int32s[i];
+        took(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, &l));
+        espalier_lattice_destroy(l);
+        make_box(positions, cells);
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        espalier_lattice* l = NULL;
+        positions[0] = doubles[i];
+        took(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, &l));
+        espalier_lattice_destroy(l);
+    }
+    make_box(positions, cells);
+}
+
+static void test_lattice(void) {
+    espalier_lattice* l = NULL;
+    OK(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, &l));
+    const double sharp = ESPALIER_SHARP;
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        CHECK(took(espalier_lattice_set_positions(l, int32s[i], positions)) ==
+              (int32s[i] == BOX_VERTICES));
+        const int32_t ends[2] = {0, int32s[i]}, vertex = int32s[i];
+        took(espalier_lattice_mark_edges(l, 1, ends, &sharp));
+        took(espalier_lattice_mark_vertices(l, 1, &vertex, &sharp));
+    }
+    for (size_t i = 0; i < COUNT(lengths); ++i) {
+        REFUSES(espalier_lattice_mark_edges(l, lengths[i], cells, &sharp));
+        REFUSES(espalier_lattice_mark_vertices(l, lengths[i], cells, &sharp));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        took(espalier_lattice_mark_edges(l, 1, cells, &doubles[i]));
+        took(espalier_lattice_mark_vertices(l, 1, cells, &doubles[i]));
+    }
+    espalier_lattice_destroy(l);
+}
+
+static void test_refine_options(void) {
+    const size_t sizes[] = {0,
+                            1,
+                            4,
+                            sizeof(espalier_refine_options) - 1,
+                            (size_t)1 << 31,
+                            SIZE_MAX / 2,
+                            SIZE_MAX - 1,
+                            SIZE_MAX};
+    espalier_refiner* r = NULL;
+    for (size_t i = 0; i < COUNT(sizes); ++i) {
+        espalier_refine_options options = espalier_default_refine_options();
+        options.size = sizes[i];
+        REFUSES(espalier_refiner_create(lattice, &options, &r));
+    }
+    for (size_t i = 0; i < COUNT(int32s); ++i)
+        for (int field = 0; field < 5; ++field) {
+            espalier_refine_options options = espalier_default_refine_options();
+            *(&options.rules + field) = int32s[i];
+            took(espalier_refiner_create(lattice, &options, &r));
+            espalier_refiner_destroy(r);
+            r = NULL;
+        }
+}
+
+static void test_levels(void) {
+    espalier_refiner* r = NULL;
+    OK(espalier_refiner_create(lattice, NULL, &r));
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t level = int32s[i];
+        CHECK(took(espalier_refiner_refine(r, level)) == (level >= 0 && level <= 3));
+        int32_t counts[4];
+        espalier_cells c;
+        const int8_t* signs = NULL;
+        espalier_table* t = NULL;
+        const int is_there = level == 0 || level == 1;
+        CHECK(took(espalier_refiner_counts(refiner, level, counts)) == is_there);
+        CHECK(took(espalier_refiner_cells(refiner, level, &c)) == is_there);
+        CHECK(took(espalier_refiner_face_signs(refiner, level, &signs)) == is_there);
+        CHECK(took(espalier_table_create_stencils(refiner, level, &t)) == is_there);
+        espalier_table_destroy(t);
+        t = NULL;
+        CHECK(took(espalier_table_create_limits(refiner, level, &t)) == is_there);
+        espalier_table_destroy(t);
+        t = NULL;
+        CHECK(took(espalier_table_create_level(refiner, level, &t)) == (level == 1));
+        espalier_table_destroy(t);
+        took(espalier_refiner_carry_values(refiner, level, 3, positions, 81, values, 81));
+        took(espalier_refiner_carry_values(refiner, 0, level, positions, 81, values, 81));
+    }
+    for (size_t i = 0; i < COUNT(int64s); ++i) {
+        const int64_t size = int64s[i];
+        CHECK(took(espalier_refiner_carry_values(refiner, 0, 3, positions, size, values, 81)) ==
+              (size == 81));
+        CHECK(took(espalier_refiner_carry_values(refiner, 0, 3, positions, 81, values, size)) ==
+              (size == 81));
+        for (size_t k = 0; k < COUNT(int32s); ++k)
+            if (int32s[k] != 3)
+                REFUSES(espalier_refiner_carry_values(refiner, 0, int32s[k], positions, size,
+                                                      values, size));
+    }
+    espalier_refiner_destroy(r);
+}
+
+static void try_bind(const espalier_bind_options* options) {
+    espalier_binding* b = NULL;
+    took(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, options, &b));
+    espalier_binding_destroy(b);
+}
+
+static void test_binding(void) {
+    const size_t sizes[] = {0, 1, 4, 23, 40, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX};
+    for (size_t i = 0; i < COUNT(sizes); ++i) {
+        espalier_bind_options options = espalier_default_bind_options();
+        options.size = sizes[i];
+        try_bind(&options);
+    }
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        espalier_bind_options options = espalier_default_bind_options();
+        options.level = int32s[i];
+        try_bind(&options);
+        options = espalier_default_bind_options();
+        options.outside = int32s[i];
+        try_bind(&options);
+
+        espalier_binding* b = NULL;
+        CHECK(took(espalier_binding_create(refiner, int32s[i], positions, 1, point, NULL, &b)) ==
+              (int32s[i] == BOX_VERTICES));
+        espalier_binding_destroy(b);
+        b = NULL;
+        if (int32s[i] <= 1) {
+            CHECK(took(espalier_binding_create(refiner, BOX_VERTICES, positions, int32s[i], point,
+                                               NULL, &b)) == (int32s[i] >= 0));
+            espalier_binding_destroy(b);
+        }
+        CHECK(took(espalier_binding_apply(binding, int32s[i], positions, 1, values)) ==
+              (int32s[i] == BOX_VERTICES));
+        CHECK(took(espalier_binding_apply(binding, BOX_VERTICES, positions, int32s[i], values)) ==
+              (int32s[i] == 1));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        espalier_bind_options options = espalier_default_bind_options();
+        options.tolerance = doubles[i];
+        try_bind(&options);
+        options = espalier_default_bind_options();
+        options.limit_tolerance = doubles[i];
+        try_bind(&options);
+        const double odd[3] = {0.5, doubles[i], 0.5};
+        espalier_binding* b = NULL;
+        took(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, odd, NULL, &b));
+        espalier_binding_destroy(b);
+    }
+}
+
+static void test_shapes(void) {
+    const double from[3] = {0, 0, 0}, to[3] = {1, 1, 1};
+    for (size_t i = 0; i < COUNT(int32s); ++i)
+        for (int k = 0; k < 3; ++k) {
+            int32_t counts[3] = {3, 1, 1};
+            espalier_lattice* l = NULL;
+            counts[k] = int32s[i];
+            took(espalier_lattice_create_box(counts, from, to, &l));
+            espalier_lattice_destroy(l);
+            l = NULL;
+            took(
+                espalier_lattice_create_cylinder(counts[0], counts[1], counts[2], 1, from, to, &l));
+            espalier_lattice_destroy(l);
+        }
+    const espalier_lattice* both[2] = {lattice, lattice};
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[3] = {doubles[i], 0, 0};
+        const int32_t ones[3] = {1, 1, 1};
+        espalier_lattice* l = NULL;
+        took(espalier_lattice_create_box(ones, odd, to, &l));
+        espalier_lattice_destroy(l);
+        l = NULL;
+        took(espalier_lattice_create_cylinder(3, 1, 1, doubles[i], from, to, &l));
+        espalier_lattice_destroy(l);
+        l = NULL;
+        took(espalier_lattice_create_merged(1, both, doubles[i], &l));
+        espalier_lattice_destroy(l);
+    }
+    espalier_lattice* l = NULL;
+    for (size_t i = 0; i < COUNT(lengths); ++i)
+        REFUSES(espalier_lattice_create_merged(lengths[i], both, 1e-6, &l));
+    REFUSES(espalier_lattice_create_merged(0, both, 1e-6, &l));
+}
+
+static void test_nested(void) {
+    for (int k = 0; k < 5; ++k)
+        for (size_t i = 0; i < COUNT(int32s); ++i) {
+            espalier_bind_options options = espalier_default_bind_options();
+            int32_t child = BOX_VERTICES, parent = BOX_VERTICES;
+            *(k == 0   ? &child
+              : k == 1 ? &parent
+              : k == 2 ? &options.level
+                       : &options.outside) = int32s[i];
+            if (k == 4) options.tolerance = doubles[i % COUNT(doubles)];
+            espalier_table* t = NULL;
+            took(espalier_table_create_nested(table, child, positions, refiner, parent, positions,
+                                              &options, &t));
+            espalier_table_destroy(t);
+        }
+}
+
+static void try_fit(int32_t targets, const int32_t* rows, const espalier_fit_options* options,
+                    int32_t vertices) {
+    const double miss[3] = {0.1, 0, 0};
+    took(
+        espalier_lattice_fit(table, lattice, targets, rows, miss, options, vertices, values, NULL));
+}
+
+static void test_fit(void) {
+    const int32_t frozen[1] = {0};
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t row = int32s[i];
+        espalier_fit_options options = espalier_default_fit_options();
+        try_fit(1, NULL, NULL, int32s[i]);
+        try_fit(int32s[i], NULL, NULL, BOX_VERTICES);
+        if (row <= 1) try_fit(row, frozen, NULL, BOX_VERTICES);
+        try_fit(1, &row, NULL, BOX_VERTICES);
+        options.smoothing = int32s[i];
+        try_fit(1, NULL, &options, BOX_VERTICES);
+        options = espalier_default_fit_options();
+        options.undetermined = int32s[i];
+        try_fit(1, NULL, &options, BOX_VERTICES);
+        options = espalier_default_fit_options();
+        options.frozen = &row;
+        options.frozen_count = 1;
+        try_fit(1, NULL, &options, BOX_VERTICES);
+    }
+    for (size_t i = 0; i < COUNT(lengths); ++i) {
+        espalier_fit_options options = espalier_default_fit_options();
+        options.frozen = frozen;
+        options.frozen_count = lengths[i];
+        try_fit(1, NULL, &options, BOX_VERTICES);
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        espalier_fit_options options = espalier_default_fit_options();
+        options.smoothing = ESPALIER_SMOOTHING_LAPLACIAN;
+        options.strength = doubles[i];
+        try_fit(1, NULL, &options, BOX_VERTICES);
+    }
+}
+
+/* What each function with layouts is called with. */
+typedef struct buffers {
+    int64_t source_size;
+    espalier_buffer_layout source;
+    int64_t destination_size;
+    espalier_buffer_layout destination;
+    int32_t first, last;
+} buffers;
+
+/* For a table of 1 row and 27 columns, and for its adjoint. */
+static espalier_evaluator_f64 *f64, *adjoint_f64;
+static espalier_evaluator_f32 *f32, *adjoint_f32;
+static espalier_change_evaluator_f64* changes_f64;
+static espalier_change_evaluator_f32* changes_f32;
+/* Of no point: neither table nor adjoint touches a number of that side. */
+static espalier_evaluator_f64 *empty_f64, *empty_adjoint_f64;
+static espalier_binding* empty;
+
+static void set_up_evaluators(void) {
+    espalier_table* t = NULL;
+    OK(espalier_evaluator_f64_create(table, &f64));
+    OK(espalier_evaluator_f32_create(table, &f32));
+    OK(espalier_evaluator_f64_create_adjoint(table, &adjoint_f64));
+    OK(espalier_evaluator_f32_create_adjoint(table, &adjoint_f32));
+    OK(espalier_change_evaluator_f64_create(f64, &changes_f64));
+    OK(espalier_change_evaluator_f32_create(f32, &changes_f32));
+    OK(espalier_binding_create(refiner, BOX_VERTICES, positions, 0, NULL, NULL, &empty));
+    OK(espalier_binding_table(empty, &t));
+    OK(espalier_evaluator_f64_create(t, &empty_f64));
+    OK(espalier_evaluator_f64_create_adjoint(t, &empty_adjoint_f64));
+    espalier_table_destroy(t);
+}
+
+static void evaluate_all(const buffers* b, const buffers* a) {
+    const int32_t one = BOX_CENTRE;
+    took(espalier_evaluator_f64_evaluate(f64, positions, b->source_size, b->source, values,
+                                         b->destination_size, b->destination, b->first, b->last,
+                                         NULL));
+    took(espalier_evaluator_f32_evaluate(f32, singles, b->source_size, b->source, single_results,
+                                         b->destination_size, b->destination, b->first, b->last,
+                                         NULL));
+    took(espalier_change_evaluator_f64_evaluate(changes_f64, positions, b->source_size, b->source,
+                                                values, b->destination_size, b->destination, 1,
+                                                &one, NULL));
+    took(espalier_change_evaluator_f32_evaluate(changes_f32, singles, b->source_size, b->source,
+                                                single_results, b->destination_size, b->destination,
+                                                1, &one, NULL));
+    took(espalier_evaluator_f64_evaluate(adjoint_f64, positions, a->source_size, a->source, values,
+                                         a->destination_size, a->destination, a->first, a->last,
+                                         NULL));
+    took(espalier_evaluator_f32_evaluate(adjoint_f32, singles, a->source_size, a->source,
+                                         single_results, a->destination_size, a->destination,
+                                         a->first, a->last, NULL));
+    took(espalier_evaluator_f64_evaluate(empty_f64, positions, b->source_size, b->source, values,
+                                         b->destination_size, b->destination, 0, 0, NULL));
+    took(espalier_evaluator_f64_evaluate(empty_adjoint_f64, positions, a->source_size, a->source,
+                                         values, a->destination_size, a->destination, a->first,
+                                         a->last, NULL));
+    took(espalier_binding_put_kept_f64(binding, values, b->destination_size, b->destination));
+    took(espalier_binding_put_kept_f32(binding, single_results, b->destination_size,
+                                       b->destination));
+    took(espalier_binding_put_kept_f64(empty, values, b->destination_size, b->destination));
+}
+
+static void test_evaluators(void) {
+    const espalier_buffer_layout xyz = espalier_packed_layout(3);
+    const buffers good = {81, xyz, 3, xyz, 0, 1}, adjoint = {3, xyz, 81, xyz, 0, BOX_VERTICES};
+    const int before = accepted;
+    evaluate_all(&good, &adjoint);
+    CHECK(accepted == before + 11);
+    for (size_t i = 0; i < COUNT(int64s); ++i) {
+        buffers b = good, a = adjoint;
+        /* Sizes beyond are lies, and harmless: the layout asks for what is there. */
+        b.source_size = a.source_size = int64s[i];
+        evaluate_all(&b, &a);
+        b = good, a = adjoint;
+        b.destination_size = a.destination_size = int64s[i];
+        evaluate_all(&b, &a);
+        for (size_t k = 0; k < COUNT(int64s); ++k)
+            for (int field = 0; field < 9; ++field) {
+                espalier_buffer_layout layout = xyz;
+                if (field / 3 == 0) layout.offset = int64s[i], layout.stride = int64s[k];
+                if (field / 3 == 1) layout.length = int64s[i], layout.stride = int64s[k];
+                if (field / 3 == 2) layout.offset = int64s[i], layout.length = int64s[k];
+                b = good, a = adjoint;
+                if (field % 3 != 1) b.source = a.source = layout;
+                if (field % 3 != 0) b.destination = a.destination = layout;
+                evaluate_all(&b, &a);
+                b.source_size = b.destination_size = a.source_size = a.destination_size = 0;
+                evaluate_all(&b, &a);
+            }
+    }
+    for (size_t i = 0; i < COUNT(int32s); ++i)
+        for (size_t k = 0; k < COUNT(int32s); ++k) {
+            buffers b = good, a = adjoint;
+            b.first = a.first = int32s[i];
+            b.last = a.last = int32s[k];
+            evaluate_all(&b, &a);
+        }
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t column = int32s[i];
+        const int is_column = column >= 0 && column < BOX_VERTICES;
+        CHECK(took(espalier_change_evaluator_f64_evaluate(changes_f64, positions, 81, xyz, values,
+                                                          3, xyz, 1, &column, NULL)) == is_column);
+        CHECK(took(espalier_change_evaluator_f32_evaluate(
+                  changes_f32, singles, 81, xyz, single_results, 3, xyz, 1, &column, NULL)) ==
+              is_column);
+        if (column > 1) continue;
+        CHECK(took(espalier_change_evaluator_f64_evaluate(changes_f64, positions, 81, xyz, values,
+                                                          3, xyz, column, cells, NULL)) ==
+              (column >= 0));
+        CHECK(took(espalier_change_evaluator_f32_evaluate(
+                  changes_f32, singles, 81, xyz, single_results, 3, xyz, column, cells, NULL)) ==
+              (column >= 0));
+    }
+}
+
+int main(void) {
+    espalier_memory_limit* limit = NULL;
+    set_up();
+    set_up_evaluators();
+    test_host();
+    test_cells();
+    /* Levels that would take more than the machine has. */
+    OK(espalier_memory_limit_create((int64_t)1 << 30, &limit));
+    test_levels();
+    test_lattice();
+    test_refine_options();
+    test_binding();
+    test_shapes();
+    test_nested();
+    test_fit();
+    test_evaluators();
+    printf("%d calls, %d accepted\n", tried, accepted);
+
+    espalier_memory_limit_destroy(limit);
+    espalier_evaluator_f64_destroy(f64);
+    espalier_evaluator_f64_destroy(adjoint_f64);
+    espalier_evaluator_f64_destroy(empty_f64);
+    espalier_evaluator_f64_destroy(empty_adjoint_f64);
+    espalier_evaluator_f32_destroy(f32);
+    espalier_evaluator_f32_destroy(adjoint_f32);
+    espalier_change_evaluator_f64_destroy(changes_f64);
+    espalier_change_evaluator_f32_destroy(changes_f32);
+    espalier_binding_destroy(empty);
+    espalier_table_destroy(table);
+    espalier_binding_destroy(binding);
+    espalier_refiner_destroy(refiner);
+    espalier_lattice_destroy(lattice);
+    return 0;
+}

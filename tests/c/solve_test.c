@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Lattices of the inventory, fitted and nested, and tables in files. */
+
+#include <math.h>
+
+#include "box.h"
+#include "check.h"
+
+/* Sums of some products of numbers up to 1: some units of 1e-16 each. */
+static const double tolerance = 1e-12;
+
+static double rest[3 * BOX_VERTICES];
+static int32_t cells[8 * BOX_CELLS];
+static espalier_lattice* lattice;
+static espalier_refiner* refiner;
+static espalier_binding* binding;
+static espalier_table* table;
+
+enum { POINTS = 2 };
+static const double points[3 * POINTS] = {0.5, 0.5, 0.5, 0.25, 0.5, 0.6};
+
+static void set_up(void) {
+    make_box(rest, cells);
+    OK(espalier_lattice_create_hexahedra(BOX_VERTICES, rest, BOX_CELLS, cells, &lattice));
+    OK(espalier_refiner_create(lattice, NULL, &refiner));
+    OK(espalier_binding_create(refiner, BOX_VERTICES, rest, POINTS, points, NULL, &binding));
+    OK(espalier_binding_table(binding, &table));
+}
+
+static void tear_down(void) {
+    espalier_table_destroy(table);
+    espalier_binding_destroy(binding);
+    espalier_refiner_destroy(refiner);
+    espalier_lattice_destroy(lattice);
+}
+
+/* The points are carried by the displacements to where they are wanted. */
+static void test_fit(void) {
+    const double misses[3 * POINTS] = {0.1, 0, 0, 0, -0.2, 0.05};
+    double moved[3 * BOX_VERTICES], carried[3 * POINTS];
+    espalier_fit_quality quality = {-1, -1, -1};
+    OK(espalier_lattice_fit(table, lattice, POINTS, NULL, misses, NULL, BOX_VERTICES, moved,
+                            &quality));
+    CHECK(quality.largest_miss >= 0 && quality.largest_miss < 1e-9);
+    CHECK(isinf(quality.condition));
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) moved[i] += rest[i];
+    OK(espalier_binding_apply(binding, BOX_VERTICES, moved, POINTS, carried));
+    for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs(carried[i] - points[i] - misses[i]) < 1e-9);
+
+    /* One row alone, and vertices that stay. */
+    const int32_t second = 1, frozen[2] = {BOX_CENTRE, 0};
+    espalier_fit_options options = espalier_default_fit_options();
+    options.frozen = frozen;
+    options.frozen_count = 2;
+    OK(espalier_lattice_fit(table, lattice, 1, &second, misses + 3, &options, BOX_VERTICES, moved,
+                            NULL));
+    for (int i = 0; i < 2; ++i)
+        for (int k = 0; k < 3; ++k) CHECK(moved[3 * frozen[i] + k] == 0);
+    options.undetermined = ESPALIER_UNDETERMINED_REFUSE;
+    moved[0] = -7;
+    REFUSED(espalier_lattice_fit(table, lattice, 1, &second, misses, &options, BOX_VERTICES, moved,
+                                 NULL),
+            ESPALIER_ERROR_INPUT, "vertex");
+    const int32_t none = POINTS;
+    REFUSED(espalier_lattice_fit(table, lattice, 1, &none, misses, NULL, BOX_VERTICES, moved, NULL),
+            ESPALIER_ERROR_INPUT, "no row 2");
+    CHECK(moved[0] == -7);
+    REFUSED(espalier_lattice_fit(NULL, lattice, 1, &none, misses, NULL, BOX_VERTICES, moved, NULL),
+            ESPALIER_ERROR_INPUT, "deformation is null");
+    REFUSED(espalier_lattice_fit(table, NULL, 1, &none, misses, NULL, BOX_VERTICES, moved, NULL),
+            ESPALIER_ERROR_INPUT, "lattice is null");
+    REFUSED(
+        espalier_lattice_fit(table, lattice, POINTS, NULL, NULL, NULL, BOX_VERTICES, moved, NULL),
+        ESPALIER_ERROR_INPUT, "misses is null");
+    REFUSED(
+        espalier_lattice_fit(table, lattice, POINTS, NULL, misses, NULL, BOX_VERTICES, NULL, NULL),
+        ESPALIER_ERROR_INPUT, "displacements is null");
+}
+
+/* A child that lies in a parent of twice its size: with the parent at rest the points stay, and
+ * they follow a move of the parent. */
+static void test_nested(void) {
+    double parent[3 * BOX_VERTICES], moved[3 * POINTS];
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) parent[i] = 2 * rest[i] - 0.5;
+    espalier_table* nested = NULL;
+    espalier_evaluator_f64* evaluator = NULL;
+    OK(espalier_table_create_nested(table, BOX_VERTICES, rest, refiner, BOX_VERTICES, parent, NULL,
+                                    &nested));
+    OK(espalier_evaluator_f64_create(nested, &evaluator));
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) parent[i] += i % 3;
+    const espalier_buffer_layout xyz = espalier_packed_layout(3);
+    OK(espalier_evaluator_f64_evaluate(evaluator, parent, 3 * BOX_VERTICES, xyz, moved, 3 * POINTS,
+                                       xyz, 0, POINTS, NULL));
+    for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs(moved[i] - points[i] - i % 3) < tolerance);
+    espalier_evaluator_f64_destroy(evaluator);
+    espalier_table_destroy(nested);
+    nested = NULL;
+    REFUSED(espalier_table_create_nested(table, BOX_VERTICES, rest, refiner, BOX_VERTICES, parent,
+                                         NULL, &nested),
+            ESPALIER_ERROR_INPUT, "vertex");
+    REFUSED(espalier_table_create_nested(NULL, BOX_VERTICES, rest, refiner, BOX_VERTICES, parent,
+                                         NULL, &nested),
+            ESPALIER_ERROR_INPUT, "child is null");
+    REFUSED(
+        espalier_table_create_nested(table, 26, rest, refiner, BOX_VERTICES, parent, NULL, &nested),
+        ESPALIER_ERROR_INPUT, "got 26");
+    CHECK(nested == NULL);
+}
+
+static void test_shapes(void) {
+    const int32_t cubes[3] = {2, 2, 2};
+    const double origin[3] = {0, 0, 0}, corner[3] = {1, 1, 1}, beside[3] = {1, 0, 0},
+                 far[3] = {2, 1, 1}, top[3] = {0, 0, 2};
+    espalier_lattice *one = NULL, *two = NULL, *both = NULL, *round = NULL;
+    uint64_t hash = 0, other = 1;
+    int32_t counts[4];
+    /* The box of this test. */
+    OK(espalier_lattice_create_box(cubes, origin, corner, &one));
+    OK(espalier_lattice_topology_hash(lattice, &hash));
+    OK(espalier_lattice_topology_hash(one, &other));
+    CHECK(hash == other);
+    int32_t count = 0;
+    const double* positions = NULL;
+    OK(espalier_lattice_positions(one, &count, &positions));
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) CHECK(positions[i] == rest[i]);
+    /* Two of them share 9 vertices. */
+    OK(espalier_lattice_create_box(cubes, beside, far, &two));
+    const espalier_lattice* parts[2] = {one, two};
+    OK(espalier_lattice_create_merged(2, parts, 1e-6, &both));
+    OK(espalier_lattice_counts(both, counts));
+    CHECK(counts[0] == 45 && counts[3] == 16);
+    /* 8 wedges round the axis in each of 3 layers; 4 times an axis and 8 vertices round it. */
+    OK(espalier_lattice_create_cylinder(8, 1, 3, 0.5, origin, top, &round));
+    OK(espalier_lattice_counts(round, counts));
+    CHECK(counts[0] == 36 && counts[3] == 24);
+    espalier_lattice_destroy(one);
+    espalier_lattice_destroy(two);
+    espalier_lattice_destroy(both);
+    espalier_lattice_destroy(round);
+    one = NULL;
+    parts[1] = NULL;
+    REFUSED(espalier_lattice_create_merged(1, parts + 1, 1e-6, &one), ESPALIER_ERROR_INPUT,
+            "one of the lattices is null");
+    REFUSED(espalier_lattice_create_box(NULL, origin, corner, &one), ESPALIER_ERROR_INPUT,
+            "cells is null");
+    REFUSED(espalier_lattice_create_cylinder(8, 1, 1, 1, NULL, top, &one), ESPALIER_ERROR_INPUT,
+            "from is null");
+    CHECK(one == NULL);
+}
+
+/* The middle of the box is where it was, by symmetry, and has the mask (1, 4, 1)/6 three times: its
+ * own weight is (4/6)³. */
+static void test_limits(void) {
+    espalier_table* limits = NULL;
+    espalier_csr csr;
+    OK(espalier_table_create_limits(refiner, 0, &limits));
+    OK(espalier_table_csr(limits, &csr));
+    CHECK(csr.row_count == BOX_VERTICES && csr.column_count == BOX_VERTICES);
+    const int64_t first = csr.offsets[BOX_CENTRE];
+    CHECK(csr.offsets[BOX_CENTRE + 1] - first == BOX_VERTICES);
+    CHECK(fabs(csr.weights[first + BOX_CENTRE] - 8.0 / 27) < tolerance);
+    espalier_table_destroy(limits);
+    limits = NULL;
+    REFUSED(espalier_table_create_limits(refiner, 1, &limits), ESPALIER_ERROR_INPUT, "level 1");
+    REFUSED(espalier_table_create_limits(NULL, 0, &limits), ESPALIER_ERROR_INPUT,
+            "refiner is null");
+    CHECK(limits == NULL);
+}
+
+static void test_files(const char* path) {
+    espalier_table* other = NULL;
+    espalier_csr a, b;
+    OK(espalier_table_write(table, path));
+    OK(espalier_table_read(path, &other));
+    OK(espalier_table_csr(table, &a));
+    OK(espalier_table_csr(other, &b));
+    CHECK(a.row_count == b.row_count && a.column_count == b.column_count);
+    for (int32_t i = 0; i <= a.row_count; ++i) CHECK(a.offsets[i] == b.offsets[i]);
+    for (int64_t i = 0; i < a.offsets[a.row_count]; ++i)
+        CHECK(a.columns[i] == b.columns[i] && a.weights[i] == b.weights[i]);
+    espalier_table_destroy(other);
+    other = NULL;
+    REFUSED(espalier_table_read("none.npz", &other), ESPALIER_ERROR_FILE, "none.npz");
+    REFUSED(espalier_table_read("none.npy", &other), ESPALIER_ERROR_FILE, "none.npy");
+    REFUSED(espalier_table_read(NULL, &other), ESPALIER_ERROR_INPUT, "path is null");
+    REFUSED(espalier_table_read(path, NULL), ESPALIER_ERROR_INPUT, "table is null");
+    REFUSED(espalier_table_write(NULL, path), ESPALIER_ERROR_INPUT, "table is null");
+    REFUSED(espalier_table_write(table, "no/such/table.npz"), ESPALIER_ERROR_FILE, "no/such");
+    CHECK(other == NULL);
+}
+
+int main(int argc, char** argv) {
+    set_up();
+    test_fit();
+    test_nested();
+    test_shapes();
+    test_limits();
+    for (int i = 1; i < argc; ++i) test_files(argv[i]);
+    tear_down();
+    return 0;
+}
