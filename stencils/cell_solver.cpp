@@ -12,6 +12,8 @@
 #include <limits>
 #include <string>
 
+#include "continuation.h"
+
 namespace espalier::stencils {
 
 using Eigen::Matrix3d;
@@ -30,13 +32,10 @@ constexpr double kOnFace = 1e-10;
 /// of both cells whatever way its coordinates were rounded.
 constexpr double kBoxSlack = 1e-12;
 
-/// A place must give its point back within this part of the lattice's size, or of how far off the
-/// point lies: what the project promises of the rest pose.
-constexpr double kResidual = 1e-12;
-
-/// A point within the tolerance is no further than this from its nearest place, in cells, unless
-/// the cell is flat: then weights of that size would throw the point about in any other pose.
-constexpr double kMostOffset = 1e4;
+/// A point is no further than this from its nearest place, in cells as wide as they are long,
+/// unless the cell is flat: then weights of that size would throw the point about in any other
+/// pose.
+constexpr double kMaxOffset = 1e4;
 
 const far::CellComplex& checked(const far::CellComplex& complex,
                                 std::span<const Point3> positions) {
@@ -143,7 +142,7 @@ std::optional<LocatedPoint> CellSolver::locateIn(const Vector3d& point,
 std::optional<LocatedPoint> CellSolver::findIn(CellId cell, const Vector3d& point,
                                                bool thoroughly) const {
     const auto found = [&](const CellPlace& place, double residual) {
-        return isSettled(point, residual)
+        return residual <= kResidual * std::max(scale_.size, point.norm())
                    ? std::optional(LocatedPoint{PointStatus::Inside, place, 0, residual})
                    : std::nullopt;
     };
@@ -186,26 +185,14 @@ CellPlace CellSolver::nearestPlace(CellId cell, const Vector3d& point) const {
     return best;
 }
 
-/// Sets the offset that leads from a place to a point along the tangent of the cell's map.
-/// \return false if the map is singular there
-bool CellSolver::continueTo(const Vector3d& point, CellPlace& place) const {
-    const Vector3d uvw(place.uvw.data());
-    Trilinear::Tangent tangent;
+/// The Jacobian of a cell's map at a place.
+Matrix3d CellSolver::jacobianAt(const CellPlace& place) const {
     if (const auto& corners = cornersOf(place.cell)) {
-        tangent = mapAround(*corners, positions_, point).tangent(uvw);
-    } else {
-        const auto [apex, edges] = tetrahedron(place.cell, place.tetrahedron, centreOf(place.cell));
-        tangent = {apex - point + edges * uvw, edges};
+        // Seen from the cell: seen from a point far away, edges would lose their digits.
+        const Vector3d origin = positionOf(corners->front());
+        return mapAround(*corners, positions_, origin).jacobian(Vector3d(place.uvw.data()));
     }
-    const Vector3d offset = tangent.jacobian.fullPivLu().solve(-tangent.position);
-    if (!offset.allFinite()) return false;
-    place.offset = toArray(offset);
-    return true;
-}
-
-/// Whether a place gives a point back.
-bool CellSolver::isSettled(const Vector3d& point, double residual) const {
-    return residual <= kResidual * std::max(scale_.size, point.norm());
+    return tetrahedron(place.cell, place.tetrahedron, centreOf(place.cell)).edges;
 }
 
 /// The vertices of the face, edge or vertex of its cell that a place on the cell's surface lies on.
@@ -248,12 +235,19 @@ LocatedPoint CellSolver::locateBeside(const Vector3d& point, CellId nearest,
         result.status = status;
         return result;
     }
-    if (continueTo(point, place)) {
-        // By the weights, as the deformation has it: they grow with the offset, and so does the
-        // rounding of their sum.
-        const double residual = (positionOf(place) - point).norm();
-        const bool isSteady = !isInside || Vector3d(place.offset.data()).norm() < kMostOffset;
-        if (isSteady && isSettled(point, residual)) return {status, place, distance, residual};
+    const auto continued =
+        continueTo(point, jacobianAt(place), scale_.size, [&](const Vector3d& offset) {
+            place.offset = toArray(offset);
+            // By the weights, as the deformation has it.
+            return weightedSum(placeWeights(complex_, place),
+                               [&](Index vertex) { return positionOf(vertex); });
+        });
+    if (continued) {
+        place.offset = toArray(continued->offset);
+        const double cells = isInside ? 1 : 1 + distance / boxOf(nearest).diagonal().norm();
+        const bool isSteady = continued->offset.norm() < kMaxOffset * cells;
+        if (isSteady && isSettled(continued->position, point, scale_.size))
+            return {status, place, distance, (continued->position.sum - point).norm()};
     }
     // A point within the tolerance may be taken for its nearest place, if nothing better can be
     // had.

@@ -37,9 +37,10 @@ struct Located {
 };
 
 /// Where a point lies in a refined lattice. The residual is the rounding of the solve, at most
-/// 1e-12 of the size of the lattice or of the point's distance from the origin. Where the nearest
-/// cell is too flat to solve for, a point within the tolerance has the place that is nearest to it,
-/// and its distance from that.
+/// 1e-12 of the size of the lattice or of the point's distance from the origin; of a point that is
+/// more than some thousand cells away, the rounding of its weights, 1e-15 of their size. Where the
+/// nearest cell is too flat to solve for, a point within the tolerance has the place that is
+/// nearest to it, and its distance from that.
 using LocatedPoint = Located<CellPlace>;
 
 /// Finds points in given cells of a refined lattice. Which cells may hold a point is for others to
@@ -107,8 +108,7 @@ private:
     std::optional<LocatedPoint> findIn(far::CellId cell, const Eigen::Vector3d& point,
                                        bool thoroughly) const;
     CellPlace nearestPlace(far::CellId cell, const Eigen::Vector3d& point) const;
-    bool continueTo(const Eigen::Vector3d& point, CellPlace& place) const;
-    bool isSettled(const Eigen::Vector3d& point, double residual) const;
+    Eigen::Matrix3d jacobianAt(const CellPlace& place) const;
     std::vector<far::Index> supportOf(const CellPlace& place) const;
     bool isOnBoundary(const CellPlace& place) const;
 

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 
+#include "continuation.h"
 #include "patch_solver.h"
 #include "sort_unique.h"
 
@@ -300,25 +301,29 @@ LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const Desce
     const auto level = static_cast<std::size_t>(place.level);
     const PlaceRows rows(descent.refiner, place.level, rules_, {&place, 1});
     const auto sum = [&](const Orders& orders) {
-        Vector3d result = Vector3d::Zero();
-        for (const auto& [vertex, weight] : rows.weights(0, orders))
-            result += weight * at(positions[level], vertex);
-        return result;
+        return weightedSum(rows.weights(0, orders),
+                           [&](Index vertex) { return at(positions[level], vertex); });
     };
-    if (auto* patch = std::get_if<FramePlace>(&place.where)) {
+    auto* patch = std::get_if<FramePlace>(&place.where);
+    WeightedSum position = sum(kPosition);
+    if (patch) {
         Eigen::Matrix3d jacobian;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            jacobian.col(static_cast<Eigen::Index>(axis)) = sum(kFirst[axis]);
-        patch->offset = toArray(jacobian.fullPivLu().solve(point - sum(kPosition)));
+            jacobian.col(static_cast<Eigen::Index>(axis)) = sum(kFirst[axis]).sum;
+        const auto continued =
+            continueTo(point, jacobian, scale_.size, [&](const Vector3d& offset) {
+                patch->offset = toArray(offset);
+                return sum(kPosition);
+            });
+        if (!continued) return {PointStatus::NotConverged, {}, distance, 0};
+        patch->offset = toArray(continued->offset);
+        position = continued->position;
     }
-    const double residual = (sum(kPosition) - point).norm();
-    // What the project promises of the rest pose, as in a level.
-    constexpr double kResidual = 1e-12;
-    if (residual <= kResidual * std::max(scale_.size, point.norm()))
-        return {status, place, distance, residual};
+    if (isSettled(position, point, scale_.size))
+        return {status, place, distance, (position.sum - point).norm()};
     if (!isInside) return {PointStatus::NotConverged, {}, distance, 0};
-    if (auto* patch = std::get_if<FramePlace>(&place.where)) patch->offset = {};
-    return {PointStatus::Inside, place, distance, (sum(kPosition) - point).norm()};
+    if (patch) patch->offset = {};
+    return {PointStatus::Inside, place, distance, (sum(kPosition).sum - point).norm()};
 }
 
 }  // namespace espalier::stencils
