@@ -192,6 +192,23 @@ class LimitTest(CliTest):
         text = self.run_program("info", "rest.ovm", "--smoothness").stdout
         self.assertRegex(text, r"edge +\d+  interior  eigenvalues 1 0.5500 0.5500 0.5000 0.3401 ")
 
+    def test_rings_that_are_too_large_get_a_note(self):
+        self.run_program("shape", "bipyramid", "--sides", 3000, "-o", "wide.ovm")
+        arguments = ["info", "wide.ovm", "-n", 0, "--smoothness"]
+        entries = json.loads(self.run_program(*arguments, "--json").stdout)["smoothness"]
+        wide = [entry for entry in entries if entry["limit_mask"] is None]
+        # The two apexes: each with its 3,000 edges, as many faces, and the cell.
+        self.assertEqual([entry["ring_points"] for entry in wide].count(6002), 2)
+        for entry in wide:
+            self.assertIsNone(entry["eigenvalues"])
+            self.assertIn("points: eigenvalues are not computed", entry["note"])
+        for entry in entries:
+            if entry["limit_mask"] is not None:
+                self.assertNotIn("note", entry)
+                self.assertAlmostEqual(sum(entry["limit_mask"]), 1, places=9)
+        text = self.run_program(*arguments).stdout
+        self.assertEqual(text.count("ring of 6002 points: eigenvalues are not computed"), 2)
+
     def test_a_box_is_smooth_everywhere(self):
         self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "box.ovm")
         self.assertIn("everywhere", self.run_program("info", "box.ovm", "--smoothness").stdout)
