@@ -491,7 +491,8 @@ ESPALIER_C_API espalier_status espalier_binding_save(const espalier_binding* bin
                                                      const char* path);
 
 /// Reads a binding that this or `espalier bind` wrote. The model that the latter puts beside it is
-/// written again by espalier_binding_save(); `espalier apply` wants one.
+/// written again by espalier_binding_save(), with the gradients of a binding to the limit, which
+/// carry its normals; `espalier apply` wants a model.
 ESPALIER_C_API espalier_status espalier_binding_load(const char* path, espalier_binding** binding);
 
 /// D: points × vertices of the lattice. Also the Jacobian of the points by the vertices. The table

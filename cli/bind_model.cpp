@@ -100,24 +100,27 @@ void addModelAndRest(CLI::App& command, BindOptions& options) {
         ->required();
 }
 
-void addBindingOptions(CLI::App& command, BindOptions& options) {
+void addBasisOptions(CLI::App& command, BindOptions& options) {
     addChoice<Basis>(command, "--basis", options.basis, kBasisWords,
                      "What weighs the lattice: its subdivision; or, of a box that lies on a "
                      "parallelepiped, Bernstein polynomials or cubic B-splines");
-    const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
-    addLevelOption(command, options.level, 1);
     command
         .add_flag(
             "--limit", options.limit,
             "Bind to the volume that refining goes to, not to a level on the way; --tolerance "
-            "also says how close. deform then carries normals and tangents too")
+            "also says how close. Normals and tangents then go with the points")
         ->excludes(command.get_option("-n"));
+    for (const char* name :
+         {"-n", "--limit", "--boundary", "--creasing", "--triangles", "--sharp-edges", "--rules"})
+        options.ofSubdivision.push_back(command.get_option(name));
+}
+
+void addBindingOptions(CLI::App& command, BindOptions& options) {
+    addLevelOption(command, options.level, 1);
     addRefinementOptions(command, options.common);
-    const auto all = command.get_options();
-    for (auto option = all.begin() + others; option != all.end(); ++option) {
-        (*option)->group("With --basis subdivision only");
-        options.ofSubdivision.push_back(*option);
-    }
+    addBasisOptions(command, options);
+    for (CLI::Option* option : options.ofSubdivision)
+        option->group("With --basis subdivision only");
     addEmbeddingOptions(command, options.common);
 }
 

@@ -26,14 +26,17 @@ struct BindOptions {
     std::string rest;
     Basis basis = Basis::Subdivision;
     int level = 3;
-    bool limit = false;                             ///< to the limit volume instead of a level
-    std::vector<const CLI::Option*> ofSubdivision;  ///< those that no other basis has a use for
+    bool limit = false;                       ///< to the limit volume instead of a level
+    std::vector<CLI::Option*> ofSubdivision;  ///< the options that no other basis has a use for
 };
 
 /// Adds MODEL and --rest to a command.
 void addModelAndRest(CLI::App& command, BindOptions& options);
 
-/// Adds --basis, the options of the only basis that has any, and those of the embedding.
+/// Adds --basis and --limit to a command that has -n and the options of refinement.
+void addBasisOptions(CLI::App& command, BindOptions& options);
+
+/// Adds -n, and the options of refinement, of the basis and of the embedding.
 void addBindingOptions(CLI::App& command, BindOptions& options);
 
 /// Refuses options that the basis has no use for, rather than pass over them.

@@ -11,9 +11,9 @@
 #include <espalier/osd/cpu_evaluator.h>
 #include <fmt/format.h>
 
-#include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "bind_model.h"
 #include "byte_counts.h"
@@ -59,23 +59,20 @@ std::vector<std::vector<Point3>> readPoses(
     return poses;
 }
 
-/// The deformation gradient of each point.
-/// \param gradients as LimitTable has them
-/// \param rest, pose of the lattice
-std::vector<io::DeformationGradient> gradientsAt(
-    const std::array<stencils::StencilTable<double>, 3>& gradients, const std::vector<Point3>& rest,
-    const std::vector<Point3>& pose) {
+/// The deformation gradient of each point for a pose of the lattice.
+std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradients,
+                                                 const std::vector<Point3>& pose) {
     // Of the displacements, so that what does not move has the identity to the last bit.
     std::vector<double> moved;
     for (std::size_t v = 0; v < pose.size(); ++v)
-        for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - rest[v][c]);
-    const far::Index count = gradients[0].rowCount();
+        for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - gradients.rest[v][c]);
+    const far::Index count = gradients.tables[0].rowCount();
     std::vector<io::DeformationGradient> result(static_cast<std::size_t>(count),
                                                 {1, 0, 0, 0, 1, 0, 0, 0, 1});
     const auto layout = osd::BufferDescriptor::packed(3);
     std::vector<double> column(3 * result.size());
     for (std::size_t j = 0; j < 3; ++j) {
-        osd::CpuEvaluator::evaluate(gradients[j], std::span<const double>(moved), layout,
+        osd::CpuEvaluator::evaluate(gradients.tables[j], std::span<const double>(moved), layout,
                                     std::span(column), layout, {0, count});
         for (std::size_t point = 0; point < result.size(); ++point)
             for (std::size_t i = 0; i < 3; ++i) result[point][3 * i + j] += column[3 * point + i];
@@ -83,24 +80,41 @@ std::vector<io::DeformationGradient> gradientsAt(
     return result;
 }
 
-/// \param gradientsOf makes the gradients of the pose, if there are directions to carry
-void writePose(const io::Model& model, const Binding& binding, const std::vector<Point3>& pose,
-               const std::filesystem::path& path, Stages& stages,
-               const std::function<std::vector<io::DeformationGradient>()>& gradientsOf = {}) {
-    std::vector<io::DeformationGradient> gradients;
+/// \param gradients which carry the model's directions with the pose, if there are any
+void writePose(const io::Model& model, const Binding& binding,
+               const std::optional<io::BoundGradients>& gradients, const std::vector<Point3>& pose,
+               const std::filesystem::path& path, Stages& stages) {
+    std::vector<io::DeformationGradient> atPoints;
     const auto points = stages.run("applying", [&] {
         auto moved = osd::evaluateBinding(binding, pose);
-        if (gradientsOf) gradients = gradientsOf();
+        if (gradients) atPoints = gradientsAt(*gradients, pose);
         stages.addBytes(bytesOf(binding.table) + (pose.size() + moved.size()) * sizeof(Point3));
         return moved;
     });
     stages.run("writing", [&] {
-        if (gradientsOf)
-            model.write(path, points, gradients);
+        if (gradients)
+            model.write(path, points, atPoints);
         else
             model.write(path, points);
         stages.addFile(path);
     });
+}
+
+/// A model bound to the lattice of the options. Gradients are there if they have directions to
+/// carry.
+struct Bound {
+    BoundPoints points;
+    std::optional<io::BoundGradients> gradients = {};
+};
+
+Bound bindModel(const Options& options, const io::Model& model, const Lattice& lattice,
+                Stages& stages) {
+    const bool carries = options.limit && model.hasDirections();
+    Bound bound{bindPoints(options, model.positions(), lattice, stages,
+                           carries ? Gradients::OfLimit : Gradients::No)};
+    if (carries)
+        bound.gradients = io::BoundGradients{std::move(bound.points.gradients), lattice.positions};
+    return bound;
 }
 
 void runDeform(const Options& options) {
@@ -114,17 +128,11 @@ void runDeform(const Options& options) {
     const auto poses = readPoses(options, stages, [&](const std::string& path) {
         return readPose(path, lattice, options.rest);
     });
-    const bool carries = options.limit && model->hasDirections();
-    const BoundPoints bound = bindPoints(options, model->positions(), lattice, stages,
-                                         carries ? Gradients::OfLimit : Gradients::No);
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-        std::function<std::vector<io::DeformationGradient>()> gradients;
-        if (carries)
-            gradients = [&] { return gradientsAt(bound.gradients, lattice.positions, poses[i]); };
-        writePose(*model, bound.binding, poses[i], paths[i], stages, gradients);
-    }
+    const Bound bound = bindModel(options, *model, lattice, stages);
+    for (std::size_t i = 0; i < poses.size(); ++i)
+        writePose(*model, bound.points.binding, bound.gradients, poses[i], paths[i], stages);
     if (!options.common.quiet)
-        print({bound.report, bound.binding, stages, peakMemory()}, options.report);
+        print({bound.points.report, bound.points.binding, stages, peakMemory()}, options.report);
 }
 
 void runBind(const Options& options) {
@@ -139,15 +147,16 @@ void runBind(const Options& options) {
         return io::readModel(options.model, file.modelBytes);
     });
     const Lattice lattice = readLattice(options.rest, stages);
-    BoundPoints bound = bindPoints(options, model->positions(), lattice, stages);
-    file.binding = std::move(bound.binding);
+    Bound bound = bindModel(options, *model, lattice, stages);
+    file.binding = std::move(bound.points.binding);
+    file.gradients = std::move(bound.gradients);
     file.modelName = std::filesystem::path(options.model).filename().string();
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);
         stages.addFile(options.output);
     });
     if (!options.common.quiet)
-        print({bound.report, file.binding, stages, peakMemory()}, options.report);
+        print({bound.points.report, file.binding, stages, peakMemory()}, options.report);
 }
 
 /// Reads a pose of the lattice that a model was bound to.
@@ -179,7 +188,7 @@ void runApply(const Options& options) {
         return readPoseOf(bound.binding, path, options);
     });
     for (std::size_t i = 0; i < poses.size(); ++i)
-        writePose(*model, bound.binding, poses[i], paths[i], stages);
+        writePose(*model, bound.binding, bound.gradients, poses[i], paths[i], stages);
     if (!options.common.quiet)
         print({std::nullopt, bound.binding, stages, peakMemory()}, options.report);
 }

@@ -53,7 +53,7 @@ void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options) 
                           "How what is held meets what moves: in its place, with its tangent "
                           "planes, or with its curvatures; c1 and c2 hold the same vertices");
     CLI::Option* continuity = command.get_option("--continuity")->needs(box);
-    for (const CLI::Option* option : {box, continuity}) options.ofSubdivision.push_back(option);
+    for (CLI::Option* option : {box, continuity}) options.ofSubdivision.push_back(option);
 }
 
 HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,

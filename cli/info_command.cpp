@@ -60,15 +60,29 @@ nlohmann::json toJson(const LatticeReport& report, const std::string& name) {
             {"levels", levels}};
 }
 
+/// Of a ring that is too large to be looked at.
+std::string noteOf(const Smoothness& entry) {
+    return fmt::format(
+        "ring of {} points: eigenvalues are not computed beyond {}, nor in cells of more vertices",
+        entry.ringPoints, kMaxRingPoints);
+}
+
 nlohmann::json toJson(const std::vector<Smoothness>& entries) {
     nlohmann::json list = nlohmann::json::array();
     for (const Smoothness& entry : entries) {
         nlohmann::json values = nlohmann::json::array();
         for (const auto& value : entry.eigenvalues) values.push_back({value.real(), value.imag()});
-        list.push_back({{far::dimensionName(entry.entity.dimension), entry.entity.index},
-                        {"stratum", kStrata[entry.stratum]},
-                        {"eigenvalues", values},
-                        {"limit_mask", entry.mask}});
+        nlohmann::json object = {{far::dimensionName(entry.entity.dimension), entry.entity.index},
+                                 {"stratum", kStrata[entry.stratum]},
+                                 {"ring_points", entry.ringPoints},
+                                 {"eigenvalues", values},
+                                 {"limit_mask", entry.mask}};
+        if (!entry.isKnown) {
+            object["eigenvalues"] = nullptr;
+            object["limit_mask"] = nullptr;
+            object["note"] = noteOf(entry);
+        }
+        list.push_back(std::move(object));
     }
     return list;
 }
@@ -126,6 +140,11 @@ void printSmoothness(const std::vector<Smoothness>& entries) {
     fmt::print("\nsmoothness, where it is not that of the tricubic spline\n");
     if (entries.empty()) fmt::print("  everywhere\n");
     for (const Smoothness& entry : entries) {
+        if (!entry.isKnown) {
+            fmt::print("  {:<6} {:>6}  {:<8}  {}\n", far::dimensionName(entry.entity.dimension),
+                       entry.entity.index, kStrata[entry.stratum], noteOf(entry));
+            continue;
+        }
         std::vector<std::string> values;
         for (const auto& value : entry.eigenvalues) values.push_back(toText(value));
         fmt::print("  {:<6} {:>6}  {:<8}  eigenvalues 1 {}\n",

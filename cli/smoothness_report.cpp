@@ -10,14 +10,34 @@
 namespace espalier::cli {
 namespace {
 
+/// The number of points in the ring of a vertex: one for each entity that contains it.
+far::Index ringPointsAt(const far::CellComplex& complex, far::Index vertex) {
+    std::size_t count = 0;
+    for (int d = 0; d <= complex.dimension(); ++d) count += complex.relation(0, d)[vertex].size();
+    return static_cast<far::Index>(count);
+}
+
+/// The number of vertices of the cells at a vertex, all of which its ring is refined with.
+std::size_t cornersAt(const far::CellComplex& complex, far::Index vertex) {
+    std::size_t count = 0;
+    for (const far::Index cell : complex.relation(0, 3)[vertex])
+        count += complex.relation(3, 0)[cell].size();
+    return count;
+}
+
 Smoothness smoothnessOf(const far::Entity& entity, const far::Level& level, far::Index vertex,
                         const far::RefinerOptions& options, stencils::Rules rules) {
     constexpr std::size_t kMostEigenvalues = 6;
+    Smoothness result{entity, level.strata.of({0, vertex}), ringPointsAt(level.complex, vertex)};
+    if (result.ringPoints > kMaxRingPoints ||
+        cornersAt(level.complex, vertex) > static_cast<std::size_t>(kMaxRingPoints))
+        return result;
     const auto ring = stencils::ringOf(level, options, rules, vertex);
     auto values = stencils::eigenvalues(ring);
     values.erase(values.begin());
     values.resize(std::min(values.size(), kMostEigenvalues));
-    Smoothness result{entity, level.strata.of({0, vertex}), std::move(values), {}};
+    result.isKnown = true;
+    result.eigenvalues = std::move(values);
     const Eigen::VectorXd mask = stencils::limitMask(ring);
     for (std::size_t i = 0; i < ring.entities.size(); ++i)
         result.mask[static_cast<std::size_t>(ring.entities[i].dimension)] +=

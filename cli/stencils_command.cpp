@@ -20,6 +20,8 @@ namespace {
 
 struct Options : LatticeOptions {
     std::string points;
+    BindOptions bind;  ///< --basis and --limit; run() fills in the rest
+    bool gradients = false;
     bool levelTables = false;
     io::PetscInt petscIntegers = io::PetscInt::Bits32;
     std::string output;
@@ -39,26 +41,59 @@ std::filesystem::path levelPath(const Options& options, int k) {
     return io::numberedPath(options.output, k, options.level);
 }
 
-Export deformation(const Options& options, Stages& stages) {
+/// The file of the gradients by coordinate `axis` at rest: D.dx.npz for D.npz and 0.
+std::filesystem::path gradientPath(const Options& options, std::size_t axis) {
+    std::filesystem::path path = options.output;
+    const std::string extension = path.extension().string();
+    return path.replace_extension(fmt::format(".d{}{}", "xyz"[axis], extension));
+}
+
+/// All matrices' files.
+std::vector<std::filesystem::path> outputPaths(const Options& options) {
+    if (options.levelTables) {
+        std::vector<std::filesystem::path> paths;
+        for (int k = 1; k <= options.level; ++k) paths.push_back(levelPath(options, k));
+        return paths;
+    }
+    std::vector<std::filesystem::path> paths = {options.output};
+    for (std::size_t axis = 0; options.gradients && axis < 3; ++axis)
+        paths.push_back(gradientPath(options, axis));
+    return paths;
+}
+
+/// What D weighs: "D at level 3".
+std::string nameOfD(const BindOptions& bind) {
+    if (bind.basis == Basis::Bezier) return "D of the Bézier volume";
+    if (bind.basis == Basis::BSpline) return "D of the uniform cubic B-splines";
+    if (bind.limit) return "D in the limit";
+    return fmt::format("D at level {}", bind.level);
+}
+
+/// D, and its gradients if they were asked for.
+std::vector<Export> deformation(const Options& options, Stages& stages) {
     const auto model = readModel(options.points, stages);
     const Lattice lattice = readLattice(options.lattice, stages);
-    BindOptions bind;
-    bind.common = options.common;
-    bind.rest = options.lattice;
-    bind.level = options.level;
-    auto bound = bindPoints(bind, model->positions(), lattice, stages);
-    return {options.output, std::move(bound.binding.table),
-            fmt::format("D at level {}: rows are the points of {}, in the order of the file, and "
-                        "empty where a point stays in place; columns are the vertices of {}",
-                        options.level, options.points, options.lattice)};
+    auto bound = bindPoints(options.bind, model->positions(), lattice, stages,
+                            options.gradients ? Gradients::OfLimit : Gradients::No);
+    const std::string rowsAndColumns = fmt::format(
+        "rows are the points of {}, in the order of the file, and "
+        "empty where a point stays in place; columns are the vertices of {}",
+        options.points, options.lattice);
+    std::vector<Export> result;
+    result.push_back({options.output, std::move(bound.binding.table),
+                      fmt::format("{}: {}", nameOfD(options.bind), rowsAndColumns)});
+    for (std::size_t axis = 0; options.gradients && axis < 3; ++axis)
+        result.push_back(
+            {gradientPath(options, axis), std::move(bound.gradients[axis]),
+             fmt::format("Gradient of D in the limit: its product with a pose is column {} of the "
+                         "deformation gradient, the derivative by {} of the rest pose; {}",
+                         axis, "xyz"[axis], rowsAndColumns)});
+    return result;
 }
 
 std::vector<Export> exports(const Options& options, Stages& stages) {
+    if (!options.points.empty()) return deformation(options, stages);
     std::vector<Export> result;
-    if (!options.points.empty()) {
-        result.push_back(deformation(options, stages));
-        return result;
-    }
     const RefinedFile file = readAndRefine(options, FileKind::Refinable, stages);
     const auto& rules = options.common.rules;
     if (!options.levelTables) {
@@ -99,15 +134,17 @@ void write(const Export& matrix, const Options& options) {
         io::writeMatrix(matrix.path, matrix.table, format);
 }
 
-void run(const Options& options) {
+void run(Options& options) {
+    checkBasis(options.bind);
+    options.bind.common = options.common;
+    options.bind.rest = options.lattice;
+    options.bind.level = options.level;
     const far::ThreadLimit limit(options.common.threads);
     std::vector<std::string> inputs = {options.lattice};
     if (!options.points.empty()) inputs.push_back(options.points);
     if (options.levelTables && options.level == 0)
         throw CLI::ValidationError("--level-tables", "there are none before level 1");
-    for (int k = 1; k <= (options.levelTables ? options.level : 1); ++k) {
-        const std::filesystem::path output =
-            options.levelTables ? levelPath(options, k) : std::filesystem::path(options.output);
+    for (const std::filesystem::path& output : outputPaths(options)) {
         checkOutput(output, inputs, io::matrixExtensions());
         for (const auto& path : io::matrixPaths(output)) checkOutput(path, inputs);
     }
@@ -133,7 +170,13 @@ void addStencilsCommand(CLI::App& program) {
         "A model: write D, the weights of its points over the vertices of the lattice, in place of "
         "S_N, those of the level-N vertices");
     const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
+    addBasisOptions(command, options->bind);
     addEmbeddingOptions(command, options->common);
+    command
+        .add_flag("--gradients", options->gradients,
+                  "Write the gradients of D too, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "
+                  "their products with a pose are the columns of the deformation gradient")
+        ->needs(command.get_option("--limit"));
     const auto all = command.get_options();
     for (auto option = all.begin() + others; option != all.end(); ++option)
         (*option)->needs(points);

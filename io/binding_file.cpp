@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include <array>
+#include <cmath>
 #include <ostream>
 #include <string_view>
 #include <utility>
@@ -14,17 +15,21 @@ namespace espalier::io {
 namespace {
 
 constexpr std::string_view kMagic = "ESPALIER";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kWithoutGradients = 1, kWithGradients = 2;  // versions
+
+using stencils::StencilTable;
 
 /// What the file holds, in numbers.
 struct Sizes {
     std::int64_t rows, columns, entries, kept, nameBytes, modelBytes;
+    std::optional<std::array<std::int64_t, 3>> gradientEntries;
 };
 
 /// Takes numbers off bytes that are known to be enough.
 class NumberReader {
 public:
-    explicit NumberReader(std::string_view bytes) : bytes_(bytes) {}
+    NumberReader(const std::filesystem::path& path, std::string_view bytes)
+        : path_(path), bytes_(bytes) {}
 
     std::size_t left() const { return bytes_.size(); }
     std::string_view bytes(std::size_t count) {
@@ -42,12 +47,34 @@ public:
         for (Number& value : result) value = number<Number>();
         return result;
     }
+    /// \throws FileError if a weight is not finite
+    far::Array<double> weights(std::int64_t count) {
+        auto result = numbers<double>(count);
+        for (std::size_t i = 0; i < result.size(); ++i)
+            if (!std::isfinite(result[i]))
+                throw FileError(path_, "has a weight that is not finite: number " +
+                                           std::to_string(i) + " of its table");
+        return result;
+    }
+    /// \throws FileError if a coordinate is not finite
+    std::vector<Point3> points(std::int64_t count, const char* name) {
+        std::vector<Point3> result(static_cast<std::size_t>(count));
+        for (std::size_t i = 0; i < result.size(); ++i)
+            for (double& coordinate : result[i]) {
+                coordinate = number<double>();
+                if (!std::isfinite(coordinate))
+                    throw FileError(path_, "has a position that is not finite: " +
+                                               std::string(name) + " " + std::to_string(i));
+            }
+        return result;
+    }
 
 private:
+    const std::filesystem::path& path_;
     std::string_view bytes_;
 };
 
-/// The sizes of the header; nothing if the file is not exactly as long as they say.
+/// Whether the file is exactly as long as the sizes of its header say.
 bool fitTheRest(const Sizes& sizes, std::size_t left) {
     // Subtracted part by part from what is there: no claim, however large, overflows.
     std::uint64_t room = left;
@@ -56,38 +83,107 @@ bool fitTheRest(const Sizes& sizes, std::size_t left) {
         room -= static_cast<std::uint64_t>(count) * size;
         return true;
     };
-    return take(1, 8) && take(sizes.rows, 8) && take(sizes.entries, 8 + 4) &&
-           take(sizes.kept, 3 * 8 + 4) && take(sizes.nameBytes, 1) && take(sizes.modelBytes, 1) &&
-           room == sizeof(std::uint32_t);
+    const auto takeTable = [&](std::int64_t entries) {
+        return take(1, 8) && take(sizes.rows, 8) && take(entries, 8 + 4);
+    };
+    if (sizes.gradientEntries) {
+        for (const std::int64_t entries : *sizes.gradientEntries)
+            if (!takeTable(entries)) return false;
+        if (!take(sizes.columns, 3 * 8)) return false;
+    }
+    return takeTable(sizes.entries) && take(sizes.kept, 3 * 8 + 4) && take(sizes.nameBytes, 1) &&
+           take(sizes.modelBytes, 1) && room == sizeof(std::uint32_t);
 }
 
 Sizes readHeader(const std::filesystem::path& path, NumberReader& in, std::uint64_t& hash) {
     constexpr std::size_t kHeaderSize = 8 + 4 + 4 + 8 + 6 * 8;
+    constexpr std::size_t kGradientSizes = 3 * 8;
     if (in.left() < kMagic.size() || in.bytes(kMagic.size()) != kMagic)
         throw FileError(path, "is not a bound model");
     if (in.left() + kMagic.size() < kHeaderSize) throw FileError(path, "is truncated");
-    if (const auto version = in.number<std::uint32_t>(); version != kVersion)
-        throw FileError(path, "has version " + std::to_string(version) + "; expected " +
-                                  std::to_string(kVersion));
+    const auto version = in.number<std::uint32_t>();
+    if (version != kWithoutGradients && version != kWithGradients)
+        throw FileError(path, "has version " + std::to_string(version) + "; expected 1 or 2");
     in.number<std::uint32_t>();
     hash = in.number<std::uint64_t>();
     Sizes sizes{};
     for (std::int64_t* size : {&sizes.rows, &sizes.columns, &sizes.entries, &sizes.kept,
                                &sizes.nameBytes, &sizes.modelBytes})
         *size = in.number<std::int64_t>();
+    if (version == kWithGradients) {
+        if (in.left() < kGradientSizes) throw FileError(path, "is truncated");
+        for (std::int64_t& entries : sizes.gradientEntries.emplace())
+            entries = in.number<std::int64_t>();
+    }
     if (!fitTheRest(sizes, in.left()))
         throw FileError(path, "is truncated or corrupted: its size is not what its header says");
     return sizes;
 }
 
+/// \throws FileError if the arrays are no table of so many columns
+StencilTable<double> makeTable(const std::filesystem::path& path, std::int64_t columnCount,
+                               far::Array<stencils::Offset> offsets,
+                               far::Array<stencils::Index> columns, far::Array<double> weights) {
+    try {
+        return StencilTable<double>(static_cast<stencils::Index>(columnCount), std::move(offsets),
+                                    std::move(columns), std::move(weights));
+    } catch (const Error& error) {
+        throw FileError(path, error.what());
+    }
+}
+
+BoundGradients readGradients(const std::filesystem::path& path, const Sizes& sizes,
+                             NumberReader& in) {
+    BoundGradients gradients;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::int64_t entries = (*sizes.gradientEntries)[axis];
+        auto offsets = in.numbers<stencils::Offset>(sizes.rows + 1);
+        auto weights = in.weights(entries);
+        auto columns = in.numbers<stencils::Index>(entries);
+        gradients.tables[axis] = makeTable(path, sizes.columns, std::move(offsets),
+                                           std::move(columns), std::move(weights));
+    }
+    gradients.rest = in.points(sizes.columns, "vertex of the lattice at rest");
+    return gradients;
+}
+
+/// \throws Error if gradients are not those of the binding's points by its lattice
+void checkShape(const BoundGradients& gradients, const StencilTable<double>& table) {
+    const auto refuse = [&](const std::string& what, const std::string& got) {
+        throw Error("a bound model of " + std::to_string(table.rowCount()) + " points and " +
+                    std::to_string(table.columnCount()) + " lattice vertices has " + what + " of " +
+                    got);
+    };
+    for (const auto& each : gradients.tables)
+        if (each.rowCount() != table.rowCount() || each.columnCount() != table.columnCount())
+            refuse("gradients", std::to_string(each.rowCount()) + " points and " +
+                                    std::to_string(each.columnCount()) + " vertices");
+    if (gradients.rest.size() != static_cast<std::size_t>(table.columnCount()))
+        refuse("a lattice at rest", std::to_string(gradients.rest.size()) + " vertices");
+}
+
+void write(ByteOutput& out, const std::vector<Point3>& points) {
+    for (const Point3& point : points) out.numbers(std::span<const double>(point));
+}
+
+void write(ByteOutput& out, const BoundGradients& gradients) {
+    for (const StencilTable<double>& table : gradients.tables) {
+        out.numbers(table.offsets());
+        out.numbers(table.weights());
+        out.numbers(table.columns());
+    }
+    write(out, gradients.rest);
+}
+
 }  // namespace
 
 void writeBoundModel(const std::filesystem::path& path, const BoundModel& model) {
-    const stencils::StencilTable<double>& table = model.binding.table;
+    const StencilTable<double>& table = model.binding.table;
+    if (model.gradients) checkShape(*model.gradients, table);
     writeFile(path, [&](std::ostream& stream) {
         ChecksummedOutput out(stream, std::endian::little);
         out.bytes(kMagic);
-        out.number(kVersion);
+        out.number(model.gradients ? kWithGradients : kWithoutGradients);
         out.number(std::uint32_t{0});
         out.number(model.binding.topologyHash);
         out.number(std::int64_t{table.rowCount()});
@@ -96,12 +192,15 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model)
         out.number(static_cast<std::int64_t>(model.binding.kept.size()));
         out.number(static_cast<std::int64_t>(model.modelName.size()));
         out.number(static_cast<std::int64_t>(model.modelBytes.size()));
+        if (model.gradients)
+            for (const auto& each : model.gradients->tables)
+                out.number(std::int64_t{each.entryCount()});
         out.numbers(table.offsets());
         out.numbers(table.weights());
-        for (const Point3& point : model.binding.keptAt)
-            out.numbers(std::span<const double>(point));
+        write(out, model.binding.keptAt);
         out.numbers(table.columns());
         out.numbers(std::span<const stencils::Index>(model.binding.kept));
+        if (model.gradients) write(out, *model.gradients);
         out.bytes(model.modelName);
         out.bytes(model.modelBytes);
         out.number(out.checksum());
@@ -113,7 +212,7 @@ BoundModel readBoundModel(const std::filesystem::path& path) {
 }
 
 BoundModel readBoundModel(const std::filesystem::path& path, std::string_view bytes) {
-    NumberReader in(bytes);
+    NumberReader in(path, bytes);
     BoundModel model;
     const Sizes sizes = readHeader(path, in, model.binding.topologyHash);
     const std::string_view checked = bytes.substr(0, bytes.size() - 4);
@@ -123,31 +222,24 @@ BoundModel readBoundModel(const std::filesystem::path& path, std::string_view by
         crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(checked.data()), checked.size()));
     if (expected != got) throw FileError(path, "is corrupted: its checksum does not match");
 
+    // The checks below find nothing wrong in a file of ours, but in one that was made to mislead.
+    if (sizes.columns < 0 || sizes.columns > far::kMaxIndex)
+        throw FileError(path, "claims " + std::to_string(sizes.columns) + " lattice vertices");
     auto offsets = in.numbers<stencils::Offset>(sizes.rows + 1);
-    auto weights = in.numbers<double>(sizes.entries);
-    for (std::int64_t i = 0; i < sizes.kept; ++i) {
-        Point3& point = model.binding.keptAt.emplace_back();
-        for (double& coordinate : point) coordinate = in.number<double>();
-    }
+    auto weights = in.weights(sizes.entries);
+    model.binding.keptAt = in.points(sizes.kept, "kept point");
     auto columns = in.numbers<stencils::Index>(sizes.entries);
     const auto keptPoints = in.numbers<stencils::Index>(sizes.kept);
     model.binding.kept.assign(keptPoints.begin(), keptPoints.end());
-    model.modelName = in.bytes(static_cast<std::size_t>(sizes.nameBytes));
-    model.modelBytes = in.bytes(static_cast<std::size_t>(sizes.modelBytes));
-    // What follows no file of ours gets wrong, but one that was made to.
-    if (sizes.columns < 0 || sizes.columns > far::kMaxIndex)
-        throw FileError(path, "claims " + std::to_string(sizes.columns) + " lattice vertices");
     for (const stencils::Index kept : model.binding.kept)
         if (kept < 0 || kept >= sizes.rows)
             throw FileError(
                 path, "keeps point " + std::to_string(kept) + " of " + std::to_string(sizes.rows));
-    try {
-        model.binding.table = stencils::StencilTable<double>(
-            static_cast<stencils::Index>(sizes.columns), std::move(offsets), std::move(columns),
-            std::move(weights));
-    } catch (const Error& error) {
-        throw FileError(path, error.what());
-    }
+    model.binding.table =
+        makeTable(path, sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
+    if (sizes.gradientEntries) model.gradients = readGradients(path, sizes, in);
+    model.modelName = in.bytes(static_cast<std::size_t>(sizes.nameBytes));
+    model.modelBytes = in.bytes(static_cast<std::size_t>(sizes.modelBytes));
     return model;
 }
 

@@ -47,11 +47,15 @@ void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
     result.placement = {std::move(found.statuses), found.largestResidual};
 }
 
+/// \param gradients whether the binding keeps those, for directions of the model
 void bindToLimit(BoundPoints& result, const Refiner& refiner, std::span<const Point3> points,
-                 const stencils::EmbeddingOptions& options) {
-    auto found =
-        stencils::bindLimit<double>(refiner.base(), refiner.lattice()->positions, refiner.rules(),
-                                    points, {.embedding = options, .tolerance = options.tolerance});
+                 const stencils::EmbeddingOptions& options, bool gradients) {
+    const auto& rest = refiner.lattice()->positions;
+    auto found = stencils::bindLimit<double>(
+        refiner.base(), rest, refiner.rules(), points,
+        {.embedding = options, .tolerance = options.tolerance, .gradients = gradients});
+    if (gradients)
+        result.bound.gradients = io::BoundGradients{std::move(found.binding.table.gradients), rest};
     result.bound.binding = stencils::withoutGradients(std::move(found.binding));
     result.placement = {std::move(found.statuses), found.largestResidual};
 }
@@ -81,8 +85,10 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
     if (limit && weights != Weights::Subdivision)
         throw Error("limit: what \"" + basis + "\" weighs has no levels, and no limit of these");
     auto result = std::make_shared<BoundPoints>();
+    bool hasDirections = false;
     if (py::isinstance<ModelFile>(points)) {
         const auto& file = points.cast<const ModelFile&>();
+        hasDirections = file.model->hasDirections();
         result->points = pointsOf(file);
         result->bound.modelName = file.name;
         result->bound.modelBytes = file.bytes;
@@ -91,7 +97,7 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
     }
     withoutGil([&] {
         if (limit)
-            bindToLimit(*result, *refiner, *result->points, options);
+            bindToLimit(*result, *refiner, *result->points, options, hasDirections);
         else if (weights == Weights::Subdivision)
             bindToSubdivision(*result, *refiner, level, *result->points, options);
         else
@@ -119,7 +125,8 @@ void save(const BoundPoints& self, const std::filesystem::path& path) {
     }
     // A file of the points stands in for that of a model, so that `espalier apply` has one.
     auto file = modelOfPoints(*self.points);
-    io::writeBoundModel(path, {self.bound.binding, std::move(file.name), std::move(file.bytes)});
+    io::writeBoundModel(path, {self.bound.binding, std::move(file.name), std::move(file.bytes),
+                               self.bound.gradients});
 }
 
 template <class Real>
@@ -294,7 +301,9 @@ Returns the array; float32 and compiling as in deform().
                 withoutGil([&] { save(self, path); });
             },
             "path"_a,
-            "Writes the binding (.espb), for load_binding() and `espalier apply`. Without the file "
+            "Writes the binding (.espb), for load_binding() and `espalier apply`, which carries "
+            "the "
+            "normals and tangents of a Model that was bound with limit=True. Without the file "
             "of a model, one of the points alone, points.obj, goes with it, unless they are not "
             "known either.")
         .def("__repr__", [](const BoundPoints& self) {

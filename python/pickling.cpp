@@ -211,6 +211,36 @@ std::shared_ptr<Table> tableOfState(const py::tuple& state) {
     });
 }
 
+namespace {
+
+py::object stateOfGradients(const std::shared_ptr<BoundPoints>& bound, const py::object& self) {
+    if (!bound->bound.gradients) return py::none();
+    io::BoundGradients& gradients = *bound->bound.gradients;
+    py::tuple tables(gradients.tables.size());
+    for (std::size_t axis = 0; axis < gradients.tables.size(); ++axis)
+        tables[axis] =
+            stateOfTable(py::cast(std::shared_ptr<Table>(bound, &gradients.tables[axis])));
+    return py::make_tuple(tables, viewOf(gradients.rest, self));
+}
+
+std::optional<io::BoundGradients> gradientsOfState(const py::handle& state, const Table& table) {
+    if (state.is_none()) return std::nullopt;
+    const auto parts = state.cast<py::tuple>();
+    requireState(parts.size() == 2);
+    const auto tables = parts[0].cast<py::tuple>();
+    io::BoundGradients gradients;
+    requireState(tables.size() == gradients.tables.size());
+    for (std::size_t axis = 0; axis < tables.size(); ++axis) {
+        gradients.tables[axis] = std::move(*tableOfState(tables[axis]));
+        requireState(gradients.tables[axis].rowCount() == table.rowCount() &&
+                     gradients.tables[axis].columnCount() == table.columnCount());
+    }
+    gradients.rest = toPoints(parts[1], "rest", static_cast<std::size_t>(table.columnCount()));
+    return gradients;
+}
+
+}  // namespace
+
 py::tuple stateOfBinding(const py::object& self) {
     const auto& [bound, points, placement, single, twofold] = self.cast<const BoundPoints&>();
     const auto& binding = bound.binding;
@@ -221,15 +251,16 @@ py::tuple stateOfBinding(const py::object& self) {
         statuses = viewOfAll(bytesOf(placement->statuses), self);
         residual = py::float_(placement->largestResidual);
     }
-    return py::make_tuple(
-        stateOfTable(py::cast(tableIn(self.cast<std::shared_ptr<BoundPoints>>()))),
-        viewOfAll(std::span<const Index>(binding.kept), self), viewOf(binding.keptAt, self),
-        binding.topologyHash, py::bytes(bound.modelName), py::bytes(bound.modelBytes), at, statuses,
-        residual);
+    const auto shared = self.cast<std::shared_ptr<BoundPoints>>();
+    return py::make_tuple(stateOfTable(py::cast(tableIn(shared))),
+                          viewOfAll(std::span<const Index>(binding.kept), self),
+                          viewOf(binding.keptAt, self), binding.topologyHash,
+                          py::bytes(bound.modelName), py::bytes(bound.modelBytes), at, statuses,
+                          residual, stateOfGradients(shared, self));
 }
 
 std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
-    requireState(state.size() == 9);
+    requireState(state.size() == 10);
     auto result = std::make_shared<BoundPoints>();
     auto& binding = result->bound.binding;
     binding.table = std::move(*tableOfState(state[0]));
@@ -253,6 +284,7 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
         requireState(placement.statuses.size() == static_cast<std::size_t>(rows));
         result->placement = std::move(placement);
     }
+    result->bound.gradients = gradientsOfState(state[9], binding.table);
     return result;
 }
 

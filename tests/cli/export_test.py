@@ -105,6 +105,95 @@ class Export(CliTest):
         self.write("-n", 2, "--points", "model.obj", "--outside", "nearest", "-o", "n.npz")
         numpy.testing.assert_allclose(self.npz("n.npz") @ base, points, rtol=0, atol=1e-12)
 
+    def write_pose(self, name, rest, pose):
+        """A lattice with other positions."""
+        lines = (self.path / rest).read_text().splitlines()
+        at = lines.index("Vertices") + 2
+        lines[at:at + len(pose)] = ["%.17g %.17g %.17g" % tuple(p) for p in pose]
+        (self.path / name).write_text("\n".join(lines) + "\n")
+
+    def bent(self, rest):
+        base = numpy.array(self.read_ovm_positions(rest))
+        x, y, z = base.T
+        return base, base + numpy.array([0.3 * z * z, -0.2 * x * z, 0.1 * x * y]).T
+
+    def test_the_limit_is_that_of_deform(self):
+        points = icosphere_points(50) + [(9, 9, 9)]
+        self.write_model(points)
+        base, pose = self.bent("c.ovm")
+        self.write_pose("pose.ovm", "c.ovm", pose)
+        self.run_program("deform", "model.obj", "--rest", "c.ovm", "--to", "pose.ovm", "--limit",
+                         "-o", "moved.obj")
+        moved = self.read_points("moved.obj")
+        for name in ["d.npz", "d.mtx"]:
+            out = self.write("--points", "model.obj", "--limit", "-o", name)
+            self.assertEqual(len(out.splitlines()), 1)
+        matrix = self.npz("d.npz")
+        self.assertIn("D in the limit: rows are the points of model.obj",
+                      (self.path / "d.mtx").read_text())
+        self.assert_same(scipy.io.mmread(self.path / "d.mtx").tocsr(), matrix)
+        numpy.testing.assert_allclose((matrix @ base)[:50], points[:50], rtol=0, atol=1e-14)
+        numpy.testing.assert_allclose((matrix @ pose)[:50], moved[:50], rtol=0, atol=1e-14)
+        self.assertEqual(matrix[50].nnz, 0)
+        # No level is it.
+        self.write("--points", "model.obj", "-n", 3, "-o", "level.npz")
+        self.assertGreater(abs((self.npz("level.npz") - matrix) @ pose).max(), 1e-5)
+
+    def test_gradients_of_the_limit(self):
+        points = icosphere_points(20) + [(9, 9, 9)]
+        self.write_model(points)
+        self.write("--points", "model.obj", "--limit", "-o", "d.npz")
+        alone = self.npz("d.npz")
+        out = self.write("--points", "model.obj", "--limit", "--gradients", "-o", "d.npz")
+        self.assertEqual([line.split(":")[0] for line in out.splitlines()],
+                         ["d.npz", "d.dx.npz", "d.dy.npz", "d.dz.npz"])
+        self.assert_same(self.npz("d.npz"), alone)
+        base, pose = self.bent("c.ovm")
+        turn = numpy.array([[0.6, -0.8, 0], [0.8, 0.6, 0.2], [0, 0.1, 1.5]])
+        step = 1e-5
+        for axis, name in enumerate(["d.dx.npz", "d.dy.npz", "d.dz.npz"]):
+            gradient = self.npz(name)
+            self.assertEqual(gradient.shape, alone.shape)
+            # An affine pose has its matrix everywhere; a point that stays has no row.
+            numpy.testing.assert_allclose((gradient @ (base @ turn.T))[:20],
+                                          numpy.tile(turn[:, axis], (20, 1)), rtol=0, atol=1e-6)
+            self.assertEqual(gradient[20].nnz, 0)
+            # Of any pose it is the quotient of differences of D.
+            moved = []
+            for sign in (1, -1):
+                there = numpy.array(points)
+                there[:, axis] += sign * step
+                self.write_model([tuple(p) for p in there], "there.obj")
+                self.write("--points", "there.obj", "--limit", "-o", "there.npz")
+                moved.append(self.npz("there.npz") @ pose)
+            numpy.testing.assert_allclose((gradient @ pose)[:20],
+                                          ((moved[0] - moved[1]) / (2 * step))[:20],
+                                          rtol=0, atol=1e-3)
+        self.write("--points", "model.obj", "--limit", "--gradients", "-o", "d.npy")
+        data = numpy.load(self.path / "d.dz.data.npy")
+        numpy.testing.assert_array_equal(data, self.npz("d.dz.npz").data)
+
+    def test_other_bases_are_those_of_deform(self):
+        self.run_program("shape", "box", "--cells", 3, 4, 3, "--max", 3, 4, 3, "-o", "c.ovm")
+        points = [(1.25 + 0.1 * i, 1.5 + 0.2 * i, 1.75) for i in range(5)]
+        self.write_model(points)
+        base, pose = self.bent("c.ovm")
+        self.write_pose("pose.ovm", "c.ovm", pose)
+        for basis, title in [("bezier", "D of the Bézier volume"),
+                             ("bspline", "D of the uniform cubic B-splines"),
+                             ("subdivision", "D at level 2")]:
+            options = ["--basis", basis, *(["-n", 2] if basis == "subdivision" else [])]
+            self.run_program("deform", "model.obj", "--rest", "c.ovm", "--to", "pose.ovm", *options,
+                             "-o", "moved.obj")
+            self.write("--points", "model.obj", *options, "-o", "d.npz")
+            matrix = self.npz("d.npz")
+            numpy.testing.assert_allclose(matrix.sum(axis=1), 1, rtol=0, atol=1e-14)
+            numpy.testing.assert_allclose(matrix @ base, points, rtol=0, atol=1e-13)
+            numpy.testing.assert_allclose(matrix @ pose, self.read_points("moved.obj"),
+                                          rtol=0, atol=1e-13)
+            self.write("--points", "model.obj", *options, "-o", "d.mtx")
+            self.assertIn(title, (self.path / "d.mtx").read_text())
+
     def test_a_full_disk(self):
         for name in ["s.mtx", "s.npz", "s.petsc"]:
             self.assert_nothing_is_lost_on_a_full_disk("stencils", "c.ovm", "-n", 2, output=name)
@@ -123,8 +212,20 @@ class Export(CliTest):
         self.assertIn("--level-tables", self.error_of("stencils", "c.ovm", "-n", 0,
                                                       "--level-tables", "-o", "r.npz", code=2))
         for options in [["--outside", "nearest"], ["--points", "model.obj", "--level-tables"],
-                        ["--petsc-indices", "16"]]:
+                        ["--petsc-indices", "16"], ["--limit"], ["--basis", "bspline"],
+                        ["--points", "model.obj", "--gradients"],
+                        ["--points", "model.obj", "--limit", "-n", "2"],
+                        ["--points", "model.obj", "--limit", "--basis", "bezier"],
+                        ["--points", "model.obj", "--basis", "bezier", "-n", "2"],
+                        ["--points", "model.obj", "--basis", "bspline", "--rules", "mlca"]]:
             self.error_of("stencils", "c.ovm", *options, "-o", "d.npz", code=2)
+        self.assertIn("the lattice is not a box", self.error_of(
+            "stencils", "c.ovm", "--points", "model.obj", "--basis", "bezier", "-o", "d.npz"))
+        # None is written where the name of one is taken.
+        (self.path / "d.dy.npz").mkdir()
+        self.assertIn("d.dy.npz", self.error_of("stencils", "c.ovm", "--points", "model.obj",
+                                                "--limit", "--gradients", "-o", "d.npz"))
+        (self.path / "d.dy.npz").rmdir()
         self.assertIn("level 1", self.error_of("stencils", "c.ovm", "-n", 0, "--points",
                                                "model.obj", "-o", "d.npz"))
         self.assertFalse(list(self.path.glob("*.npz")))

@@ -100,7 +100,75 @@ class LimitTest(CliTest):
         self.assertEqual(report["points"], {"inside": 4, "outside": 0, "not_converged": 0})
         self.run_program("apply", "bound.espb", "--to", "pose.ovm", "-o", "applied.obj")
         self.assertEqual(self.vectors("applied.obj", "v"), expected)
-        # The binding has no gradients.
+        self.assertEqual((self.path / "applied.obj").read_bytes(),
+                         (self.path / "out.obj").read_bytes())
+        self.assertNotEqual(self.vectors("applied.obj", "vn"), self.vectors("model.obj", "vn"))
+
+    def models_with_directions(self):
+        """The points of model.obj with normals and tangents, in all formats that carry them, and
+        one in which nothing is carried."""
+        points, normals = self.vectors("model.obj", "v"), self.vectors("model.obj", "vn")
+        points.append([9, 9, 9])  # stays where it is
+        normals.append([0, 0, 1])
+        rows = ["%r %r %r %r %r %r 0 0.6 0.8" % (*p, *n) for p, n in zip(points, normals)]
+        (self.path / "model.ply").write_text("\n".join(
+            ["ply", "format ascii 1.0", f"element vertex {len(rows)}",
+             *(f"property double {name}" for name in "x y z nx ny nz tx ty tz".split()),
+             "end_header", *rows, ""]))
+
+        def array(values, attributes):
+            text = " ".join("%r" % c for value in values for c in value)
+            return (f'<DataArray type="Float64" NumberOfComponents="3" format="ascii" {attributes}>'
+                    f'{text}</DataArray>')
+        count = len(points)
+        (self.path / "model.vtu").write_text(
+            '<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">'
+            f'<UnstructuredGrid><Piece NumberOfPoints="{count}" NumberOfCells="0">'
+            f'<PointData Normals="n" Tangents="t">{array(normals, "Name=@n@")}'
+            f'{array([[0, 0.6, 0.8]] * count, "Name=@t@")}</PointData>'.replace("@", '"') +
+            f'<Points>{array(points, "")}</Points><Cells>'
+            '<DataArray type="Int64" Name="connectivity" format="ascii"></DataArray>'
+            '<DataArray type="Int64" Name="offsets" format="ascii"></DataArray>'
+            '<DataArray type="UInt8" Name="types" format="ascii"></DataArray>'
+            '</Cells></Piece></UnstructuredGrid></VTKFile>\n')
+        (self.path / "plain.obj").write_text("v 0.2 0.1 0.3\nv 9 9 9\n")
+        return ["model.obj", "model.ply", "model.vtu", "plain.obj"]
+
+    def lattices(self):
+        """Commands of `shape` for lattices that hold the models."""
+        yield ["cylinder", "--sectors", 5, "--layers", 2, "--from", 0, 0, -1, "--to", 0, 0, 1]
+        yield ["box", "--cells", 2, 3, 2, "--min", -1, -1, -1, "--max", 1, 1, 1]
+        yield ["cylinder", "--sectors", 7, "--layers", 1, "--radius", 1.5, "--from", 0, 0, -1,
+               "--to", 0, 0, 1]
+
+    def test_apply_writes_what_deform_writes(self):
+        models = self.models_with_directions()
+        for number, shape in enumerate(self.lattices()):
+            self.run_program("shape", *shape, "-o", "rest.ovm")
+            poses = [self.pose(bend, "bend.ovm"), "rest.ovm", self.pose(turn, "turn.ovm")]
+            for model in models:
+                for outside in ("keep", "nearest"):
+                    with self.subTest(f"{shape} {model} {outside}"):
+                        extension = model.split(".")[1]
+                        options = [model, "--rest", "rest.ovm", "--limit", "--outside", outside]
+                        self.run_program("deform", *options, "--to", *poses,
+                                         "-o", f"deformed%d.{extension}")
+                        self.run_program("bind", *options, "-o", "bound.espb")
+                        self.run_program("apply", "bound.espb", "--to", *poses,
+                                         "-o", f"applied%d.{extension}")
+                        for i in range(len(poses)):
+                            deformed, applied = ((self.path / f"{name}{i}.{extension}").read_bytes()
+                                                 for name in ("deformed", "applied"))
+                            self.assertEqual(applied, deformed)
+                        # Directions were carried in both, and only points moved in the plain one.
+                        version = (self.path / "bound.espb").read_bytes()[8]
+                        self.assertEqual(version, 1 if model == "plain.obj" else 2)
+
+    def test_a_binding_to_a_level_has_no_gradients(self):
+        self.run_program("bind", "model.obj", "--rest", "rest.ovm", "-n", 2, "-o", "bound.espb")
+        self.assertEqual((self.path / "bound.espb").read_bytes()[8], 1)
+        self.pose(turn)
+        self.run_program("apply", "bound.espb", "--to", "pose.ovm", "-o", "applied.obj")
         self.assertEqual(self.vectors("applied.obj", "vn"), self.vectors("model.obj", "vn"))
 
     def test_options_that_do_not_go_together_are_refused(self):
@@ -123,6 +191,23 @@ class LimitTest(CliTest):
                 self.assertAlmostEqual(imaginary, 0, places=9)
         text = self.run_program("info", "rest.ovm", "--smoothness").stdout
         self.assertRegex(text, r"edge +\d+  interior  eigenvalues 1 0.5500 0.5500 0.5000 0.3401 ")
+
+    def test_rings_that_are_too_large_get_a_note(self):
+        self.run_program("shape", "bipyramid", "--sides", 3000, "-o", "wide.ovm")
+        arguments = ["info", "wide.ovm", "-n", 0, "--smoothness"]
+        entries = json.loads(self.run_program(*arguments, "--json").stdout)["smoothness"]
+        wide = [entry for entry in entries if entry["limit_mask"] is None]
+        # The two apexes: each with its 3,000 edges, as many faces, and the cell.
+        self.assertEqual([entry["ring_points"] for entry in wide].count(6002), 2)
+        for entry in wide:
+            self.assertIsNone(entry["eigenvalues"])
+            self.assertIn("points: eigenvalues are not computed", entry["note"])
+        for entry in entries:
+            if entry["limit_mask"] is not None:
+                self.assertNotIn("note", entry)
+                self.assertAlmostEqual(sum(entry["limit_mask"]), 1, places=9)
+        text = self.run_program(*arguments).stdout
+        self.assertEqual(text.count("ring of 6002 points: eigenvalues are not computed"), 2)
 
     def test_a_box_is_smooth_everywhere(self):
         self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "box.ovm")

@@ -199,6 +199,11 @@ def bound_model(espalier, folder):
     subprocess.run([espalier, "bind", model, "--rest", cube, "-n", "1", "-o", bound],
                    check=True, stdout=subprocess.DEVNULL)
     put("espb", "cube", bound.read_bytes())
+    # With normals, which the gradients of the limit carry.
+    model.write_text("v 0.1 0.2 0.3\nv 5 5 5\nv 0 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\n")
+    subprocess.run([espalier, "bind", model, "--rest", cube, "--limit", "-o", bound],
+                   check=True, stdout=subprocess.DEVNULL)
+    put("espb", "gradients", bound.read_bytes())
 
 
 def matrices():

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/binding_file.h>
+#include <espalier/io/byte_order.h>
 #include <espalier/io/file.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <fstream>
+#include <limits>
 
 #include "support/temporary_folder.h"
 
@@ -25,16 +28,62 @@ BoundModel sample() {
     return model;
 }
 
+BoundModel sampleWithGradients() {
+    BoundModel model = sample();
+    model.gradients = BoundGradients{
+        {stencils::StencilTable<double>(4, {0, 2, 2, 4}, {0, 3, 1, 2}, {-1. / 3, 1. / 3, 2, -2}),
+         stencils::StencilTable<double>(4, {0, 0, 0, 2}, {1, 3}, {1e300, -1e300}),
+         stencils::StencilTable<double>(4, {0, 0, 0, 0}, {}, {})},
+        {{0.1, 0.2, 0.3}, {1, 0, 0}, {0, -1e-300, 0}, {0, 0, 7}}};
+    return model;
+}
+
 void expectEqual(const BoundModel& a, const BoundModel& b) {
     EXPECT_EQ(a.binding, b.binding);
     EXPECT_EQ(a.modelName, b.modelName);
     EXPECT_EQ(a.modelBytes, b.modelBytes);
+    EXPECT_EQ(a.gradients, b.gradients);
+}
+
+/// The same bytes with the checksum that they should end with.
+std::string withChecksum(std::string bytes) {
+    const std::size_t end = bytes.size() - sizeof(std::uint32_t);
+    const auto checksum =
+        static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), end));
+    storeNumber(bytes.data() + end, checksum, std::endian::little);
+    return bytes;
 }
 
 TEST(BindingFile, ComesBackToTheLastBit) {
     const test::TemporaryFolder folder;
     writeBoundModel(folder / "a.espb", sample());
     expectEqual(readBoundModel(folder / "a.espb"), sample());
+    writeBoundModel(folder / "g.espb", sampleWithGradients());
+    expectEqual(readBoundModel(folder / "g.espb"), sampleWithGradients());
+}
+
+// What has no gradients is written as before there were any, for programs that know version 1 only.
+TEST(BindingFile, OnlyGradientsNeedTheNewVersion) {
+    const test::TemporaryFolder folder;
+    writeBoundModel(folder / "a.espb", sample());
+    writeBoundModel(folder / "g.espb", sampleWithGradients());
+    const std::string old = readFile(folder / "a.espb"), with = readFile(folder / "g.espb");
+    EXPECT_EQ(old[8], 1);
+    EXPECT_EQ(with[8], 2);
+    // The header, 3 offsets + 1, 3 weights, a point, 3 columns, a kept point; model and checksum.
+    EXPECT_EQ(old.size(), 72u + 4 * 8 + 3 * 8 + 24 + 3 * 4 + 4 + 9 + 10 + 4);
+    EXPECT_EQ(with.size(), old.size() + 3 * 8 + 3 * 4 * 8 + 6 * (8 + 4) + 4 * 24);
+}
+
+TEST(BindingFile, GradientsOfAnotherShapeAreNotWritten) {
+    const test::TemporaryFolder folder;
+    BoundModel model = sampleWithGradients();
+    model.gradients->rest.pop_back();
+    EXPECT_THROW(writeBoundModel(folder / "a.espb", model), Error);
+    model = sampleWithGradients();
+    model.gradients->tables[1] = {};
+    EXPECT_THROW(writeBoundModel(folder / "a.espb", model), Error);
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.espb"));
 }
 
 // Parts that are empty: nothing kept, no name, no model.
@@ -51,10 +100,11 @@ TEST(BindingFile, EmptyPartsComeBackToo) {
     expectEqual(readBoundModel(folder / "b.espb"), {});
 }
 
-class DamagedBindingFile : public ::testing::Test {
+/// Without gradients and with them.
+class DamagedBindingFile : public ::testing::TestWithParam<bool> {
 protected:
     DamagedBindingFile() {
-        writeBoundModel(path, sample());
+        writeBoundModel(path, GetParam() ? sampleWithGradients() : sample());
         bytes = readFile(path);
     }
     void expectRefused(const std::string& damaged, const std::string& why) {
@@ -72,13 +122,13 @@ protected:
     std::string bytes;
 };
 
-TEST_F(DamagedBindingFile, CutAnywhereIsRefused) {
+TEST_P(DamagedBindingFile, CutAnywhereIsRefused) {
     for (std::size_t size = 0; size < bytes.size(); ++size)
         expectRefused(bytes.substr(0, size), size < 8 ? "is not a bound model" : "truncated");
     expectRefused(bytes + "x", "its size is not what its header says");
 }
 
-TEST_F(DamagedBindingFile, AnyFlippedBitIsRefused) {
+TEST_P(DamagedBindingFile, AnyFlippedBitIsRefused) {
     for (std::size_t at = 0; at < bytes.size(); ++at) {
         std::string damaged = bytes;
         damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
@@ -86,17 +136,18 @@ TEST_F(DamagedBindingFile, AnyFlippedBitIsRefused) {
     }
 }
 
-TEST_F(DamagedBindingFile, OtherKindsAndVersionsAreNamed) {
+TEST_P(DamagedBindingFile, OtherKindsAndVersionsAreNamed) {
     expectRefused("# OBJ file\nv 1 2 3\n", "is not a bound model");
     std::string newer = bytes;
-    newer[8] = 2;
-    expectRefused(newer, "has version 2; expected 1");
+    newer[8] = 3;
+    expectRefused(newer, "has version 3; expected 1 or 2");
 }
 
 // A header that claims 10¹⁸ entries is refused before memory is taken for them.
-TEST_F(DamagedBindingFile, HugeClaimsAreRefused) {
-    for (std::size_t field = 0; field < 6; ++field) {
-        if (field == 1) continue;  // The number of columns takes no room in the file.
+TEST_P(DamagedBindingFile, HugeClaimsAreRefused) {
+    for (std::size_t field = 0; field < (GetParam() ? 9 : 6); ++field) {
+        // The number of columns takes no room in a file without the lattice at rest.
+        if (field == 1 && !GetParam()) continue;
         std::string damaged = bytes;
         damaged[24 + 8 * field + 7] = 0x0d;
         expectRefused(damaged, "its size is not what its header says");
@@ -104,6 +155,36 @@ TEST_F(DamagedBindingFile, HugeClaimsAreRefused) {
         expectRefused(damaged, "its size is not what its header says");
     }
 }
+
+// The sizes of a version in a file of the other one.
+TEST_P(DamagedBindingFile, TheOtherVersionIsRefused) {
+    std::string other = bytes;
+    other[8] = GetParam() ? 1 : 2;
+    expectRefused(withChecksum(other), "its size is not what its header says");
+}
+
+TEST_P(DamagedBindingFile, NumbersThatAreNotFiniteAreRefused) {
+    const auto refused = [&](std::size_t at, const std::string& why) {
+        for (const double number :
+             {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
+            std::string damaged = bytes;
+            storeNumber(damaged.data() + at, number, std::endian::little);
+            expectRefused(withChecksum(damaged), why);
+        }
+    };
+    const std::size_t header = GetParam() ? 96 : 72, weights = header + 4 * 8;
+    refused(weights + 8, "has a weight that is not finite: number 1 of its table");
+    refused(weights + 3 * 8 + 16, "has a position that is not finite: kept point 0");
+    if (!GetParam()) return;
+    const std::size_t gradients = weights + 3 * 8 + 24 + 3 * 4 + 4;
+    refused(gradients + 4 * 8, "has a weight that is not finite: number 0 of its table");
+    const std::size_t rest = bytes.size() - 4 - 10 - 9 - 4 * 24;
+    refused(rest + 24, "has a position that is not finite: vertex of the lattice at rest 1");
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, DamagedBindingFile, ::testing::Bool(), [](const auto& test) {
+    return test.param ? "WithGradients" : "WithoutGradients";
+});
 
 TEST(BindingFile, MissingFileIsNamed) {
     const test::TemporaryFolder folder;

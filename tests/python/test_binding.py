@@ -146,6 +146,23 @@ def test_a_binding_without_a_model(tmp_path, binding, pose):
     assert copy.read_bytes() == path.read_bytes()
 
 
+def test_a_model_with_normals_keeps_the_gradients_of_the_limit(tmp_path, rest, points):
+    lines = ["v {} {} {}".format(*p.tolist()) for p in points]
+    (tmp_path / "plain.obj").write_text("\n".join([*lines, ""]))
+    (tmp_path / "model.obj").write_text("\n".join([*lines, "vn 0 0 1", "f 1//1 2//1 3//1", ""]))
+    model = espalier.read_model(tmp_path / "model.obj")
+    first, copy = tmp_path / "first.espb", tmp_path / "copy.espb"
+    for binding, version in [(espalier.bind(rest, model, limit=True), 2),
+                             (espalier.bind(rest, model), 1),
+                             (espalier.bind(rest, espalier.read_model(tmp_path / "plain.obj"),
+                                            limit=True), 1)]:
+        binding.save(first)
+        assert first.read_bytes()[8] == version
+        for other in [espalier.load_binding(first), pickle.loads(pickle.dumps(binding))]:
+            other.save(copy)
+            assert copy.read_bytes() == first.read_bytes()
+
+
 def test_a_model_that_cannot_be_read_is_that_of_a_file(tmp_path, binding):
     path = tmp_path / "binding.espb"
     binding.save(path)
