@@ -3,6 +3,7 @@
 
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
+#include <espalier/stencils/vertex_ring.h>
 
 #include <array>
 #include <complex>
@@ -28,7 +29,7 @@ struct Smoothness {
 
 /// Largest ring whose eigenvalues are computed: they take seconds there, and eight times as long
 /// for twice the points.
-inline constexpr far::Index kMaxRingPoints = 2000;
+inline constexpr far::Index kMaxRingPoints = stencils::kMaxEigenvalues;
 
 /// One for each vertex and each edge of level 0 whose ring is not regular, in their order. An edge
 /// is judged by the ring of its new point: those of the further ones on it are the same.
