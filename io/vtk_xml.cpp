@@ -126,7 +126,7 @@ void VtkXmlFile::fail(std::size_t line, const std::string& cause) const {
 }
 
 std::string VtkXmlFile::nameOf(const VtkDataArray& array) const {
-    return path_.string() + ":" + std::to_string(array.line) + ": the array " +
+    return shownPath(path_) + ":" + std::to_string(array.line) + ": the array " +
            inQuotes(array.name);
 }
 
