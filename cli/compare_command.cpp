@@ -3,6 +3,7 @@
 #include <espalier/compare/html_report.h>
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
+#include <espalier/far/printable.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_file.h>
 #include <fmt/format.h>
@@ -28,7 +29,7 @@ struct Options {
 compare::ReportedShape compareFile(const Options& options, const std::string& file,
                                    Stages& stages) {
     compare::ReportedShape shape;
-    shape.name = file;
+    shape.name = printable(file);
     try {
         const Lattice lattice = stages.run("reading", [&] { return io::readRefinable(file); });
         const auto refiner = stages.run("refining", [&] {
@@ -39,7 +40,8 @@ compare::ReportedShape compareFile(const Options& options, const std::string& fi
         });
     } catch (const Error& error) {
         shape.failure = error.what();
-        if (!shape.failure.starts_with(file)) shape.failure = file + ": " + shape.failure;
+        if (!shape.failure.starts_with(shape.name))
+            shape.failure = shape.name + ": " + shape.failure;
     }
     return shape;
 }
@@ -106,7 +108,8 @@ void run(const Options& options) {
         .openSubdivVersion = compare::openSubdivVersion(),
         .shapes = {}};
     std::size_t nameWidth = 0;
-    for (const std::string& file : options.files) nameWidth = std::max(nameWidth, file.size());
+    for (const std::string& file : options.files)
+        nameWidth = std::max(nameWidth, printable(file).size());
     for (const std::string& file : options.files) {
         report.shapes.push_back(compareFile(options, file, stages));
         if (!options.common.quiet) print(report.shapes.back(), nameWidth, report.bounds);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/parallel.h>
+#include <espalier/far/printable.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/io/directions.h>
@@ -167,7 +168,8 @@ std::vector<Point3> readPoseOf(const Binding& binding, const std::string& path,
         throw io::FileError(
             path, fmt::format("is not a pose of the lattice that {} was bound to, which has "
                               "{} vertices: this one has {}, or its cells differ",
-                              options.model, binding.table.columnCount(), pose.complex.count(0)));
+                              printable(options.model), binding.table.columnCount(),
+                              pose.complex.count(0)));
     return std::move(pose.positions);
 }
 

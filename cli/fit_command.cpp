@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
 #include <espalier/far/parallel.h>
+#include <espalier/far/printable.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/targets.h>
@@ -77,7 +78,7 @@ Wishes readWishes(const Options& options, const io::Model& model, Stages& stages
     if (wanted->positions().size() != points.size())
         throw io::FileError(options.targets,
                             fmt::format("has {} points; {} has {}", wanted->positions().size(),
-                                        options.model, points.size()));
+                                        printable(options.model), points.size()));
     for (std::size_t i = 0; i < points.size(); ++i)
         wishes.add(points[i], {static_cast<far::Index>(i), wanted->positions()[i], 0});
     return wishes;
@@ -91,7 +92,7 @@ struct FitRows {
 [[noreturn]] void refuseOutside(const Options& options, const io::Target& target) {
     const std::string cause =
         fmt::format("point {} lies outside the lattice {}, which cannot carry it there",
-                    target.point, options.rest);
+                    target.point, printable(options.rest));
     throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
                           : io::FileError(options.model, cause);
 }
@@ -124,7 +125,7 @@ FitRows bindAll(const Options& options, const BindOptions& bind, const Wishes& w
                 throw io::FileError(options.model,
                                     fmt::format("point {}, in the box of --hold, lies outside the "
                                                 "lattice {}",
-                                                part.points[i], options.rest));
+                                                part.points[i], printable(options.rest)));
     if (points.size() == wishes.points.size()) {
         rows.ofTargets = std::move(binding.table);
         return rows;
@@ -156,7 +157,7 @@ std::vector<far::Index> frozenVertices(const Options& options, const std::vector
                             countAmong(held, lattice) == all    ? "--hold keeps"
                             : countAmong(named, lattice) == all ? "--freeze keeps"
                                                                 : "--hold and --freeze keep",
-                            all, options.rest));
+                            all, printable(options.rest)));
 }
 
 void printFit(const Options& options, const Wishes& wishes, std::size_t heldCount,

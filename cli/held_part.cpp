@@ -2,6 +2,7 @@
 #include "held_part.h"
 
 #include <espalier/far/error.h>
+#include <espalier/far/printable.h>
 #include <espalier/shapes/refiner_options.h>
 #include <fmt/format.h>
 
@@ -74,7 +75,7 @@ HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
         throw Error(
             fmt::format("--hold: no point of {} lies in the box, and no face of the "
                         "boundary of {}",
-                        options.model, options.rest));
+                        printable(options.model), printable(options.rest)));
     return part;
 }
 
@@ -87,7 +88,7 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
         throw Error(
             fmt::format("--hold: point {} of {}, and what else lies in the box, is outside "
                         "the lattice {}, and stays anyway",
-                        part.points.front(), options.model, options.rest));
+                        part.points.front(), printable(options.model), printable(options.rest)));
     return stages.run("holding", [&] {
         // What D says of its points needs no second look at the lattice.
         auto held = stencils::verticesHoldingRows(rows);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/parallel.h>
+#include <espalier/far/printable.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -113,13 +114,14 @@ void printLevel(std::size_t number, const LevelReport& level) {
 }
 
 void printText(const LatticeReport& report, const Options& options) {
-    fmt::print("{}\n", options.lattice);
+    fmt::print("{}\n", printable(options.lattice));
     fmt::print("bounds      ({:.4g}) to ({:.4g})\n", fmt::join(report.boundsMin, ", "),
                fmt::join(report.boundsMax, ", "));
     fmt::print("marks       {}\n", report.marks);
-    fmt::print("attributes  {}\n", report.attributes.empty()
-                                       ? "none"
-                                       : fmt::format("{}", fmt::join(report.attributes, ", ")));
+    std::string attributes;
+    for (const std::string& name : report.attributes)
+        attributes += (attributes.empty() ? "" : ", ") + printable(name);
+    fmt::print("attributes  {}\n", attributes.empty() ? "none" : attributes);
     if (report.edgesOfTwoFaces > 0 && options.common.rules == stencils::Rules::Siggraph96)
         fmt::print(
             "note        {} interior edges have two faces: their midpoint has a negative "
@@ -170,7 +172,9 @@ void run(const Options& options) {
     if (options.json) {
         nlohmann::json object = toJson(report, options.lattice);
         if (options.smoothness) object["smoothness"] = toJson(smoothness);
-        fmt::print("{}\n", object.dump(2));
+        // Only ASCII, since the names in it come from outside; a byte that is not UTF-8 is U+FFFD.
+        using Handler = nlohmann::json::error_handler_t;
+        fmt::print("{}\n", object.dump(2, ' ', true, Handler::replace));
     } else if (!options.common.quiet) {
         printText(report, options);
         if (options.smoothness) printSmoothness(smoothness);

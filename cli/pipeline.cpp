@@ -36,7 +36,8 @@ void checkOutput(const std::filesystem::path& output, const std::vector<std::str
             throw io::FileError(output, "is also an input: writing it would lose that");
     const std::filesystem::path folder = output.parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
-        throw io::FileError(output, "cannot be written: there is no folder " + folder.string());
+        throw io::FileError(output,
+                            "cannot be written: there is no folder " + io::shownPath(folder));
     io::checkWritable(output);
     const bool isSpecial = std::filesystem::exists(output, ignored) &&
                            !std::filesystem::is_regular_file(output, ignored);
@@ -92,7 +93,8 @@ std::vector<Point3> readPose(const std::filesystem::path& path, const Lattice& r
                              const std::filesystem::path& restPath) {
     Lattice pose = io::readLattice(path);
     if (const auto difference = far::topologyDifference(rest.complex, pose.complex))
-        throw io::FileError(path, "is not a pose of " + restPath.string() + ": " + *difference);
+        throw io::FileError(path,
+                            "is not a pose of " + io::shownPath(restPath) + ": " + *difference);
     return std::move(pose.positions);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/parallel.h>
+#include <espalier/far/printable.h>
 #include <espalier/io/lattice_file.h>
 #include <fmt/format.h>
 
@@ -31,7 +32,7 @@ void run(const Options& options) {
         "placing", [&] { return refinedLattice(refiner, options.level, options.common, base); });
     stages.run("writing", [&] { io::writeRefinable(options.output, refined); });
     if (!options.common.quiet)
-        fmt::print("{}: level {}, {} vertices, {} {}\n", options.output, options.level,
+        fmt::print("{}: level {}, {} vertices, {} {}\n", printable(options.output), options.level,
                    refined.complex.count(0), refined.complex.count(dimension),
                    kNamesOfParts[static_cast<std::size_t>(dimension)]);
 }

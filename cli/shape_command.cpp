@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/printable.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/text_reader.h>
 #include <espalier/shapes/inventory.h>
@@ -39,8 +40,8 @@ void addShape(CLI::App& parent, const std::string& name, const std::string& help
         const Lattice lattice = make(state->shape);
         io::writeLattice(state->output, lattice);
         if (!state->common.quiet)
-            fmt::print("{}: {} vertices, {} cells\n", state->output, lattice.complex.count(0),
-                       lattice.complex.count(3));
+            fmt::print("{}: {} vertices, {} cells\n", printable(state->output),
+                       lattice.complex.count(0), lattice.complex.count(3));
     });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "standard_streams.h"
 
+#include <espalier/far/printable.h>
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <string>
 
 namespace espalier::cli {
 namespace {
@@ -56,6 +58,15 @@ void flushOutput() {
 }
 
 void printError(const char* cause) noexcept {
+    // Messages of the command line and of the system hold arguments and paths as they are.
+    constexpr std::size_t kMaxBytes = 2000;
+    std::string text;
+    try {
+        text = printable(cause, kMaxBytes);
+        cause = text.c_str();
+    } catch (const std::bad_alloc&) {
+        cause = "out of memory";
+    }
     std::fprintf(stderr, "espalier: %s\n", cause);
 }
 

@@ -13,8 +13,8 @@ void holdStandardStreams();
 /// \throws std::system_error if that fails, or has failed before
 void flushOutput();
 
-/// Says on standard error, in one line, what is wrong: "espalier: cause". Needs no memory, and does
-/// nothing if that stream cannot be written either.
+/// Says on standard error, in one printable line, what is wrong: "espalier: cause". Without memory
+/// for a long line it says that instead. Does nothing if that stream cannot be written either.
 void printError(const char* cause) noexcept;
 
 /// The same of an error of the system: of standard output, if that is what has failed.

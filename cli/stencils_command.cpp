@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/parallel.h>
+#include <espalier/far/printable.h>
+#include <espalier/io/file.h>
 #include <espalier/io/matrix_file.h>
 #include <espalier/io/matrix_market.h>
 #include <espalier/io/numbered_path.h>
@@ -78,7 +80,7 @@ std::vector<Export> deformation(const Options& options, Stages& stages) {
     const std::string rowsAndColumns = fmt::format(
         "rows are the points of {}, in the order of the file, and "
         "empty where a point stays in place; columns are the vertices of {}",
-        options.points, options.lattice);
+        printable(options.points), printable(options.lattice));
     std::vector<Export> result;
     result.push_back({options.output, std::move(bound.binding.table),
                       fmt::format("{}: {}", nameOfD(options.bind), rowsAndColumns)});
@@ -104,7 +106,7 @@ std::vector<Export> exports(const Options& options, Stages& stages) {
             {options.output, std::move(table),
              fmt::format("S_{} of {}: rows are the vertices of level {}, in the order of espalier "
                          "refine; columns are the vertices of the file",
-                         options.level, options.lattice, options.level)});
+                         options.level, printable(options.lattice), options.level)});
         return result;
     }
     auto tables = stages.run(
@@ -114,14 +116,14 @@ std::vector<Export> exports(const Options& options, Stages& stages) {
             {levelPath(options, k), std::move(tables[static_cast<std::size_t>(k) - 1]),
              fmt::format("R_{} of {}: rows are the vertices of level {}, columns those "
                          "of level {}, in the order of espalier refine",
-                         k, options.lattice, k, k - 1)});
+                         k, printable(options.lattice), k, k - 1)});
     return result;
 }
 
 /// The files of a matrix, for people.
 std::string namesOf(const std::filesystem::path& path) {
     std::vector<std::string> names;
-    for (const auto& each : io::matrixPaths(path)) names.push_back(each.string());
+    for (const auto& each : io::matrixPaths(path)) names.push_back(io::shownPath(each));
     return fmt::format("{}", fmt::join(names, ", "));
 }
 

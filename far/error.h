@@ -18,8 +18,8 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-/// How messages show a text that comes from elsewhere: in quotes, cut after 40 bytes, and with
-/// "\x1B" in place of what a terminal would not show but obey.
+/// A word or a name from outside as messages show it: printable (printable.h), in quotes. One of
+/// more than 40 bytes keeps its beginning and its end.
 ESPALIER_API std::string inQuotes(std::string_view text);
 
 }  // namespace espalier

@@ -18,7 +18,7 @@ auto decodeFile(const std::filesystem::path& path, Decode decode) {
     } catch (const CodingError& error) {
         throw FileError(path, error.what());
     } catch (const far::MemoryError& error) {
-        throw far::MemoryError(path.string() + ": " + error.what());
+        throw far::MemoryError(shownPath(path) + ": " + error.what());
     }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/memory.h>
+#include <espalier/far/printable.h>
 #include <espalier/io/descriptor.h>
 #include <espalier/io/descriptor_buffer.h>
 #include <espalier/io/destination.h>
@@ -18,11 +19,15 @@ namespace espalier::io {
 
 namespace fs = std::filesystem;
 
+std::string shownPath(const fs::path& path) {
+    return printable(path.native());
+}
+
 FileError::FileError(const fs::path& path, const std::string& cause)
-    : Error(path.string() + ": " + cause) {}
+    : Error(shownPath(path) + ": " + printable(cause, cause.size())) {}
 
 FileError::FileError(const fs::path& path, std::size_t line, const std::string& cause)
-    : Error(path.string() + ":" + std::to_string(line) + ": " + cause) {}
+    : Error(shownPath(path) + ":" + std::to_string(line) + ": " + printable(cause, cause.size())) {}
 
 namespace {
 
@@ -86,7 +91,7 @@ void moveToTargets(std::deque<Written>& written) {
             std::string replaced;
             for (std::size_t j = 0; j < i; ++j)
                 replaced +=
-                    (j == 0 ? "; replaced before it: " : ", ") + written[j].toWrite.path.string();
+                    (j == 0 ? "; replaced before it: " : ", ") + shownPath(written[j].toWrite.path);
             throw FileError(written[i].toWrite.path,
                             "cannot write: " + error.code().message() + replaced);
         }
@@ -104,12 +109,12 @@ std::string readFile(const fs::path& path) {
     // One more than there are, to see the end. Pipes and the files of /proc do not say.
     constexpr std::size_t kBlock = 1 << 16;
     const auto expected = static_cast<std::size_t>(before.st_size);
-    far::requireMemory(expected, path.string() + ":");
+    far::requireMemory(expected, shownPath(path) + ":");
     std::string bytes(expected > 0 ? expected + 1 : kBlock, '\0');
     std::size_t size = 0;
     while (true) {
         if (size == bytes.size()) {
-            far::requireMemory(2 * size, path.string() + ":");  // beside what there is
+            far::requireMemory(2 * size, shownPath(path) + ":");  // beside what there is
             bytes.resize(2 * size);
         }
         const ssize_t got = uninterrupted(

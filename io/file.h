@@ -13,7 +13,11 @@
 
 namespace espalier::io {
 
-/// A file that cannot be read or written. what() is "path: cause" or "path:line: cause".
+/// A path as messages show it: printable (far/printable.h), and shortened.
+ESPALIER_API std::string shownPath(const std::filesystem::path& path);
+
+/// A file that cannot be read or written. what() is "path: cause" or "path:line: cause", printable
+/// whatever the path and the cause are.
 class ESPALIER_API FileError : public Error {
 public:
     FileError(const std::filesystem::path& path, const std::string& cause);

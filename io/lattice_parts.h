@@ -3,6 +3,7 @@
 
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/error.h>
+#include <espalier/io/file.h>
 #include <espalier/shapes/lattice.h>
 
 #include <cstddef>
@@ -61,7 +62,7 @@ auto naming(const std::filesystem::path& path, F f) {
         return f();
     } catch (const far::TopologyError& error) {
         throw far::TopologyError(error.cause(), error.entity(),
-                                 path.string() + ": " + error.what());
+                                 shownPath(path) + ": " + error.what());
     }
 }
 
@@ -71,8 +72,9 @@ auto naming(const std::filesystem::path& path, std::size_t line, F f) {
     try {
         return f();
     } catch (const far::TopologyError& error) {
-        throw far::TopologyError(error.cause(), error.entity(),
-                                 path.string() + ":" + std::to_string(line) + ": " + error.what());
+        throw far::TopologyError(
+            error.cause(), error.entity(),
+            shownPath(path) + ":" + std::to_string(line) + ": " + error.what());
     }
 }
 

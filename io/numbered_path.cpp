@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/printable.h>
 #include <espalier/io/numbered_path.h>
 
 #include <cstddef>
@@ -43,7 +44,9 @@ std::optional<NumberPlace> placeAt(const std::string& text, std::size_t begin) {
 
 std::filesystem::path numberedPath(const std::filesystem::path& pattern, int number, int count) {
     const std::string text = pattern.string();
-    const auto refuse = [&](const char* why) { throw Error("'" + text + "' " + why); };
+    const auto refuse = [&](const char* why) {
+        throw Error(std::string("'").append(printable(text)).append("' ").append(why));
+    };
     if (!pattern.has_filename()) refuse("names no file");
     if (number < 0) refuse("cannot be numbered from below 0");
     const std::size_t percent = text.find('%');

@@ -10,6 +10,7 @@
 #include <espalier/io/zip_reader.h>
 #include <espalier/io/zip_writer.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -49,10 +50,16 @@ std::array<NamedArray, 3> arraysOf(const StencilTable<Real>& table) {
 }
 
 /// Reads an array of an archive by `use`.
+/// \param maxItems more are refused before anything is inflated
 template <class Use>
-auto readArray(const ZipReader& zip, const std::string& name, Use use) {
+auto readArray(const ZipReader& zip, const std::string& name, std::size_t maxItems, Use use) {
+    constexpr std::size_t kMaxItemBytes = 8, kMaxHeadBytes = 1 << 17;
     const std::string member = name + ".npy";
     try {
+        const std::uint64_t claimed = zip.size(member);
+        if (claimed > kMaxHeadBytes && (claimed - kMaxHeadBytes) / kMaxItemBytes > maxItems)
+            throw CodingError("claims " + std::to_string(claimed) + " bytes for at most " +
+                              std::to_string(maxItems) + " numbers");
         std::string room;
         return use(readNpy(zip.read(member, room)));
     } catch (const CodingError& error) {
@@ -61,7 +68,7 @@ auto readArray(const ZipReader& zip, const std::string& name, Use use) {
 }
 
 void checkFormat(const ZipReader& zip) {
-    const std::string format = readArray(zip, "format", npyText);
+    const std::string format = readArray(zip, "format", kFormat.size(), npyText);
     if (format != kFormat)
         throw CodingError("the matrix is in the format " + inQuotes(format) + "; expected '" +
                           std::string(kFormat) + "' (in SciPy: matrix.tocsr())");
@@ -69,18 +76,20 @@ void checkFormat(const ZipReader& zip) {
 
 StencilTable<double> readArchive(const ZipReader& zip) {
     checkFormat(zip);
-    const auto shape = readArray(zip, "shape", npyNumbers<Offset>);
+    const auto shape = readArray(zip, "shape", 2, npyNumbers<Offset>);
     if (shape.size() != 2)
         throw CodingError("the matrix has " + std::to_string(shape.size()) +
                           " axes; expected rows and columns");
     const Index rowCount = matrixSize(shape[0], "rows");
     const Index columnCount = matrixSize(shape[1], "columns");
-    auto offsets = readArray(zip, "indptr", npyNumbers<Offset>);
-    if (offsets.size() != static_cast<std::size_t>(rowCount) + 1)
+    const std::size_t offsetCount = static_cast<std::size_t>(rowCount) + 1;
+    auto offsets = readArray(zip, "indptr", offsetCount, npyNumbers<Offset>);
+    if (offsets.size() != offsetCount)
         throw CodingError("indptr.npy: has " + std::to_string(offsets.size()) + " numbers for " +
                           std::to_string(rowCount) + " rows; expected one more than rows");
-    auto columns = readArray(zip, "indices", npyNumbers<Index>);
-    auto weights = readArray(zip, "data", npyNumbers<double>);
+    const auto entries = static_cast<std::size_t>(std::max<Offset>(offsets[offsets.size() - 1], 0));
+    auto columns = readArray(zip, "indices", entries, npyNumbers<Index>);
+    auto weights = readArray(zip, "data", entries, npyNumbers<double>);
     return tableOfRows(columnCount, std::move(offsets), std::move(columns), std::move(weights));
 }
 

@@ -71,7 +71,7 @@ public:
         const bool isCurve = faces_.count() == 0 && !lineStatements_.empty();
         if (faces_.count() == 0 && !isCurve)
             throw far::TopologyError(far::TopologyCause::EmptyComplex, {2, 0},
-                                     path_.string() + ": there is no face, and no line");
+                                     shownPath(path_) + ": there is no face, and no line");
         mesh_.complex = isCurve ? buildCurve() : buildMesh();
         mesh_.marks = tags_.marks(mesh_.complex);
         mesh_.tags = tags_.refinement();

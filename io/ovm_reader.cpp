@@ -164,7 +164,7 @@ private:
         if (static_cast<std::size_t>(unused) == isUsed.size()) return;
         throw far::TopologyError(far::TopologyCause::UnusedEntity,
                                  {dimension, static_cast<Index>(unused)},
-                                 path_.string() + ": " + far::dimensionName(dimension) + " " +
+                                 shownPath(path_) + ": " + far::dimensionName(dimension) + " " +
                                      std::to_string(unused) + " belongs to no " + user);
     }
 

@@ -97,7 +97,7 @@ void VtkCellReader::addPolyhedron(std::span<const std::int64_t> faceStream) {
 Index VtkCellReader::checkedVertex(std::int64_t vertex) const {
     if (vertex < 0 || vertex >= pieceVertexCount_)
         throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {3, cellCount_},
-                                 path_.string() + ": cell " + std::to_string(cellCount_) +
+                                 shownPath(path_) + ": cell " + std::to_string(cellCount_) +
                                      " names vertex " + std::to_string(vertex) + "; there are " +
                                      std::to_string(pieceVertexCount_));
     return firstVertex_ + static_cast<Index>(vertex);

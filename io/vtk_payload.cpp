@@ -126,6 +126,18 @@ std::string encodeCompressed(std::string_view bytes, const VtkCoding& coding) {
 
 }  // namespace
 
+std::uint64_t claimedSize(std::string_view text, PayloadForm form, const VtkCoding& coding) {
+    PayloadReader reader(text, form, coding);
+    const std::uint64_t first = reader.readWord();
+    if (!coding.isCompressed || first == 0) return first;
+    const std::uint64_t blockSize = reader.readWord();
+    const std::uint64_t lastSize = reader.readWord();
+    if (lastSize == 0) return saturatingProduct(first, blockSize);
+    const std::uint64_t whole = saturatingProduct(first - 1, blockSize);
+    constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
+    return whole > kMost - lastSize ? kMost : whole + lastSize;
+}
+
 std::string decodePayload(std::string_view text, PayloadForm form, const VtkCoding& coding) {
     PayloadReader reader(text, form, coding);
     if (coding.isCompressed) return decodeCompressed(reader);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,10 @@ struct VtkCoding {
 };
 
 enum class PayloadForm { Raw, Base64 };
+
+/// The number of bytes that the header of one array claims. Nothing behind the header is decoded.
+/// \throws CodingError if the header is malformed
+std::uint64_t claimedSize(std::string_view text, PayloadForm form, const VtkCoding& coding);
 
 /// The bytes of one array.
 ///

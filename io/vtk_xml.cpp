@@ -47,7 +47,8 @@ std::vector<Value> VtkXmlFile::inlineText(const VtkDataArray& array) const {
     return values;
 }
 
-std::string VtkXmlFile::payload(const VtkDataArray& array) const {
+std::string VtkXmlFile::payload(const VtkDataArray& array,
+                                std::optional<std::size_t> tuples) const {
     if (!unknownCompressor_.empty())
         failIn(array, "is compressed with " + inQuotes(unknownCompressor_) +
                           "; only vtkZLibDataCompressor and no compressor can be read");
@@ -63,7 +64,11 @@ std::string VtkXmlFile::payload(const VtkDataArray& array) const {
     // Writers leave out the header of an array that holds nothing.
     if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return {};
     try {
-        return decodePayload(text, isAppended ? appendedForm_ : PayloadForm::Base64, coding_);
+        const PayloadForm form = isAppended ? appendedForm_ : PayloadForm::Base64;
+        // A small file can claim a large array: the claim is compared before anything is inflated.
+        if (tuples)
+            checkTuples(array, claimedSize(text, form, coding_) / byteSize(*array.type), *tuples);
+        return decodePayload(text, form, coding_);
     } catch (const CodingError& error) {
         failIn(array, std::string("cannot be decoded: ") + error.what());
     } catch (const far::MemoryError& error) {
@@ -72,7 +77,8 @@ std::string VtkXmlFile::payload(const VtkDataArray& array) const {
 }
 
 template <class Value>
-std::vector<Value> VtkXmlFile::values(const VtkDataArray& array) const {
+std::vector<Value> VtkXmlFile::values(const VtkDataArray& array,
+                                      std::optional<std::size_t> tuples) const {
     if (!array.type) failIn(array, "does not hold numbers that can be read");
     if (std::is_integral_v<Value> && !isInteger(*array.type))
         failIn(array, std::string("holds ") + xmlName(*array.type) + "; expected integers");
@@ -80,7 +86,7 @@ std::vector<Value> VtkXmlFile::values(const VtkDataArray& array) const {
     if (array.format == VtkDataArray::Format::Ascii) {
         values = inlineText<Value>(array);
     } else {
-        const std::string bytes = payload(array);
+        const std::string bytes = payload(array, tuples);
         if (bytes.size() % byteSize(*array.type) != 0)
             failIn(array, "has " + std::to_string(bytes.size()) +
                               " bytes, which are not a whole number of " + xmlName(*array.type));
@@ -91,6 +97,7 @@ std::vector<Value> VtkXmlFile::values(const VtkDataArray& array) const {
         failIn(array, "has " + std::to_string(values.size()) +
                           " numbers, which are not a whole number of tuples of " +
                           std::to_string(array.components));
+    if (tuples) checkTuples(array, values.size(), *tuples);
     return values;
 }
 
@@ -109,16 +116,12 @@ std::vector<std::int64_t> VtkXmlFile::integers(const VtkDataArray& array) const 
 }
 
 std::vector<double> VtkXmlFile::reals(const VtkDataArray& array, std::size_t tuples) const {
-    std::vector<double> result = reals(array);
-    checkTuples(array, result.size(), tuples);
-    return result;
+    return values<double>(array, tuples);
 }
 
 std::vector<std::int64_t> VtkXmlFile::integers(const VtkDataArray& array,
                                                std::size_t tuples) const {
-    std::vector<std::int64_t> result = integers(array);
-    checkTuples(array, result.size(), tuples);
-    return result;
+    return values<std::int64_t>(array, tuples);
 }
 
 void VtkXmlFile::fail(std::size_t line, const std::string& cause) const {
@@ -126,7 +129,7 @@ void VtkXmlFile::fail(std::size_t line, const std::string& cause) const {
 }
 
 std::string VtkXmlFile::nameOf(const VtkDataArray& array) const {
-    return path_.string() + ":" + std::to_string(array.line) + ": the array " +
+    return shownPath(path_) + ":" + std::to_string(array.line) + ": the array " +
            inQuotes(array.name);
 }
 

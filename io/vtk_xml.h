@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -92,7 +93,8 @@ public:
     std::vector<double> reals(const VtkDataArray& array) const;
     std::vector<std::int64_t> integers(const VtkDataArray& array) const;
 
-    /// As above. \throws FileError if they are not so many tuples
+    /// As above. \throws FileError if the number of tuples is another: of coded data before they
+    ///         are decoded
     std::vector<double> reals(const VtkDataArray& array, std::size_t tuples) const;
     std::vector<std::int64_t> integers(const VtkDataArray& array, std::size_t tuples) const;
 
@@ -104,10 +106,11 @@ private:
     VtkXmlFile() = default;
 
     template <class Value>
-    std::vector<Value> values(const VtkDataArray& array) const;
+    std::vector<Value> values(const VtkDataArray& array,
+                              std::optional<std::size_t> tuples = std::nullopt) const;
     template <class Value>
     std::vector<Value> inlineText(const VtkDataArray& array) const;
-    std::string payload(const VtkDataArray& array) const;
+    std::string payload(const VtkDataArray& array, std::optional<std::size_t> tuples) const;
     void checkTuples(const VtkDataArray& array, std::size_t got, std::size_t tuples) const;
     std::string nameOf(const VtkDataArray& array) const;
     [[noreturn]] void failIn(const VtkDataArray& array, const std::string& cause) const;

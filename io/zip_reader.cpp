@@ -143,10 +143,18 @@ std::string_view ZipReader::compressedBytes(std::string_view name, const Member&
     return in.bytes(member.compressedSize);
 }
 
-std::string_view ZipReader::read(std::string_view name, std::string& room) const {
+const ZipReader::Member& ZipReader::member(std::string_view name) const {
     const auto found = members_.find(name);
     if (found == members_.end()) throw CodingError("is not in the archive");
-    const Member& member = found->second;
+    return found->second;
+}
+
+std::uint64_t ZipReader::size(std::string_view name) const {
+    return member(name).size;
+}
+
+std::string_view ZipReader::read(std::string_view name, std::string& room) const {
+    const Member& member = this->member(name);
     constexpr std::uint16_t kEncrypted = 1;
     if ((member.flags & kEncrypted) != 0) throw CodingError("is encrypted");
 

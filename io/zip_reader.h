@@ -21,6 +21,10 @@ public:
     ///         claims more compressed bytes than there are
     explicit ZipReader(std::string_view archive);
 
+    /// The number of bytes of a member that the directory claims; nothing is inflated.
+    /// \throws CodingError if there is no such member
+    std::uint64_t size(std::string_view name) const;
+
     /// The bytes of a member.
     /// \param room where they are, if they are not as such in the archive
     /// \throws CodingError if there is no such member, if it is damaged (by its checksum), or coded
@@ -34,6 +38,7 @@ private:
         std::uint64_t compressedSize, size, place;
     };
 
+    const Member& member(std::string_view name) const;
     static Member readMember(ByteInput& in, std::string& name);
     std::string_view compressedBytes(std::string_view name, const Member& member) const;
 

@@ -18,7 +18,8 @@ TEST(InQuotes, SpellsOutWhatATerminalWouldObey) {
 
 TEST(InQuotes, CutsLongTexts) {
     EXPECT_EQ(inQuotes(std::string(40, 'x')), "'" + std::string(40, 'x') + "'");
-    EXPECT_EQ(inQuotes(std::string(41, 'x')), "'" + std::string(40, 'x') + "...'");
+    const std::string half(20, 'x');
+    EXPECT_EQ(inQuotes(half + "y" + half), "'" + half + "..." + half + "'");
 }
 
 }  // namespace

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/file.h>
+#include <espalier/io/npy.h>
+#include <espalier/io/numpy_matrix.h>
+#include <espalier/io/zip_writer.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <sstream>
+#include <vector>
+
+namespace espalier::test {
+namespace {
+
+/// An archive of a 1 × 1 matrix of one entry, with so many column indices.
+std::string archiveWith(std::size_t indexCount) {
+    std::ostringstream stream;
+    io::ZipWriter zip(stream);
+    const auto add = [&](const char* name, std::vector<std::int64_t> numbers) {
+        zip.add(name, [=](io::ByteOutput& out) {
+            io::writeNpy<std::int64_t>(out, std::span<const std::int64_t>(numbers));
+        });
+    };
+    zip.add("format.npy", [](io::ByteOutput& out) {
+        io::writeNpyHead(out, "|S3", {});
+        out.bytes("csr");
+    });
+    add("shape.npy", {1, 1});
+    add("indptr.npy", {0, 1});
+    add("indices.npy", std::vector<std::int64_t>(indexCount, 0));
+    add("data.npy", {1});
+    zip.finish();
+    return stream.str();
+}
+
+TEST(ArchiveClaims, OfMoreNumbersThanEntriesAreRefusedByTheDirectory) {
+    EXPECT_EQ(io::readNpz("m.npz", archiveWith(1)).entryCount(), 1);
+    EXPECT_THAT([] { io::readNpz("m.npz", archiveWith(100000)); },
+                testing::ThrowsMessage<io::FileError>(
+                    testing::HasSubstr("indices.npy: claims 800128 bytes for at most 1 numbers")));
+}
+
+}  // namespace
+}  // namespace espalier::test
