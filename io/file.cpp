@@ -5,12 +5,14 @@
 #include <espalier/io/destination.h>
 #include <espalier/io/file.h>
 #include <espalier/io/new_file.h>
+#include <espalier/io/signals_blocked.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <deque>
+#include <optional>
 #include <ostream>
 #include <system_error>
 
@@ -137,6 +139,7 @@ void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& w
 void writeFiles(const std::vector<FileToWrite>& files) {
     std::vector<Destination> destinations;
     for (const FileToWrite& file : files) destinations.push_back(destinationOf(file.path));
+    std::optional<SignalsBlocked> blocked;  // until `written` has removed names that failed
     std::deque<Written> written;
     for (std::size_t i = 0; i < files.size(); ++i) {
         if (destinations[i].kind != Destination::Kind::File) {
@@ -149,7 +152,11 @@ void writeFiles(const std::vector<FileToWrite>& files) {
     }
     for (Written& each : written)
         ofFile(each.toWrite.path, "cannot write", [&] { each.file.complete(); });
+    blocked.emplace();
+    for (Written& each : written)
+        ofFile(each.toWrite.path, "cannot write", [&] { each.file.giveName(); });
     moveToTargets(written);
+    blocked.reset();
     for (const Written& each : written)
         ofFile(each.toWrite.path, "is written, but may not outlast a loss of power",
                [&] { each.file.syncFolder(); });
