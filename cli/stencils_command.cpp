@@ -103,6 +103,7 @@ void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     std::vector<std::string> inputs = {options.lattice};
     if (!options.points.empty()) inputs.push_back(options.points);
+    checkInputs(inputs);
     if (options.levelTables && options.level == 0)
         throw CLI::ValidationError("--level-tables", "there are none before level 1");
     for (int k = 1; k <= (options.levelTables ? options.level : 1); ++k) {

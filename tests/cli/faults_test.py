@@ -243,6 +243,53 @@ class Files(FaultsTest):
         error = with_model_after(lambda: os.truncate(self.path / "rest.vtu", len(rest) // 2))
         self.assertRegex(error, r"^espalier: rest.vtu:\d+: [^\n]*\n$")
 
+    def test_a_pipe_that_stands_for_two_inputs(self):
+        for extension in ("vtu", "obj"):
+            os.mkfifo(self.path / f"pipe.{extension}")
+            (self.path / f"link.{extension}").symlink_to(f"pipe.{extension}")
+        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-n", 1, "-o", "bound.espb")
+        (self.path / "link.txt").symlink_to("pipe.obj")
+        two = ["pipe.vtu", "link.vtu"]
+        rest = ["--rest", "pipe.vtu"]
+        output = ["-o", "out.obj"]
+        for name, command in [
+                ("pipe.vtu", ["deform", "model.obj", *rest, "--to", "pipe.vtu", *output]),
+                ("link.vtu", ["deform", "model.obj", "--rest", "rest.vtu", "--to", *two, "-o",
+                              "out%04d.obj"]),
+                ("pipe.vtu", ["deform", "link.vtu", *rest, "--to", "rest.vtu", *output]),
+                ("pipe.vtu", ["bind", "link.vtu", *rest, "-o", "out.espb"]),
+                ("link.vtu", ["apply", "bound.espb", "--to", *two, "-o", "out%04d.obj"]),
+                ("link.obj", ["fit", "pipe.obj", "--rest", "rest.vtu", "--targets", "link.obj",
+                              "-o", "out.vtu"]),
+                ("link.txt", ["fit", "pipe.obj", "--rest", "rest.vtu", "--targets", "link.txt",
+                              "-o", "out.vtu"]),
+                ("pipe.vtu", ["check", "link.vtu", *rest]),
+                ("link.vtu", ["compare", *two]),
+                ("link.vtu", ["stencils", "pipe.vtu", "--points", "link.vtu", "-o", "out.mtx"]),
+                ("pipe.vtu", ["bench", "link.vtu", *rest]),
+                ("link.vtu", ["shape", "merge", *two, "-o", "out.vtu"])]:
+            if command[0] == "compare" and "--html" not in self.run_program("compare", "--help").stdout:
+                continue
+            self.assert_fails(f"{name}: is named for two inputs, but is no regular file and can "
+                              "be read only once; copy it to a file first", *command)
+
+    def test_standard_input_as_two_inputs(self):
+        (self.path / "a.vtu").symlink_to("/dev/stdin")
+        reader, writer = os.pipe()  # which nobody closes
+        self.addCleanup(os.close, writer)
+        self.addCleanup(os.close, reader)
+        self.assert_fails("a.vtu: is named for two inputs, but is no regular file and can be read "
+                          "only once; copy it to a file first", "deform", "model.obj", "--rest",
+                          "a.vtu", "--to", "a.vtu", "-o", "out.obj", stdin=reader)
+
+    def test_a_pipe_as_one_input_is_read(self):
+        os.mkfifo(self.path / "pipe.vtu")
+        process = self.start("deform", "model.obj", "--rest", "rest.vtu", "--to", "pipe.vtu", "-n",
+                             2, "-o", "out.obj", "--quiet")
+        (self.path / "pipe.vtu").write_bytes((self.path / "rest.vtu").read_bytes())
+        self.assertEqual(process.wait(timeout=120), 0)
+        self.assertTrue((self.path / "out.obj").exists())
+
     def test_a_full_device(self):
         (self.path / "full.espb").symlink_to("/dev/full")
         self.assert_fails("full.espb: cannot write: No space left on device",
