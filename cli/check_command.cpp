@@ -209,6 +209,7 @@ Checked check(const Options& options, const far::TopologyRefiner& refiner, const
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
+    checkInputs({options.pose, options.rest});
     if (!options.output.empty()) {
         checkOutput(options.output, {options.pose, options.rest});
         io::checkLatticeTarget(options.output);

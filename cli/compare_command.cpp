@@ -99,6 +99,7 @@ void checkAll(const compare::Report& report) {
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
+    checkInputs(options.files);
     if (!options.html.empty()) checkOutput(options.html, options.files);
     Stages stages(options.common.quiet);
     compare::Report report{

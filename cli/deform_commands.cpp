@@ -40,6 +40,7 @@ std::vector<std::filesystem::path> outputPaths(const Options& options) {
     std::vector<std::string> inputs = options.poses;
     inputs.push_back(options.model);
     if (!options.rest.empty()) inputs.push_back(options.rest);
+    checkInputs(inputs);
     for (int i = 0; i < count; ++i) {
         paths.push_back(io::numberedPath(options.output, i, count));
         checkOutput(paths.back(), inputs);
@@ -139,6 +140,7 @@ void runDeform(const Options& options) {
 void runBind(const Options& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
+    checkInputs({options.model, options.rest});
     checkOutput(options.output, {options.model, options.rest}, {".espb"});
     Stages stages(options.common.quiet);
     io::BoundModel file;

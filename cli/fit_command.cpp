@@ -192,6 +192,7 @@ void printFit(const Options& options, const Wishes& wishes, std::size_t heldCoun
 void run(const Options& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
+    checkInputs({options.model, options.rest, options.targets});
     checkOutput(options.output, {options.model, options.rest, options.targets});
     io::checkLatticeTarget(options.output);
     Stages stages(options.common.quiet);

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "memory_option.h"
 #include "standard_streams.h"
+#include "worker_signals.h"
 
 namespace {
 
@@ -32,6 +33,7 @@ int run(int argumentCount, char** arguments) {
     addCheckCommand(program);
     addCompareCommand(program);
     addMemoryOption(program);
+    const SignalsToMainThread signals;
     try {
         program.parse(argumentCount, arguments);
     } catch (const CLI::Success& helpOrVersion) {

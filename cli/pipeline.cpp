@@ -10,9 +10,12 @@
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <set>
 #include <system_error>
+#include <utility>
 
 namespace espalier::cli {
 
@@ -26,6 +29,19 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
         refiner.refineUniform(level);
         return refiner;
     });
+}
+
+void checkInputs(const std::vector<std::string>& inputs) {
+    // Not std::filesystem::equivalent(), which is an error for two pipes.
+    std::set<std::pair<::dev_t, ::ino_t>> special;
+    for (const std::string& input : inputs) {
+        struct ::stat status {};
+        if (::stat(input.c_str(), &status) != 0 || S_ISREG(status.st_mode)) continue;
+        if (!special.emplace(status.st_dev, status.st_ino).second)
+            throw io::FileError(input,
+                                "is named for two inputs, but is no regular file and can be read "
+                                "only once; copy it to a file first");
+    }
 }
 
 void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,

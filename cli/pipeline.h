@@ -21,6 +21,10 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 
+/// Refuses two inputs that are the same pipe or device: the second would wait for ever for what the
+/// first has read. \throws FileError naming the second
+void checkInputs(const std::vector<std::string>& inputs);
+
 /// Refuses an output that would replace one of the inputs, whose folder does not exist, or that
 /// must not be written to, before any work is done. With `extensions` (".mtx"), also one of another
 /// extension; devices and pipes may have any. \throws FileError

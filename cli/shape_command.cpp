@@ -15,6 +15,7 @@
 #include "choice.h"
 #include "commands.h"
 #include "options.h"
+#include "pipeline.h"
 
 namespace espalier::cli {
 namespace {
@@ -209,6 +210,7 @@ void addShapeCommand(CLI::App& program) {
                 "How far apart vertices may be, as a fraction of the size of all");
         },
         [](const Merge& merge) {
+            checkInputs(merge.lattices);
             std::vector<Lattice> lattices;
             for (const std::string& path : merge.lattices)
                 lattices.push_back(io::readLattice(path));

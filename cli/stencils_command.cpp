@@ -144,6 +144,7 @@ void run(Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     std::vector<std::string> inputs = {options.lattice};
     if (!options.points.empty()) inputs.push_back(options.points);
+    checkInputs(inputs);
     if (options.levelTables && options.level == 0)
         throw CLI::ValidationError("--level-tables", "there are none before level 1");
     for (const std::filesystem::path& output : outputPaths(options)) {

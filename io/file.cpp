@@ -6,12 +6,14 @@
 #include <espalier/io/destination.h>
 #include <espalier/io/file.h>
 #include <espalier/io/new_file.h>
+#include <espalier/io/signals_blocked.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <deque>
+#include <optional>
 #include <ostream>
 #include <system_error>
 
@@ -142,6 +144,7 @@ void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& w
 void writeFiles(const std::vector<FileToWrite>& files) {
     std::vector<Destination> destinations;
     for (const FileToWrite& file : files) destinations.push_back(destinationOf(file.path));
+    std::optional<SignalsBlocked> blocked;  // until `written` has removed names that failed
     std::deque<Written> written;
     for (std::size_t i = 0; i < files.size(); ++i) {
         if (destinations[i].kind != Destination::Kind::File) {
@@ -154,7 +157,11 @@ void writeFiles(const std::vector<FileToWrite>& files) {
     }
     for (Written& each : written)
         ofFile(each.toWrite.path, "cannot write", [&] { each.file.complete(); });
+    blocked.emplace();
+    for (Written& each : written)
+        ofFile(each.toWrite.path, "cannot write", [&] { each.file.giveName(); });
     moveToTargets(written);
+    blocked.reset();
     for (const Written& each : written)
         ofFile(each.toWrite.path, "is written, but may not outlast a loss of power",
                [&] { each.file.syncFolder(); });

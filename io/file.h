@@ -38,8 +38,10 @@ ESPALIER_API std::string readFile(const std::filesystem::path& path);
 /// Whole: if anything fails, what throws or what the system refuses, the old file is as it was, and
 /// there is no other. The new file has no name until it is complete, and the system drops it when
 /// the process ends: a signal or a loss of power in the middle leaves the old file and nothing
-/// else. (Not where the file system has no files without names, as NFS, and not between the last
-/// two calls, which name the new file and rename it: there a file "espalier.tmp…" may stay.)
+/// else. The last two calls name the new file and rename it. Between them this thread blocks
+/// signals; but a loss of power, SIGKILL, or a signal that another thread takes may leave a file
+/// "espalier.tmp…" there. So may any signal where the file system has no files without names, as
+/// NFS.
 /// Durable: on return the new file is on disk, and so is its name.
 ///
 /// A link is followed, and stays one. A file that is there gives the new one its mode, its group

@@ -83,10 +83,16 @@ void NewFile::takeModeOfOldFile() const {
     if ((now.st_mode & 07777) != mode) check(::fchmod(descriptor(), mode));
 }
 
+void NewFile::sync() const {
+    check(uninterrupted([&] { return ::fsync(descriptor()); }));
+}
+
 void NewFile::complete() {
-    const auto sync = [&] { check(uninterrupted([&] { return ::fsync(descriptor()); })); };
     takeModeOfOldFile();
     sync();
+}
+
+void NewFile::giveName() {
     if (name_) return;
     const std::string from = procName(descriptor());
     while (!name_) {

@@ -17,6 +17,7 @@ namespace espalier::io {
 ///     NewFile file(target);
 ///     …                      // write to file.descriptor()
 ///     file.complete();       // all is on disk
+///     file.giveName();       // beside the old file
 ///     file.moveToTarget();   // the old file is gone
 ///     file.syncFolder();     // that is on disk, too
 ///
@@ -31,14 +32,19 @@ public:
 
     int descriptor() const { return descriptor_.number(); }
 
-    /// Puts all on disk, with the mode of the old file, and gives it a name beside that.
+    /// Puts all on disk, with the mode of the old file.
     void complete();
+
+    /// Gives the file a name, if it has none yet. A process that ends between this and
+    /// moveToTarget() leaves the name behind: see SignalsBlocked.
+    void giveName();
     void moveToTarget();
 
     /// An error of this one leaves the new file in its place.
     void syncFolder() const;
 
 private:
+    void sync() const;
     bool openNameless();
     void openNamed();
     void takeModeOfOldFile() const;

@@ -2,16 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """What becomes of files when a run is stopped, or the system refuses something in the middle.
 
-    faults_test.py PATH_OF_ESPALIER [LIBRARY_THAT_LETS_ALLOCATIONS_FAIL]
+    faults_test.py PATH_OF_ESPALIER [LIBRARY_THAT_LETS_ALLOCATIONS_FAIL LIBRARY_THAT_SENDS_SIGNALS]
 """
 
 import os
 import pty
+import random
 import resource
 import shutil
 import signal
 import subprocess
 import sys
+import time
 import unittest
 
 import program
@@ -19,7 +21,7 @@ from program import CliTest, icosphere_points
 
 CLEAR_LINE = "\r\x1b[K"
 NOBODY = 65534
-FAILING_PRELOAD = ""
+FAILING_PRELOAD = SIGNAL_PRELOAD = ""
 
 
 class FaultsTest(CliTest):
@@ -129,6 +131,54 @@ class OnATerminal(FaultsTest):
         self.assertNotEqual((self.path / "m.espb").read_bytes(), b"old")
 
 
+class Signals(FaultsTest):
+    """No file other than before and the outputs is there after a signal that can be blocked."""
+
+    def setUp(self):
+        super().setUp()
+        # A matrix of several files, of points enough for threads to have work.
+        self.write_model(icosphere_points(2000))
+        self.stencils = ["stencils", "rest.vtu", "--points", "model.obj", "-n", 2, "-o", "m.npy",
+                         "--quiet"]
+        self.run_program(*self.stencils)
+        self.files = self.contents()
+        self.handle_default()
+
+    def handle_default(self):
+        # A test that runs in the background may have been told to ignore some.
+        for number in [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]:
+            self.addCleanup(signal.signal, number, signal.signal(number, signal.SIG_DFL))
+
+    def assert_files_are_whole(self):
+        after = self.contents()
+        self.assertEqual(after.keys(), self.files.keys())
+        changed = [path.name for path in after if after[path] != self.files[path]]
+        self.assertEqual(changed, [])
+
+    def test_one_that_comes_at_any_time(self):
+        start = time.monotonic()
+        self.run_program(*self.stencils)
+        seconds = time.monotonic() - start
+        random.seed(20)
+        for _ in range(40):
+            process = self.start(*self.stencils)
+            time.sleep(random.uniform(0.2, 1.05) * seconds)
+            process.send_signal(signal.SIGTERM)
+            self.assertIn(process.wait(timeout=120), [-signal.SIGTERM, 0])
+            self.assert_files_are_whole()
+
+    def test_one_that_comes_when_files_are_renamed(self):
+        if not SIGNAL_PRELOAD:
+            self.skipTest("without the library for it")
+        for number in [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]:
+            for path in self.path.glob("m*.npy"):
+                path.unlink()
+            process = self.start(*self.stencils, env={**os.environ, "LD_PRELOAD": SIGNAL_PRELOAD,
+                                                      "ESPALIER_TEST_SIGNAL": str(int(number))})
+            self.assertEqual(process.wait(timeout=120), -number)
+            self.assert_files_are_whole()
+
+
 class Files(FaultsTest):
     def setUp(self):
         super().setUp()
@@ -192,6 +242,53 @@ class Files(FaultsTest):
         (self.path / "rest.vtu").write_bytes(rest)
         error = with_model_after(lambda: os.truncate(self.path / "rest.vtu", len(rest) // 2))
         self.assertRegex(error, r"^espalier: rest.vtu:\d+: [^\n]*\n$")
+
+    def test_a_pipe_that_stands_for_two_inputs(self):
+        for extension in ("vtu", "obj"):
+            os.mkfifo(self.path / f"pipe.{extension}")
+            (self.path / f"link.{extension}").symlink_to(f"pipe.{extension}")
+        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-n", 1, "-o", "bound.espb")
+        (self.path / "link.txt").symlink_to("pipe.obj")
+        two = ["pipe.vtu", "link.vtu"]
+        rest = ["--rest", "pipe.vtu"]
+        output = ["-o", "out.obj"]
+        for name, command in [
+                ("pipe.vtu", ["deform", "model.obj", *rest, "--to", "pipe.vtu", *output]),
+                ("link.vtu", ["deform", "model.obj", "--rest", "rest.vtu", "--to", *two, "-o",
+                              "out%04d.obj"]),
+                ("pipe.vtu", ["deform", "link.vtu", *rest, "--to", "rest.vtu", *output]),
+                ("pipe.vtu", ["bind", "link.vtu", *rest, "-o", "out.espb"]),
+                ("link.vtu", ["apply", "bound.espb", "--to", *two, "-o", "out%04d.obj"]),
+                ("link.obj", ["fit", "pipe.obj", "--rest", "rest.vtu", "--targets", "link.obj",
+                              "-o", "out.vtu"]),
+                ("link.txt", ["fit", "pipe.obj", "--rest", "rest.vtu", "--targets", "link.txt",
+                              "-o", "out.vtu"]),
+                ("pipe.vtu", ["check", "link.vtu", *rest]),
+                ("link.vtu", ["compare", *two]),
+                ("link.vtu", ["stencils", "pipe.vtu", "--points", "link.vtu", "-o", "out.mtx"]),
+                ("pipe.vtu", ["bench", "link.vtu", *rest]),
+                ("link.vtu", ["shape", "merge", *two, "-o", "out.vtu"])]:
+            if command[0] == "compare" and "--html" not in self.run_program("compare", "--help").stdout:
+                continue
+            self.assert_fails(f"{name}: is named for two inputs, but is no regular file and can "
+                              "be read only once; copy it to a file first", *command)
+
+    def test_standard_input_as_two_inputs(self):
+        (self.path / "a.vtu").symlink_to("/dev/stdin")
+        reader, writer = os.pipe()  # which nobody closes
+        self.addCleanup(os.close, writer)
+        self.addCleanup(os.close, reader)
+        self.assert_fails("a.vtu: is named for two inputs, but is no regular file and can be read "
+                          "only once; copy it to a file first", "deform", "model.obj", "--rest",
+                          "a.vtu", "--to", "a.vtu", "-o", "out.obj", stdin=reader)
+
+    def test_a_pipe_as_one_input_is_read(self):
+        os.mkfifo(self.path / "pipe.vtu")
+        process = self.start("deform", "model.obj", "--rest", "rest.vtu", "--to", "pipe.vtu", "-n",
+                             2, "-o", "out.obj", "--quiet")
+        (self.path / "pipe.vtu").write_bytes((self.path / "rest.vtu").read_bytes())
+        self.assertEqual(process.wait(timeout=120), 0)
+        self.assertTrue((self.path / "out.obj").exists())
 
     def test_a_full_device(self):
         (self.path / "full.espb").symlink_to("/dev/full")
@@ -329,6 +426,8 @@ class Memory(FaultsTest):
 
 
 if __name__ == "__main__":
-    FAILING_PRELOAD = os.path.abspath(sys.argv.pop(2)) if len(sys.argv) > 2 else ""
+    if len(sys.argv) > 3:
+        FAILING_PRELOAD, SIGNAL_PRELOAD = map(os.path.abspath, sys.argv[2:4])
+        del sys.argv[2:4]
     program.ESPALIER = os.path.abspath(sys.argv.pop(1))
     unittest.main()

@@ -228,6 +228,43 @@ TEST_F(WriteFaults, ASignalWhileAllIsPutOnDiskLeavesTheOldFileAndNothingElse) {
     EXPECT_TRUE(holdsOnly("old"));
 }
 
+// The new file has a name then; a signal that can be blocked comes when it has the name of the old
+// one.
+TEST_F(WriteFaults, ASignalWhileFilesAreNamedAndRenamedComesWhenAllAreInTheirPlaces) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
+        for (const SystemCall call : {SystemCall::Link, SystemCall::Sync, SystemCall::Rename})
+            for (const int n : {1, 2, 3, 4}) {
+                if (call != SystemCall::Sync && n > 2) continue;
+                put(path, "old");
+                expectKilled(signal, [&] {
+                    const SystemFault fault(call, n, [&] { return ::raise(signal); });
+                    writeFiles({{path, writeText}, {folder / "b.txt", writeText}});
+                });
+                const Contents after = contentsOf(folder.path());
+                const Contents all = {{"a.txt", kText}, {"b.txt", kText}};
+                // Before the files have names, a signal may end it at once.
+                const bool isEarly = call == SystemCall::Sync && n <= 2;
+                EXPECT_EQ(after, isEarly ? (Contents{{"a.txt", "old"}}) : all)
+                    << signal << ", call " << static_cast<int>(call) << ", number " << n;
+                fs::remove(folder / "b.txt");
+            }
+}
+
+// A host may go on where a file could not be put in its place.
+TEST_F(WriteFaults, SignalsThatCameAreNotLostWhereAFileIsNotPutInItsPlace) {
+    expectKilled(SIGTERM, [&] {
+        const SystemFault fault(SystemCall::Rename, 1, [&] {
+            ::raise(SIGTERM);
+            return EIO;
+        });
+        try {
+            writeFile(path, writeText);
+        } catch (const FileError&) {
+        }
+    });
+    EXPECT_TRUE(holdsOnly("old"));
+}
+
 // SIGPIPE would end the program.
 TEST_F(WriteFaults, APipeThatNobodyReadsIsAnError) {
     int ends[2] = {};
