@@ -53,6 +53,7 @@ CellBound CellBounds::ownBox(Index cell, double widening) const {
     const double margin = widening * bound.box.diagonal().norm();
     bound.box.min().array() -= margin;
     bound.box.max().array() += margin;
+    bound.drift = Vector3d::Constant(margin);
     return bound;
 }
 

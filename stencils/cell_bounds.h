@@ -56,7 +56,7 @@ public:
                                      const std::optional<Eigen::Vector3d>& inherited) const;
 
     /// Where the cell itself lies, without what it may become: the box of its corners, widened on
-    /// each side by a part of its diagonal.
+    /// each side by a part of its diagonal, which is the drift.
     CellBound ownBox(Index cell, double widening = 0) const;
 
     /// The same in directions of the cell's own, widened by a part of its edges: far less of a thin

@@ -122,14 +122,10 @@ public:
         std::vector<Part> parts;
         std::vector<Index> left(points.size());
         std::iota(left.begin(), left.end(), Index{0});
-        for (const Bounding bounding : {Bounding::Likely, Bounding::Future}) {
-            std::vector<Index> unsettled;
-            addParts(search_.findInside(chosen(points, left), bounding, unsettled), left, parts);
-            for (Index& i : unsettled) i = left[static_cast<std::size_t>(i)];
-            left = std::move(unsettled);
-            if (left.empty()) return parts;
-        }
-        addParts(search_.findBeside(chosen(points, left)), left, parts);
+        std::vector<Index> unsettled;
+        addParts(search_.findInside(points, unsettled), left, parts);
+        if (!unsettled.empty())
+            addParts(search_.findNearest(chosen(points, unsettled)), unsettled, parts);
         return parts;
     }
 

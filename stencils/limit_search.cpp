@@ -31,17 +31,16 @@ Vector3d at(std::span<const Point3> points, Index i) {
     return Vector3d(points[static_cast<std::size_t>(i)].data());
 }
 
-/// On further levels cells may be so thin that there are many in a box, and so small that there are
-/// many within the tolerance of a point.
-constexpr int kMostLevelOfBoxes = 12;
+/// From this level on cells are so small that the nearest place of a patch is taken as it is, and
+/// what no patch gives back is left to the nearest place.
+constexpr int kMaxLevelOfPatches = 12;
 
-/// How many cells may become the nearest one of a point from there on: those around a vertex, which
-/// are all as near as that, and some more.
-constexpr std::size_t kMostNearest = 48;
+/// How many cells of a level a point is sought in: more hold it only where the lattice is folded.
+constexpr std::size_t kMaxContaining = 48;
 
-/// How many cells a point may be sought in at all: of a lattice without volume, or one of which no
-/// bounds are known, eight times as many would hold it on each level.
-constexpr std::size_t kMostCells = 128;
+/// How many cells of a level may become the nearest one of a point: those around a vertex are all
+/// as near.
+constexpr std::size_t kMaxNearest = 24;
 
 }  // namespace
 
@@ -92,10 +91,13 @@ private:
         }
         sortUnique(corners);
         if (corners.empty()) return;
-        const auto limits = blendedRows(descent.refiner, level, search.rules_, corners);
-        const auto places = applyLevelTable(limits, positions_);
-        for (std::size_t i = 0; i < corners.size(); ++i)
-            positions_[static_cast<std::size_t>(corners[i])] = places[i];
+        if (search.isFineEnough(level)) {
+            // What is only far away may be blended of the vertices as they are.
+            const auto limits = blendedRows(descent.refiner, level, search.rules_, corners);
+            const auto places = applyLevelTable(limits, positions_);
+            for (std::size_t i = 0; i < corners.size(); ++i)
+                positions_[static_cast<std::size_t>(corners[i])] = places[i];
+        }
         blend_.emplace(level_.complex, positions_, search.scale_);
 
         for (const Index cell : descent.candidates.cells) {
@@ -141,64 +143,56 @@ LimitSearch::LimitSearch(const far::TopologyRefiner& base, std::span<const Point
 /// \param settle is called for each level: settle(descent, cells) leaves the candidates that are to
 ///        be refined
 template <class Settle>
-FoundPlaces LimitSearch::search(std::span<const Point3> points, Sought sought, Bounding bounding,
+FoundPlaces LimitSearch::search(std::span<const Point3> points, Sought sought,
                                 Settle settle) const {
+    const bool isNearest = sought == Sought::Nearest;
     FoundPlaces found{descent_.begin(points, sought), {}, {}};
     found.points.assign(points.size(), {PointStatus::Outside, {}, 0, 0});
     for (;;) {
         found.positions.push_back(found.descent.positions);
         settle(found, Cells(*this, found.descent, sought));
         if (found.descent.candidates.cells.empty()) return found;
-        const bool isDeep = found.descent.refiner.maxLevel() >= kMostLevelOfBoxes;
-        keepFew(found.descent, points,
-                sought == Sought::Nearest && isDeep ? kMostNearest : kMostCells);
-        if (sought == Sought::Nearest || isDeep) found.descent.margin = descent_.rounding();
-        // What is likely allows for a part of a cell, which is more, until cells are as small.
-        if (bounding == Bounding::Likely) found.descent.margin = 0;
-        descent_.refine(found.descent, points, sought, Extent::Ring, bounding);
+        keepFew(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
+        // Boxes allow for a part of a cell, which is more, until cells are as small.
+        found.descent.margin = isNearest ? descent_.rounding() : 0;
+        descent_.refine(found.descent, points, sought, Extent::Ring, Bounding::Likely);
     }
 }
 
-FoundPlaces LimitSearch::findInside(std::span<const Point3> points, Bounding bounding,
+FoundPlaces LimitSearch::findInside(std::span<const Point3> points,
                                     std::vector<Index>& unsettled) const {
-    std::vector<std::uint8_t> isNear(points.size(), seekNearest_ || bounding == Bounding::Likely);
-    auto result =
-        search(points, Sought::Containing, bounding, [&](FoundPlaces& found, const Cells& cells) {
-            const int level = found.descent.refiner.maxLevel();
-            found.descent.candidates.filter([&](std::size_t i, Index p) {
-                LocatedInLimit& located = found.points[static_cast<std::size_t>(p)];
-                if (located.place) return false;
-                const Vector3d point = at(points, p);
-                if (!point.allFinite()) return false;
-                if (const PatchSolver* patch = cells.patch(i)) {
-                    isNear[static_cast<std::size_t>(p)] = 1;
-                    const auto [answer, uvw] = patch->find(point);
-                    if (answer == PatchSolver::Answer::Here) {
-                        located = {
-                            PointStatus::Inside,
-                            LimitPlace{level, FramePlace{cells.frame(i), toArray(uvw), {}, false}},
-                            0, (patch->map().position(uvw) - point).norm()};
-                        return false;
-                    }
-                    if (answer == PatchSolver::Answer::NotHere) return false;
+    auto result = search(points, Sought::Containing, [&](FoundPlaces& found, const Cells& cells) {
+        const int level = found.descent.refiner.maxLevel();
+        found.descent.candidates.filter([&](std::size_t i, Index p) {
+            LocatedInLimit& located = found.points[static_cast<std::size_t>(p)];
+            if (located.place) return false;
+            const Vector3d point = at(points, p);
+            if (!point.allFinite()) return false;
+            if (const PatchSolver* patch = cells.patch(i)) {
+                const auto [answer, uvw] = patch->find(point);
+                if (answer == PatchSolver::Answer::Here) {
+                    located = {
+                        PointStatus::Inside,
+                        LimitPlace{level, FramePlace{cells.frame(i), toArray(uvw), {}, false}}, 0,
+                        (patch->map().position(uvw) - point).norm()};
+                    return false;
                 }
-                const bool isLast = bounding == Bounding::Future && level >= kMostLevelOfBoxes;
-                if (!cells.isBlended(i) && !isLast) return true;
-                isNear[static_cast<std::size_t>(p)] = 1;
-                if (!cells.isBlended(i)) return false;
-                const Index cell = found.descent.candidates.cells[i];
-                auto inside = cells.blend().locateIn(point, {&cell, 1});
-                if (!inside) {
-                    // So small a cell may miss a point on its faces by the rounding of that.
-                    inside = cells.blend().locateBeside(point, CellId(cell), true);
-                    if (!(inside->distance <= descent_.rounding())) return false;
-                }
-                if (inside->place)
-                    located = {PointStatus::Inside, LimitPlace{level, *inside->place}, 0,
-                               inside->residual};
-                return false;
-            });
+                return answer == PatchSolver::Answer::Undecided && level < kMaxLevelOfPatches;
+            }
+            if (!cells.isBlended(i)) return true;
+            const Index cell = found.descent.candidates.cells[i];
+            auto inside = cells.blend().locateIn(point, {&cell, 1});
+            if (!inside) {
+                // So small a cell may miss a point on its faces by the rounding of that.
+                inside = cells.blend().locateBeside(point, CellId(cell), true);
+                if (!(inside->distance <= descent_.rounding())) return false;
+            }
+            if (inside->place)
+                located = {PointStatus::Inside, LimitPlace{level, *inside->place}, 0,
+                           inside->residual};
+            return false;
         });
+    });
     for (std::size_t p = 0; p < points.size(); ++p) {
         LocatedInLimit& located = result.points[p];
         if (located.place) continue;
@@ -206,7 +200,7 @@ FoundPlaces LimitSearch::findInside(std::span<const Point3> points, Bounding bou
             CellSolver::beyondReach(at(points, static_cast<Index>(p)), seekNearest_);
         if (beyond)
             located.status = beyond->status;
-        else if (isNear[p])
+        else
             unsettled.push_back(static_cast<Index>(p));
     }
     return result;
@@ -248,42 +242,47 @@ void LimitSearch::keepFew(Descent& descent, std::span<const Point3> points,
     });
 }
 
-FoundPlaces LimitSearch::findBeside(std::span<const Point3> points) const {
-    std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
-    auto result = search(
-        points, Sought::Nearest, Bounding::Future, [&](FoundPlaces& found, const Cells& cells) {
-            const int level = found.descent.refiner.maxLevel();
-            std::vector<LocatedInLimit>& best = found.points;
-            found.descent.candidates.filter([&](std::size_t i, Index p) {
-                const PatchSolver* patch = cells.patch(i);
-                const Vector3d point = at(points, p);
-                if (!(patch && patch->isNearlyLinear()) && !cells.isBlended(i, point)) return true;
-                const Index cell = found.descent.candidates.cells[i];
-                LocatedInLimit& located = best[static_cast<std::size_t>(p)];
-                LimitPlace place{level, {}};
-                double distance = 0;
-                if (patch) {
-                    const Vector3d uvw = patch->nearest(point);
-                    distance = (patch->map().position(uvw) - point).norm();
-                    place.where = FramePlace{cells.frame(i), toArray(uvw), {}, false};
-                } else {
-                    const auto there = cells.blend().locateBeside(point, CellId(cell), true);
-                    if (!there.place) return false;
-                    distance = there.distance;
-                    place.where = *there.place;
-                }
-                if (!located.place || distance < located.distance) {
-                    located = {PointStatus::Outside, place, distance, 0};
-                    double& known = nearest[static_cast<std::size_t>(p)];
-                    known = std::min(known, distance);
-                }
-                return false;
-            });
-            descent_.keepNearest(found.descent, points, nearest);
+FoundPlaces LimitSearch::findNearest(std::span<const Point3> points) const {
+    // If points outside stay, only what is in the gaps is of interest.
+    std::vector<double> nearest(points.size(),
+                                seekNearest_ ? std::numeric_limits<double>::infinity() : gap());
+    auto result = search(points, Sought::Nearest, [&](FoundPlaces& found, const Cells& cells) {
+        const int level = found.descent.refiner.maxLevel();
+        found.descent.candidates.filter([&](std::size_t i, Index p) {
+            const PatchSolver* patch = cells.patch(i);
+            const Vector3d point = at(points, p);
+            const bool isPatch = patch && (patch->isNearlyLinear() || level >= kMaxLevelOfPatches);
+            if (!isPatch && !cells.isBlended(i, point)) return true;
+            const Index cell = found.descent.candidates.cells[i];
+            LocatedInLimit& located = found.points[static_cast<std::size_t>(p)];
+            LimitPlace place{level, {}};
+            double distance = 0;
+            if (patch) {
+                const Vector3d uvw = patch->nearest(point);
+                distance = (patch->map().position(uvw) - point).norm();
+                place.where = FramePlace{cells.frame(i), toArray(uvw), {}, false};
+            } else {
+                const auto there = cells.blend().locateBeside(point, CellId(cell), true);
+                if (!there.place) return false;
+                distance = there.distance;
+                place.where = *there.place;
+            }
+            if (!located.place || distance < located.distance) {
+                located = {PointStatus::Outside, place, distance, 0};
+                double& known = nearest[static_cast<std::size_t>(p)];
+                known = std::min(known, distance);
+            }
+            return false;
         });
-    for (std::size_t p = 0; p < points.size(); ++p)
-        result.points[p] = continued(result.points[p], result.descent, result.positions,
-                                     at(points, static_cast<Index>(p)));
+        descent_.keepNearest(found.descent, points, nearest);
+    });
+    for (std::size_t p = 0; p < points.size(); ++p) {
+        LocatedInLimit& located = result.points[p];
+        // Nothing is as near as a gap is wide.
+        if (!located.place && !seekNearest_) continue;
+        located =
+            continued(located, result.descent, result.positions, at(points, static_cast<Index>(p)));
+    }
     return result;
 }
 
@@ -294,7 +293,7 @@ LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const Desce
     if (!nearest.place) return {PointStatus::NotConverged, {}, 0, 0};
     const double distance = nearest.distance;
     // In the gap between a patch and what is blended, or as good as on the boundary.
-    const bool isInside = distance <= std::max(scale_.tolerance, tolerance_ * scale_.size);
+    const bool isInside = distance <= gap();
     const PointStatus status = isInside ? PointStatus::Inside : PointStatus::Outside;
     if (!isInside && !seekNearest_) return {status, {}, distance, 0};
     LimitPlace place = *nearest.place;
@@ -304,25 +303,24 @@ LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const Desce
         return weightedSum(rows.weights(0, orders),
                            [&](Index vertex) { return at(positions[level], vertex); });
     };
-    auto* patch = std::get_if<FramePlace>(&place.where);
-    WeightedSum position = sum(kPosition);
-    if (patch) {
-        Eigen::Matrix3d jacobian;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            jacobian.col(static_cast<Eigen::Index>(axis)) = sum(kFirst[axis]).sum;
-        const auto continued =
-            continueTo(point, jacobian, scale_.size, [&](const Vector3d& offset) {
-                patch->offset = toArray(offset);
-                return sum(kPosition);
-            });
-        if (!continued) return {PointStatus::NotConverged, {}, distance, 0};
-        patch->offset = toArray(continued->offset);
-        position = continued->position;
+    const auto setOffset = [&](const Vector3d& offset) {
+        std::visit([&](auto& where) { where.offset = toArray(offset); }, place.where);
+    };
+    setOffset(Vector3d::Zero());
+    Eigen::Matrix3d jacobian;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        jacobian.col(static_cast<Eigen::Index>(axis)) = sum(kFirst[axis]).sum;
+    const auto continued = continueTo(point, jacobian, scale_.size, [&](const Vector3d& offset) {
+        setOffset(offset);
+        return sum(kPosition);
+    });
+    if (continued) {
+        setOffset(continued->offset);
+        if (isSettled(continued->position, point, scale_.size))
+            return {status, place, distance, (continued->position.sum - point).norm()};
     }
-    if (isSettled(position, point, scale_.size))
-        return {status, place, distance, (position.sum - point).norm()};
     if (!isInside) return {PointStatus::NotConverged, {}, distance, 0};
-    if (patch) patch->offset = {};
+    setOffset(Vector3d::Zero());
     return {PointStatus::Inside, place, distance, (sum(kPosition).sum - point).norm()};
 }
 

@@ -4,6 +4,7 @@
 #include <espalier/stencils/cell_solver.h>
 #include <espalier/stencils/limit_binding.h>
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
@@ -34,26 +35,26 @@ public:
                 const LimitOptions& options);
 
     /// The points that are in a cell. A point in several, as on a face between two, belongs to the
-    /// one of the lowest level, and of these to that of the lowest number.
-    /// \param bounding where to look: Likely finds all but those in strongly bent cells; Future
-    ///        these too, as far as the levels go on which cells are still nearly as wide as long.
-    ///        (About an irregular edge they become ever thinner plates, and more and more of them
-    ///        lie in a box.)
-    /// \param unsettled gets those that were not found: of Future, if they may yet be in a gap
-    ///        between cells, or are outside and to be carried
-    FoundPlaces findInside(std::span<const Point3> points, Bounding bounding,
-                           std::vector<Index>& unsettled) const;
+    /// one of the lowest level, and of these to that of the lowest number. Finds all but those in
+    /// strongly bent cells, which reach far beyond their corners.
+    /// \param unsettled gets the points that findNearest() may find
+    FoundPlaces findInside(std::span<const Point3> points, std::vector<Index>& unsettled) const;
 
-    /// Points that are in no cell, by the nearest place.
-    FoundPlaces findBeside(std::span<const Point3> points) const;
+    /// Points by the nearest place: in strongly bent cells, in gaps between cells, and beside the
+    /// lattice, if points there are to be carried.
+    ///
+    /// A point is sought in kMaxNearest cells of a level at most. Where more are as near, as in a
+    /// lattice that is folded flat, its place is a near one, or it is NotConverged.
+    FoundPlaces findNearest(std::span<const Point3> points) const;
 
 private:
     class Cells;
     void keepFew(Descent& descent, std::span<const Point3> points, std::size_t most) const;
     bool isFineEnough(int level) const { return level >= finestLevel_; }
+    /// How far from a cell a point still counts as inside.
+    double gap() const { return std::max(scale_.tolerance, tolerance_ * scale_.size); }
     template <class Settle>
-    FoundPlaces search(std::span<const Point3> points, Sought sought, Bounding bounding,
-                       Settle settle) const;
+    FoundPlaces search(std::span<const Point3> points, Sought sought, Settle settle) const;
     LocatedInLimit continued(const LocatedInLimit& nearest, const Descent& descent,
                              const std::vector<std::vector<Point3>>& positions,
                              const Eigen::Vector3d& point) const;

@@ -62,12 +62,18 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(poin
     double largest = 0;
     for (const Vector3d& control : points)
         largest = std::max(largest, control.lpNorm<Eigen::Infinity>());
-    rounding_ = kRounding * largest * inverse_.cwiseAbs().rowwise().sum().maxCoeff();
+    length_ = kRounding * largest;
+    rounding_ = length_ * inverse_.cwiseAbs().rowwise().sum().maxCoeff();
     // A polynomial lies in the hull of its Bézier points. What is off in these, and in a point, is
     // within some units of the largest coordinate, too.
     hull_ = AffineHull(inverse_);
-    for (const Vector3d& control : bezierPoints(points)) hull_.extend(control);
+    for (const Vector3d& control : bezierPoints(points)) {
+        hull_.extend(control);
+        box_.extend(control);
+    }
     hull_.widen(2 * rounding_);
+    box_.min().array() -= 2 * length_;
+    box_.max().array() += 2 * length_;
     // A derivative by u is a spline whose control points are the differences along u: it lies in
     // their hull.
     spread_.setZero();
@@ -83,15 +89,20 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(poin
 
 PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
     constexpr double kOnFace = 1e-9;
-    if (!inverse_.allFinite()) return {};
+    if (!box_.contains(point)) return {Answer::NotHere, {}};
     // Most patches that a point is not in are ruled out by this: where the lattice is irregular 3
     // of 4 are asked in vain.
     if (!hull_.contains(point)) return {Answer::NotHere, {}};
     const TricubicMap map = map_.around(point);
-    const Vector3d start = kCentre - inverse_ * map.position(kCentre);
-    const auto uvw = findOrigin(map, start.cwiseMax(0).cwiseMin(1));
-    if (uvw && isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Here, *uvw};
-    return {isExcluded(map) ? Answer::NotHere : Answer::Undecided, {}};
+    if (inverse_.allFinite()) {
+        const Vector3d start = kCentre - inverse_ * map.position(kCentre);
+        const auto uvw = findOrigin(map, start.cwiseMax(0).cwiseMin(1));
+        if (uvw && isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Here, *uvw};
+        if (isExcluded(map)) return {Answer::NotHere, {}};
+    }
+    const Vector3d nearest = nearestToOrigin(map);
+    if (map.position(nearest).norm() <= 2 * length_) return {Answer::Here, nearest};
+    return {Answer::Undecided, {}};
 }
 
 /// Krawczyk's test. With c the centre of a box, r half its sides, A the inverse of a Jacobian and E

@@ -46,9 +46,10 @@ public:
     };
 
     /// NotHere for all outside of a hull of the patch; else Newton's method, and where that leads
-    /// out of the patch, Krawczyk's test that there is no solution in it. What is Here may lie
-    /// outside of [0, 1]³ by 1e-9 and the rounding of the coordinates; what is outside of the hull
-    /// by more than rounding is NotHere all the same.
+    /// out of the patch, Krawczyk's test that there is no solution in it. In a flat patch, and
+    /// where neither decides, a point is Here if the nearest place of the patch gives it back. What
+    /// is Here may lie outside of [0, 1]³ by 1e-9 and the rounding of the coordinates; what is
+    /// outside of the hull by more than rounding is NotHere all the same.
     Found find(const Eigen::Vector3d& point) const;
 
     /// Whether the Jacobian is nearly the same all over the patch: then the place that nearest()
@@ -64,9 +65,11 @@ private:
     TricubicMap map_;
     Eigen::Matrix3d inverse_;  ///< of the Jacobian at the centre
     AffineHull hull_;          ///< of the patch
+    Eigen::AlignedBox3d box_;  ///< of the patch
     /// Entry by entry the most that inverse · Jacobian is off the identity, anywhere in the patch.
     Eigen::Matrix3d spread_;
-    double rounding_;  ///< of coordinates, in u, v and w
+    double length_;    ///< the rounding of coordinates
+    double rounding_;  ///< the same in u, v and w
 };
 
 }  // namespace espalier::stencils

@@ -177,8 +177,9 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
                 bounding == Bounding::Future
                     ? bounds.boundOf(child->index, bound ? bound->drift : std::nullopt)
                     : bounds.ownBox(child->index, bounding == Bounding::Likely ? kLikely : 0);
-            const AffineHull hull =
-                bounding == Bounding::Likely ? bounds.ownHull(child->index, kLikely) : AffineHull();
+            const AffineHull hull = sought == Sought::Containing && bounding == Bounding::Likely
+                                        ? bounds.ownHull(child->index, kLikely)
+                                        : AffineHull();
             for (const Index point : parents.pointsOf(i))
                 if (sought == Sought::Nearest || mayHold(ofChild, hull, point))
                     children.points.push_back(point);

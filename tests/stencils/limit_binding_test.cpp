@@ -310,6 +310,29 @@ TEST(LimitBinding, PointsAroundIrregularLatticesAreCarried) {
     }
 }
 
+// Each point outside has a place, wherever the nearest one is.
+TEST(LimitBinding, PointsAroundRandomPolyhedraAreCarried) {
+    std::mt19937 random(11);
+    std::normal_distribution<double> along;
+    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
+        std::vector<Point3> points;
+        for (int i = 0; i < (test::kIsSlow ? 2 : 20); ++i)
+            points.push_back(toPoint(3 * Vector3d(along(random), along(random), along(random))));
+        Lattice shaken = lattice;
+        // Much more, and cells are inside out.
+        const auto far = test::shaken(lattice.positions, 3);
+        for (std::size_t v = 0; v < far.size(); ++v)
+            shaken.positions[v] = toPoint(0.9 * vec(lattice.positions[v]) + 0.1 * vec(far[v]));
+        const Bound result =
+            bound(shaken, points, {.embedding = {.outside = OutsidePolicy::Nearest}});
+        EXPECT_EQ(result.count(PointStatus::NotConverged), 0) << name;
+        EXPECT_LT(test::largestDistance(times(result.binding.table.points, shaken.positions),
+                                        test::asMatrix(points)),
+                  1e-11)
+            << name;
+    }
+}
+
 TEST(LimitBinding, ATightToleranceIsMet) {
     const Lattice lattice = shapes::star();
     const auto rest = limitPoints(lattice, 0, lattice.positions);

@@ -80,11 +80,20 @@ TEST(PatchSolver, NearestPlace) {
     EXPECT_LT((nearest - Vector3d(2, 1.5, 1)).norm(), 1e-12);
 }
 
-TEST(PatchSolver, FlatPatchesAreUndecided) {
+TEST(PatchSolver, FindsPointsOfFlatPatches) {
     std::mt19937 random(4);
     auto points = bentPatch(0, random);
     for (Vector3d& point : points) point[2] = 0;
-    EXPECT_EQ(PatchSolver(points).find({1.5, 1.5, 0}).answer, Answer::Undecided);
+    const PatchSolver solver(points);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 20; ++i) {
+        const Vector3d point = solver.map().position({unit(random), unit(random), unit(random)});
+        const auto found = solver.find(point);
+        ASSERT_EQ(found.answer, Answer::Here);
+        // Some ten units in the last place of coordinates of 3.
+        EXPECT_LT((solver.map().position(found.uvw) - point).norm(), 2e-14);
+        EXPECT_EQ(solver.find(point + Vector3d(0, 0, 1e-9)).answer, Answer::NotHere);
+    }
 }
 
 // The weights and the control points tell of the same map, phantoms included.
