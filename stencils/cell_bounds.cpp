@@ -20,18 +20,16 @@ CellBounds::CellBounds(const far::Level& level, std::span<const Point3> position
                        far::Creasing creasing)
     : level_(level),
       positions_(positions),
-      mayExtrapolate_(creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp()) {}
+      mayExtrapolate_(creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp()),
+      aroundVertex_(static_cast<std::size_t>(level.complex.count(0))),
+      staysInHull_(static_cast<std::size_t>(level.complex.count(0))) {}
 
-std::optional<CellBound> CellBounds::boundOf(Index cell,
-                                             const std::optional<Vector3d>& inherited) const {
+std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vector3d>& inherited) {
     CellBound bound;
     if (inherited) bound.drift = *inherited / 4;
-    std::vector<Index> ring;
-    if (!bound.drift) {
-        ring = ringOf(cell);
-        // Three axes, a sixth of the second difference for each.
-        if (isRegularCell(level_, cell)) bound.drift = largestSecondDifference(ring) / 2;
-    }
+    // Three axes, a sixth of the second difference for each.
+    if (!bound.drift && isRegularCell(level_, cell))
+        bound.drift = largestSecondDifference(ringOf(cell)) / 2;
     if (bound.drift) {
         if (!bound.drift->allFinite()) return std::nullopt;  // Coordinates near the largest number.
         bound.box = ownBox(cell).box;
@@ -40,10 +38,20 @@ std::optional<CellBound> CellBounds::boundOf(Index cell,
         return bound;
     }
     if (!staysInHull(cell)) return std::nullopt;
-    for (const Index other : ring)
-        for (const Index vertex : level_.complex.relation(3, 0)[other])
-            bound.box.extend(positionOf(vertex));
+    for (const Index vertex : level_.complex.relation(3, 0)[cell])
+        bound.box.extend(boxAround(vertex));
     return bound;
+}
+
+const CellBounds::Box& CellBounds::boxAround(Index vertex) {
+    auto& box = aroundVertex_[static_cast<std::size_t>(vertex)];
+    if (!box) {
+        box.emplace();
+        for (const Index cell : level_.complex.relation(0, 3)[vertex])
+            for (const Index corner : level_.complex.relation(3, 0)[cell])
+                box->extend(positionOf(corner));
+    }
+    return *box;
 }
 
 CellBound CellBounds::ownBox(Index cell, double widening) const {
@@ -97,21 +105,27 @@ std::vector<Index> CellBounds::ringOf(Index cell) const {
 }
 
 /// Whether no new point around a cell, at this level or a later one, has a negative weight.
-bool CellBounds::staysInHull(Index cell) const {
-    if (mayExtrapolate_) return false;
-    for (const Index vertex : level_.complex.relation(3, 0)[cell]) {
-        std::size_t surfaceEdges = 0;
-        for (const Index edge : level_.complex.relation(0, 1)[vertex]) {
-            if (level_.strata.isOpen({1, edge})) continue;  // It has no new point.
-            if (level_.strata.smoothStratum({1, edge}) == 2)
-                ++surfaceEdges;
-            else if (level_.complex.relation(1, 2)[edge].size() == 2)
-                return false;  // (C̄ + 2Ā − M)/2
-        }
-        if (level_.strata.smoothStratum({0, vertex}) == 2 && surfaceEdges == 2)
-            return false;  // (Ā + 2M̄ − P)/2
+bool CellBounds::staysInHull(Index cell) {
+    const auto vertices = level_.complex.relation(3, 0)[cell];
+    return !mayExtrapolate_ && std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
+        auto& stays = staysInHull_[static_cast<std::size_t>(vertex)];
+        if (!stays) stays = isConvexAround(vertex);
+        return *stays;
+    });
+}
+
+/// The same of what is around a vertex.
+bool CellBounds::isConvexAround(Index vertex) const {
+    std::size_t surfaceEdges = 0;
+    for (const Index edge : level_.complex.relation(0, 1)[vertex]) {
+        if (level_.strata.isOpen({1, edge})) continue;  // It has no new point.
+        if (level_.strata.smoothStratum({1, edge}) == 2)
+            ++surfaceEdges;
+        else if (level_.complex.relation(1, 2)[edge].size() == 2)
+            return false;  // (C̄ + 2Ā − M)/2
     }
-    return true;
+    // (Ā + 2M̄ − P)/2
+    return level_.strata.smoothStratum({0, vertex}) != 2 || surfaceEdges != 2;
 }
 
 namespace {

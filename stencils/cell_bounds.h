@@ -52,8 +52,7 @@ public:
     /// \param cell with all its neighbours present
     /// \param inherited the drift of the cell that this one is a child of, if it has one
     /// \return nothing if the cell may become anything
-    std::optional<CellBound> boundOf(Index cell,
-                                     const std::optional<Eigen::Vector3d>& inherited) const;
+    std::optional<CellBound> boundOf(Index cell, const std::optional<Eigen::Vector3d>& inherited);
 
     /// Where the cell itself lies, without what it may become: the box of its corners, widened on
     /// each side by a part of its diagonal, which is the drift.
@@ -65,7 +64,10 @@ public:
 
 private:
     Eigen::Matrix3d axesOf(Index cell) const;
-    bool staysInHull(Index cell) const;
+    using Box = Eigen::AlignedBox<double, 3>;
+    const Box& boxAround(Index vertex);
+    bool staysInHull(Index cell);
+    bool isConvexAround(Index vertex) const;
     Eigen::Vector3d largestSecondDifference(const std::vector<Index>& ring) const;
     std::vector<Index> ringOf(Index cell) const;
 
@@ -76,6 +78,10 @@ private:
     const far::Level& level_;
     std::span<const Point3> positions_;
     bool mayExtrapolate_;  ///< Chaikin's rule for semi-sharp edges
+
+    // Of each vertex once it was asked for: at a vertex of many cells, each of them asks.
+    std::vector<std::optional<Box>> aroundVertex_;  ///< of all its cells
+    std::vector<std::optional<bool>> staysInHull_;
 };
 
 }  // namespace espalier::stencils

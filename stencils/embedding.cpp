@@ -12,6 +12,8 @@
 #include <optional>
 #include <vector>
 
+#include "level_rows.h"
+
 namespace espalier::stencils {
 
 using far::CellId;
@@ -174,9 +176,34 @@ FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner,
         }));
 }
 
+namespace {
+
+/// D where rows of S are long: those of points are carried to the base by themselves.
+template <class Real>
+StencilTable<Real> multipliedFromPoints(const far::TopologyRefiner& refiner,
+                                        std::span<const StencilTable<double>> tables,
+                                        const Embedding& embedding) {
+    const int level = static_cast<int>(tables.size());
+    std::vector<StencilTable<double>> rows;
+    for (int k = 0; k < level; ++k)
+        rows.push_back(buildTable<double>(0, refiner.level(k).complex.count(0),
+                                          [](Index, RowAccumulator&) {}));
+    rows.push_back(buildEmbeddingTable(refiner.level(level).complex, embedding));
+    return std::move(composeRows<Real>(tables, std::move(rows), Composition::FromRows).back());
+}
+
+bool hasLongRows(const far::TopologyRefiner& refiner) {
+    return compositionAbove(refiner.level(0).complex) == Composition::FromRows;
+}
+
+}  // namespace
+
 template <class Real>
 StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
                                          Rules rules, const Embedding& embedding) {
+    if (hasLongRows(refiner))
+        return multipliedFromPoints<Real>(refiner, buildLevelTables<double>(refiner, level, rules),
+                                          embedding);
     return multiplied<Real>(buildFactoredTable<double>(refiner, level, rules, embedding), refiner,
                             level, embedding);
 }
@@ -185,6 +212,7 @@ template <class Real>
 StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
                                          std::span<const StencilTable<double>> tables,
                                          const Embedding& embedding) {
+    if (hasLongRows(refiner)) return multipliedFromPoints<Real>(refiner, tables, embedding);
     return multiplied<Real>(buildFactoredTable<double>(refiner, tables, embedding), refiner,
                             static_cast<int>(tables.size()), embedding);
 }

@@ -38,40 +38,11 @@ std::vector<Index> columnsOf(const StencilTable<double>& table) {
     return columns;
 }
 
-}  // namespace
-
-template <class Real>
-std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>> tables,
-                                            std::vector<StencilTable<double>> rows) {
-    // Down the levels: the vertices whose rows of S_k are asked for. Then up: these rows.
-    const std::size_t last = rows.size() - 1;
-    std::vector<std::vector<Index>> vertices(rows.size());
-    std::vector<StencilTable<double>> steps(rows.size());  // The rows of R_k for those.
-    for (std::size_t k = last;; --k) {
-        const auto own = columnsOf(rows[k]);
-        const auto above = k == last ? std::vector<Index>() : columnsOf(steps[k + 1]);
-        std::set_union(own.begin(), own.end(), above.begin(), above.end(),
-                       std::back_inserter(vertices[k]));
-        if (k == 0) break;
-        steps[k] = selectRows(tables[k - 1], vertices[k]);
-    }
-    std::vector<StencilTable<Real>> result;
-    result.push_back(convertTable<Real>(std::move(rows[0])));
-    StencilTable<double> stencils;
-    for (std::size_t k = 1; k <= last; ++k) {
-        stencils = k == 1 ? std::move(steps[1])
-                          : multiply<double>(overColumns(steps[k], vertices[k - 1]), stencils);
-        result.push_back(multiply<Real>(overColumns(rows[k], vertices[k]), stencils));
-    }
-    return result;
-}
-
-namespace {
-
 /// The rows of `own`, and behind them those of `more`, over the vertices of the level above.
 /// \param step R of the level
+/// \param areDerivatives whether rows sum to 0
 StencilTable<double> carried(const StencilTable<double>& own, const StencilTable<double>& more,
-                             const StencilTable<double>& step) {
+                             const StencilTable<double>& step, bool areDerivatives) {
     return buildTable<double>(own.rowCount() + more.rowCount(), step.columnCount(),
                               [&](Index row, RowAccumulator& accumulator) {
                                   const bool isOwn = row < own.rowCount();
@@ -85,7 +56,7 @@ StencilTable<double> carried(const StencilTable<double>& own, const StencilTable
                                       for (std::size_t k = 0; k < next.size(); ++k)
                                           accumulator.add(next[k], weights[i] * factors[k]);
                                   }
-                                  accumulator.makeSumZero();
+                                  if (areDerivatives) accumulator.makeSumZero();
                               });
 }
 
@@ -125,37 +96,120 @@ StencilTable<double> concatenated(const StencilTable<double>& first,
                               });
 }
 
+/// Takes the rows of several tables apart that stand in one behind each other.
+template <class Real>
+void appendParts(const StencilTable<Real>& table, std::span<const Index> counts,
+                 std::vector<StencilTable<Real>>& parts) {
+    Index first = 0;
+    for (const Index count : counts) {
+        std::vector<Index> own(static_cast<std::size_t>(count));
+        std::iota(own.begin(), own.end(), std::exchange(first, first + count));
+        parts.push_back(selectRows(table, own));
+    }
+}
+
+std::vector<Index> rowCounts(std::span<const StencilTable<double>> tables) {
+    std::vector<Index> counts;
+    for (const auto& table : tables) counts.push_back(table.rowCount());
+    return counts;
+}
+
+constexpr Offset kLongRow = 256;
+
+/// Whether a row of a relation has more entries than that.
+bool hasLongRow(std::span<const Offset> offsets) {
+    for (std::size_t row = 1; row < offsets.size(); ++row)
+        if (offsets[row] - offsets[row - 1] > kLongRow) return true;
+    return false;
+}
+
+bool hasLongRow(const far::Incidence& relation) {
+    for (Index row = 0; row < relation.rowCount(); ++row)
+        if (std::ssize(relation[row]) > kLongRow) return true;
+    return false;
+}
+
 }  // namespace
+
+Composition compositionAbove(const far::CellComplex& complex) {
+    const int cells = complex.dimension();
+    const bool isLong = hasLongRow(complex.relation(2, 0)) ||
+                        hasLongRow(complex.relation(cells, 0)) ||
+                        hasLongRow(complex.relation(0, cells));
+    return isLong ? Composition::FromRows : Composition::FromBase;
+}
+
+Composition compositionOf(std::span<const StencilTable<double>> tables) {
+    const bool isLong =
+        std::any_of(tables.begin(), tables.end(),
+                    [](const StencilTable<double>& table) { return hasLongRow(table.offsets()); });
+    return isLong ? Composition::FromRows : Composition::FromBase;
+}
+
+template <class Real>
+std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>> tables,
+                                            std::vector<StencilTable<double>> rows,
+                                            Composition composition) {
+    const std::size_t last = rows.size() - 1;
+    if (composition == Composition::FromRows) {
+        const std::vector<Index> counts = rowCounts(rows);
+        StencilTable<double> below;
+        for (std::size_t k = last; k > 0; --k) {
+            below = carried(rows[k], below, tables[k - 1], false);
+            rows.pop_back();
+        }
+        std::vector<StencilTable<Real>> result;
+        appendParts(convertTable<Real>(last > 0 ? concatenated(rows[0], below) : rows[0]), counts,
+                    result);
+        return result;
+    }
+    // Down the levels: the vertices whose rows of S_k are asked for. Then up: these rows.
+    std::vector<std::vector<Index>> vertices(rows.size());
+    std::vector<StencilTable<double>> steps(rows.size());  // The rows of R_k for those.
+    for (std::size_t k = last;; --k) {
+        const auto own = columnsOf(rows[k]);
+        const auto above = k == last ? std::vector<Index>() : columnsOf(steps[k + 1]);
+        std::set_union(own.begin(), own.end(), above.begin(), above.end(),
+                       std::back_inserter(vertices[k]));
+        if (k == 0) break;
+        steps[k] = selectRows(tables[k - 1], vertices[k]);
+    }
+    std::vector<StencilTable<Real>> result;
+    result.push_back(convertTable<Real>(std::move(rows[0])));
+    StencilTable<double> stencils;
+    for (std::size_t k = 1; k <= last; ++k) {
+        stencils = k == 1 ? std::move(steps[1])
+                          : multiply<double>(overColumns(steps[k], vertices[k - 1]), stencils);
+        result.push_back(multiply<Real>(overColumns(rows[k], vertices[k]), stencils));
+    }
+    return result;
+}
 
 std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTable<double>> tables,
                                                      std::vector<StencilTable<double>> rows,
                                                      RowMeaning meaning) {
     // On the first levels rows share most vertices, and rounding grows to 2⁶ times itself only.
     constexpr std::size_t kSharedLevels = 6;
-    std::vector<Index> counts;
-    for (const auto& level : rows) counts.push_back(level.rowCount());
+    const std::vector<Index> counts = rowCounts(rows);
     StencilTable<double> below;
     for (; rows.size() > kSharedLevels + 1; rows.pop_back()) {
-        below = carried(rows.back(), below, tables[rows.size() - 2]);
+        below = carried(rows.back(), below, tables[rows.size() - 2], true);
         if (meaning == RowMeaning::Spans) below = orthonormal(below);
     }
     if (below.rowCount() > 0) rows.back() = concatenated(rows.back(), below);
-    auto result = composeRows<double>(tables, std::move(rows));
+    auto result = composeRows<double>(tables, std::move(rows), compositionOf(tables));
     // Takes the rows of the last levels apart again.
     const StencilTable<double> last = std::move(result.back());
     result.pop_back();
-    Index first = 0;
-    for (std::size_t k = result.size(); k < counts.size(); ++k) {
-        std::vector<Index> own(static_cast<std::size_t>(counts[k]));
-        std::iota(own.begin(), own.end(), std::exchange(first, first + counts[k]));
-        result.push_back(selectRows(last, own));
-    }
+    appendParts<double>(last, std::span(counts).subspan(result.size()), result);
     return result;
 }
 
 template std::vector<StencilTable<float>> composeRows(std::span<const StencilTable<double>>,
-                                                      std::vector<StencilTable<double>>);
+                                                      std::vector<StencilTable<double>>,
+                                                      Composition);
 template std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<double>>,
-                                                       std::vector<StencilTable<double>>);
+                                                       std::vector<StencilTable<double>>,
+                                                       Composition);
 
 }  // namespace espalier::stencils

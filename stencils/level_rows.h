@@ -1,12 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/cell_complex.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
 #include <vector>
 
 namespace espalier::stencils {
+
+/// From which end products of level tables are made.
+enum class Composition {
+    FromBase,  ///< rows of S_k are made once, for all rows that share their vertices
+    FromRows   ///< each row is carried up by itself: where rows of S_k are long, few of them are
+               ///< shared by more rows than they have entries
+};
+
+/// FromRows if new points on the levels above a complex have rows of more than some 256 entries:
+/// those of cells and faces of as many vertices, and of vertices of as many cells.
+/// \cost O(entities of the complex)
+Composition compositionAbove(const far::CellComplex& complex);
+
+/// The same by level tables at hand.
+/// \cost O(rows)
+Composition compositionOf(std::span<const StencilTable<double>> tables);
 
 /// Tables over the vertices of several levels, carried to the base: element k of the result is
 /// rows[k] · R_k … R_1. All levels in one go: a row of S_k is made once, for what asks for it there
@@ -17,7 +34,8 @@ namespace espalier::stencils {
 /// \cost O(products of entries), in parallel
 template <class Real>
 std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>> tables,
-                                            std::vector<StencilTable<double>> rows);
+                                            std::vector<StencilTable<double>> rows,
+                                            Composition composition);
 
 /// Whether rows of derivatives stand for themselves, or for the space that each three of them span.
 enum class RowMeaning { Themselves, Spans };

@@ -103,6 +103,25 @@ std::vector<Point3> chosen(std::span<const Point3> points, const std::vector<Ind
     return result;
 }
 
+/// \throws Error naming a cell, a face or a vertex of so many sides that the levels around it would
+///         take all memory: each point near it needs some twenty levels, with as many cells as that
+void checkSides(const far::CellComplex& complex) {
+    constexpr std::ptrdiff_t kMaxSides = 1000;
+    const auto check = [&](int dimension, int other, const char* entity, const char* sides) {
+        const far::Incidence& relation = complex.relation(dimension, other);
+        for (Index i = 0; i < relation.rowCount(); ++i)
+            if (std::ssize(relation[i]) > kMaxSides)
+                throw Error(std::string(entity) + " " + std::to_string(i) + " has " +
+                            std::to_string(relation[i].size()) + " " + sides +
+                            "; points are bound to the limit around at most " +
+                            std::to_string(kMaxSides) +
+                            ": split it, or bind the points to a level");
+    };
+    check(3, 2, "cell", "faces");
+    check(2, 1, "face", "edges");
+    check(0, 1, "vertex", "edges");
+}
+
 /// Binds groups of points to the limit volume.
 template <class Real>
 class LimitBinder : public GroupBinder<LimitTable<Real>> {
@@ -155,7 +174,8 @@ private:
                                   static_cast<Index>(found.positions[level].size())));
             if (gradients_) directions.push_back(weights.tangents());
         }
-        auto tables = composeRows<Real>(found.descent.tables, std::move(rows));
+        auto tables = composeRows<Real>(found.descent.tables, std::move(rows),
+                                        compositionOf(found.descent.tables));
         if (gradients_)
             directions =
                 composeDerivatives(found.descent.tables, std::move(directions), RowMeaning::Spans);
@@ -191,6 +211,7 @@ BoundModel<Real, LimitTable<Real>> bindLimit(const far::TopologyRefiner& base,
     checkLimitTolerance(options.tolerance);
     checkLimitRules(rules);
     checkBase(base, positions, 1);
+    checkSides(base.level(0).complex);
     const LengthUnit unit(positions);
     const std::vector<Point3> inUnits = unit.toUnits(positions);
     const LimitBinder<Real> binder(base, inUnits, unit, rules, options);

@@ -62,7 +62,8 @@ struct LimitTable {
 /// \param base a lattice at level 0
 /// \param positions of its vertices, at rest
 /// \param progress called now and then with the number of points done, from any thread, or empty
-/// \throws Error as bindPoints(); for a tolerance that is out of range; and under Rules::Rats
+/// \throws Error as bindPoints(); for a cell, a face or a vertex of more than 1,000 faces or edges,
+///         around which the levels would take all memory; for a tolerance that is out of range; and under Rules::Rats
 /// \cost O(points · entries of D a point); near an irregular feature also its distance's logarithm,
 ///       some 0.2 ms a level. In parallel; the result does not depend on the number of threads
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (whose trilinear cells this goes past)

@@ -10,6 +10,7 @@
 #include <map>
 #include <sstream>
 
+#include "level_rows.h"
 #include "sort_unique.h"
 #include "table_builder.h"
 
@@ -106,7 +107,15 @@ std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int leve
     for (const Index cell : cells)
         corners.insert(corners.end(), vertices[cell].begin(), vertices[cell].end());
     sortUnique(corners);
-    const auto rows = composeStencils<double>(refiner, tables, corners);
+    std::vector<StencilTable<double>> selections;
+    for (int k = 0; k <= level; ++k)
+        selections.push_back(buildTable<double>(
+            k < level ? 0 : static_cast<Index>(corners.size()), refiner.level(k).complex.count(0),
+            [&](Index row, RowAccumulator& accumulator) {
+                accumulator.add(corners[static_cast<std::size_t>(row)], 1);
+            }));
+    const auto rows =
+        composeRows<double>(tables, std::move(selections), compositionOf(tables)).back();
     std::vector<std::uint8_t> result;
     for (const Index cell : cells) {
         double spread = 0;

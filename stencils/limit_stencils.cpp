@@ -141,7 +141,8 @@ StencilTable<double> rowsOf(const far::Level& level, const far::RefinerOptions& 
         rows.push_back(rowsOf(walk, k, ofPlaces, std::span(orders).first(1)));
         if (!derivatives.empty()) derivativeRows.push_back(rowsOf(walk, k, ofPlaces, derivatives));
     }
-    const auto tables = composeRows<double>(walk.tables, std::move(rows));
+    const auto tables =
+        composeRows<double>(walk.tables, std::move(rows), compositionOf(walk.tables));
     if (!derivatives.empty())
         derivativeRows =
             composeDerivatives(walk.tables, std::move(derivativeRows), RowMeaning::Themselves);

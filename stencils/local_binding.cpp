@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bind_groups.h"
+#include "level_rows.h"
 
 namespace espalier::stencils {
 namespace {
@@ -22,8 +23,10 @@ std::unique_ptr<const GroupBinder<Table>> makeBinder(const far::TopologyRefiner&
                                                      Rules rules, Offset pointCount,
                                                      const EmbeddingOptions& options) {
     // Where there are points for every cell, nothing is saved by leaving some out, and groups
-    // would refine the cells between them twice.
-    if (isWithin(base.level(0).complex, level, pointCount))
+    // would refine the cells between them twice. But rows of S for all of its vertices are too many
+    // where they are long.
+    const far::CellComplex& complex = base.level(0).complex;
+    if (isWithin(complex, level, pointCount) && compositionAbove(complex) == Composition::FromBase)
         return std::make_unique<WholeBinder<Table>>(base, positions, level, rules, options);
     return std::make_unique<PartBinder<Table>>(base, positions, level, rules, options);
 }

@@ -80,7 +80,7 @@ PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Poi
       rounding_(kSlack * (scale.size + largestCoordinate(positions))),
       margin_(scale.tolerance + rounding_),
       bounds_([&] {
-          const CellBounds bounds(base.level(0), positions, base.options().creasing);
+          CellBounds bounds(base.level(0), positions, base.options().creasing);
           std::vector<Bound> result;
           for (Index cell = 0; cell < base.level(0).complex.count(3); ++cell)
               result.push_back(bounds.boundOf(cell, std::nullopt));
@@ -159,7 +159,7 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
     descent.tables.push_back(buildLevelTable(descent.refiner, level, rules_));
     descent.positions = applyLevelTable(descent.tables.back(), descent.positions);
 
-    const CellBounds bounds(descent.refiner.level(level), descent.positions,
+    CellBounds bounds(descent.refiner.level(level), descent.positions,
                             base_.options().creasing);
     const auto mayHold = [&](const Bound& bound, const AffineHull& hull, Index point) {
         return !bound || (!(bound->box.exteriorDistance(at(points, point)) > descent.margin) &&

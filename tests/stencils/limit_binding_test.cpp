@@ -344,6 +344,18 @@ TEST(LimitBinding, ATightToleranceIsMet) {
         2e-12);
 }
 
+TEST(LimitBinding, RefusesCellsOfTooManySides) {
+    const Lattice lattice = shapes::prism({.sides = 1200});
+    try {
+        bound(lattice, {{0, 0, 0}});
+        ADD_FAILURE() << "accepted";
+    } catch (const Error& error) {
+        EXPECT_STREQ(error.what(),
+                     "cell 0 has 1202 faces; points are bound to the limit around at most 1000: "
+                     "split it, or bind the points to a level");
+    }
+}
+
 TEST(LimitBinding, DoesNotDependOnTheNumberOfThreads) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});
     auto points = pointsInside(lattice, 9);

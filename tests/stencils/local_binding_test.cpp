@@ -4,6 +4,7 @@
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/local_binding.h>
+#include <espalier/stencils/sparse_matrix.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -391,6 +392,28 @@ TEST(LocalBinding, CarriesPointsFromFarAway) {
                     << level << ' ' << sizes;
             }
     }
+}
+
+// Around a cell of very many faces, rows of D are carried from the points up. They are those of the
+// product of W and S, but for rounding; and of a part of a level those of all of it, to the bit.
+TEST(LocalBinding, CellsOfManySides) {
+    const Lattice lattice = shapes::prism({.sides = 300});
+    const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+    TopologyRefiner whole = base;
+    whole.refineUniform(2);
+    const auto positions = refinePositions(whole, 2, Rules::Siggraph96, lattice.positions);
+    std::vector<Point3> points;
+    for (std::size_t i = 0; i < positions.size(); i += 400) points.push_back(positions[i]);
+    const Embedding embedding = embedPoints(whole.level(2).complex, positions, points);
+    const auto table = buildDeformationTable<double>(whole, 2, Rules::Siggraph96, embedding);
+    const auto model = bindPoints<double>(base, lattice.positions, 2, Rules::Siggraph96, points);
+    EXPECT_TRUE(model.binding.table == table);
+    const auto product = multiply<double>(buildEmbeddingTable(whole.level(2).complex, embedding),
+                                          buildStencils<double>(whole, 2, Rules::Siggraph96));
+    const Eigen::MatrixXd difference = Eigen::MatrixXd(SparseView<double>(table).matrix()) -
+                                       Eigen::MatrixXd(SparseView<double>(product).matrix());
+    EXPECT_LT(difference.lpNorm<Eigen::Infinity>(), 1e-15);
+    EXPECT_GT(table.columns(table.rowCount() - 1).size(), 500U);
 }
 
 }  // namespace

@@ -308,5 +308,20 @@ TEST(VertexLimits, RefusesWhatHasNone) {
     EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Siggraph96, 9), Error);
 }
 
+// The mask of a vertex of very many edges takes no time; its eigenvalues would take hours.
+TEST(VertexLimits, OfVeryManyEdges) {
+    const Lattice lattice = shapes::bipyramid({.sides = 3000});
+    const TopologyRefiner refiner(lattice.complex);
+    Index apex = far::kMaxIndex;
+    for (Index v = 0; v < lattice.complex.count(0); ++v)
+        if (std::ssize(lattice.complex.relation(0, 1)[v]) == 3000) apex = v;
+    ASSERT_NE(apex, far::kMaxIndex);
+    const VertexRing ring = ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, apex);
+    const Eigen::VectorXd mask = limitMask(ring);
+    EXPECT_NEAR(mask.sum(), 1, 1e-14);
+    EXPECT_LT((ring.subdivision.transpose() * mask - mask).lpNorm<Eigen::Infinity>(), 1e-15);
+    EXPECT_THROW(eigenvalues(ring), Error);
+}
+
 }  // namespace
 }  // namespace espalier::stencils
