@@ -37,7 +37,10 @@
 /// length. A count is that of the entities, not of the numbers; where it is that of numbers, it is
 /// called a size. An array may be null where its count is 0.
 ///
-/// What an operation means and costs is said in more detail in the C++ headers that are named.
+/// The C++ headers that are named say in more detail what an operation means and costs.
+///
+/// This header is the core. espalier_shapes.h has the inventory of lattices, and espalier_solve.h
+/// the fit of a lattice and the checks of its poses; both include this one.
 
 #if defined(__GNUC__)
 #define ESPALIER_C_API __attribute__((visibility("default")))
@@ -192,37 +195,6 @@ ESPALIER_C_API espalier_status espalier_lattice_create_hexahedra(int32_t vertex_
                                                                  int32_t cell_count,
                                                                  const int32_t* vertices,
                                                                  espalier_lattice** lattice);
-
-/// A box of hexahedra (shapes/inventory.h). Vertex (i, j, k) is i + (cells[0] + 1) (j + (cells[1] +
-/// 1) k).
-///
-/// \param cells along x, y and z: 1 or more each
-/// \param min, max the corners, `max` above `min` in each coordinate
-ESPALIER_C_API espalier_status espalier_lattice_create_box(const int32_t cells[3],
-                                                           const double min[3], const double max[3],
-                                                           espalier_lattice** lattice);
-
-/// A disk swept along an axis, with wedges round the axis (shapes/inventory.h).
-///
-/// \param sectors sides of the disk, 3 or more
-/// \param rings of cells in the disk, 1 or more
-/// \param layers of cells along the axis, 1 or more
-/// \param radius of the outermost vertices, above 0
-/// \param from, to the centres of the ends, x, y, z each
-ESPALIER_C_API espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings,
-                                                                int32_t layers, double radius,
-                                                                const double from[3],
-                                                                const double to[3],
-                                                                espalier_lattice** lattice);
-
-/// Joins lattices by welding the vertices that coincide (shapes/merge.h).
-///
-/// \param count of lattices, 1 or more
-/// \param tolerance how far apart vertices may be, as a fraction of the diagonal of the box round
-///        all; 1e-6 is usual
-ESPALIER_C_API espalier_status
-espalier_lattice_create_merged(int64_t count, const espalier_lattice* const* lattices,
-                               double tolerance, espalier_lattice** lattice);
 
 /// Reads a lattice in the format of its extension: .ovm, .vtu or .vtk, with marks (io/).
 ESPALIER_C_API espalier_status espalier_lattice_read(const char* path, espalier_lattice** lattice);
@@ -548,72 +520,6 @@ ESPALIER_C_API espalier_status espalier_table_create_nested(
     const espalier_table* child, int32_t child_vertex_count, const double* child_pose,
     const espalier_refiner* parent, int32_t parent_vertex_count, const double* parent_positions,
     const espalier_bind_options* options, espalier_table** table);
-
-// ---- Fitting --------------------------------------------------------------------------------
-
-/// What is asked of displacements besides that they reach the targets (solve/lattice_fit.h).
-enum {
-    ESPALIER_SMOOTHING_NONE = 0,
-    ESPALIER_SMOOTHING_TIKHONOV = 1,  ///< that they are small
-    ESPALIER_SMOOTHING_LAPLACIAN = 2  ///< that each is like those of the neighbours
-};
-
-/// What is done where the targets leave some displacements open.
-enum {
-    ESPALIER_UNDETERMINED_SMALLEST = 0,  ///< of all that fit as well, the smallest
-    ESPALIER_UNDETERMINED_REFUSE = 1
-};
-
-/// How a lattice is fitted. Begin with espalier_default_fit_options(), as with those above.
-typedef struct espalier_fit_options {
-    size_t size;            ///< of this struct: sizeof(espalier_fit_options)
-    int32_t smoothing;      ///< ESPALIER_SMOOTHING_...; default NONE
-    int32_t undetermined;   ///< ESPALIER_UNDETERMINED_...; default SMALLEST
-    double strength;        ///< of smoothing against targets, 1e-4 to 1e4; default 1e-3
-    int64_t frozen_count;   ///< default 0
-    const int32_t* frozen;  ///< vertices that stay where they are: frozen_count numbers
-} espalier_fit_options;
-
-static inline espalier_fit_options espalier_default_fit_options(void) {
-    espalier_fit_options options;
-    options.size = sizeof options;
-    options.smoothing = ESPALIER_SMOOTHING_NONE;
-    options.undetermined = ESPALIER_UNDETERMINED_SMALLEST;
-    options.strength = 1e-3;
-    options.frozen_count = 0;
-    options.frozen = NULL;
-    return options;
-}
-
-/// How well displacements do.
-typedef struct espalier_fit_quality {
-    double largest_miss;  ///< how far a point is from its target
-    double rms_miss;      ///< the root of the mean of the squares of these distances
-    double condition;     ///< of the least-squares matrix; infinity where displacements are open
-} espalier_fit_quality;
-
-/// The displacements of the vertices of a lattice that carry points to where they are wanted, in
-/// the sense of least squares.
-///
-/// \param deformation D: points × vertices of the lattice
-/// \param lattice whose edges are the neighbours of smoothing
-/// \param target_count points that have targets
-/// \param rows the rows of D that these points have; null for all rows, in order
-/// \param misses of each of these points: its target, less where it is at rest. 3 · target_count
-///        numbers
-/// \param options null for the defaults
-/// \param vertex_count that of the lattice
-/// \param displacements 3 · vertex_count numbers are written
-/// \param quality may be null
-/// \retval ESPALIER_ERROR_INPUT no targets; a row that is not there, or is empty; misses that are
-/// not
-///         finite; options out of range; a frozen vertex that is not there; open displacements
-///         under ESPALIER_UNDETERMINED_REFUSE
-/// \cost O(Σ entries² of the rows + a sparse Cholesky factor of the vertices)
-ESPALIER_C_API espalier_status espalier_lattice_fit(
-    const espalier_table* deformation, const espalier_lattice* lattice, int32_t target_count,
-    const int32_t* rows, const double* misses, const espalier_fit_options* options,
-    int32_t vertex_count, double* displacements, espalier_fit_quality* quality);
 
 // ---- Evaluators -----------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "arguments.h"
+#include "espalier_solve.h"
 #include "guard.h"
 #include "handles.h"
 

@@ -325,8 +325,11 @@ static void test_shapes(void) {
             took(espalier_lattice_create_box(counts, from, to, &l));
             espalier_lattice_destroy(l);
             l = NULL;
-            took(
-                espalier_lattice_create_cylinder(counts[0], counts[1], counts[2], 1, from, to, &l));
+            took(espalier_lattice_create_cylinder(3, 1, int32s[i], 1, 1, from, to, &l));
+            espalier_lattice_destroy(l);
+            l = NULL;
+            took(espalier_lattice_create_cylinder(counts[0], counts[1], 0, counts[2], 1, from, to,
+                                                  &l));
             espalier_lattice_destroy(l);
         }
     const espalier_lattice* both[2] = {lattice, lattice};
@@ -337,7 +340,7 @@ static void test_shapes(void) {
         took(espalier_lattice_create_box(ones, odd, to, &l));
         espalier_lattice_destroy(l);
         l = NULL;
-        took(espalier_lattice_create_cylinder(3, 1, 1, doubles[i], from, to, &l));
+        took(espalier_lattice_create_cylinder(3, 1, 0, 1, doubles[i], from, to, &l));
         espalier_lattice_destroy(l);
         l = NULL;
         took(espalier_lattice_create_merged(1, both, doubles[i], &l));
@@ -347,6 +350,79 @@ static void test_shapes(void) {
     for (size_t i = 0; i < COUNT(lengths); ++i)
         REFUSES(espalier_lattice_create_merged(lengths[i], both, 1e-6, &l));
     REFUSES(espalier_lattice_create_merged(0, both, 1e-6, &l));
+}
+
+/* A shape with options: each number at the corners of its type, and sizes of the struct. `create`
+ * makes `l` of `options`; `field` is the first of `integers` int32_t; `length` the first of `reals`
+ * doubles. */
+#define TRY_SHAPE(shape, create, field, integers, length, reals)                       \
+    do {                                                                               \
+        static const size_t sizes[] = {0, 1, 4, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX}; \
+        espalier_##shape##_options options = espalier_default_##shape##_options();     \
+        espalier_lattice* l = NULL;                                                    \
+        for (size_t i = 0; i < COUNT(sizes); ++i) {                                    \
+            options.size = sizes[i];                                                   \
+            REFUSES(create);                                                           \
+        }                                                                              \
+        for (int at = 0; at < (integers); ++at)                                        \
+            for (size_t i = 0; i < COUNT(int32s); ++i) {                               \
+                options = espalier_default_##shape##_options();                        \
+                *(&options.field + at) = int32s[i];                                    \
+                l = NULL;                                                              \
+                took(create);                                                          \
+                espalier_lattice_destroy(l);                                           \
+            }                                                                          \
+        for (int at = 0; at < (reals); ++at)                                           \
+            for (size_t i = 0; i < COUNT(doubles); ++i) {                              \
+                options = espalier_default_##shape##_options();                        \
+                *(&options.length + at) = doubles[i];                                  \
+                l = NULL;                                                              \
+                took(create);                                                          \
+                espalier_lattice_destroy(l);                                           \
+            }                                                                          \
+    } while (0)
+
+static void test_inventory(void) {
+    TRY_SHAPE(torus, espalier_lattice_create_torus(&options, &l), segments, 6, major_radius, 2);
+    TRY_SHAPE(star, espalier_lattice_create_star(&options, &l), points, 4, inner_radius, 3);
+    TRY_SHAPE(barbell, espalier_lattice_create_barbell(&options, &l), end_segments, 6, end_radius,
+              5);
+    TRY_SHAPE(arm, espalier_lattice_create_arm(&options, &l), segments, 4, up[0], 3);
+    espalier_lattice* l = NULL;
+    for (size_t i = 0; i < COUNT(lengths); ++i) {
+        espalier_arm_options options = espalier_default_arm_options();
+        options.joint_count = lengths[i];
+        REFUSES(espalier_lattice_create_arm(&options, &l));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i)
+        for (int at = 0; at < 5; ++at) {
+            espalier_arm_joint joints[2] = {{{0, 0, 0}, 1, 0}, {{2, 0, 0}, 1, 0}};
+            espalier_arm_options options = espalier_default_arm_options();
+            options.joints = joints;
+            options.joint_count = 2;
+            *(at < 3    ? &joints[1].position[at]
+              : at == 3 ? &joints[1].radius
+                        : &joints[1].twist) = doubles[i];
+            l = NULL;
+            took(espalier_lattice_create_arm(&options, &l));
+            espalier_lattice_destroy(l);
+        }
+    for (size_t i = 0; i < COUNT(int32s); ++i)
+        for (int at = 0; at < 3; ++at) {
+            l = NULL;
+            took(at == 0   ? espalier_lattice_create_regular_solid(int32s[i], 1, &l)
+                 : at == 1 ? espalier_lattice_create_polygonal_solid(int32s[i], 3, 1, 1, &l)
+                           : espalier_lattice_create_polygonal_solid(0, int32s[i], 1, 1, &l));
+            espalier_lattice_destroy(l);
+        }
+    for (size_t i = 0; i < COUNT(doubles); ++i)
+        for (int at = 0; at < 3; ++at) {
+            l = NULL;
+            took(at == 0 ? espalier_lattice_create_regular_solid(0, doubles[i], &l)
+                         : espalier_lattice_create_polygonal_solid(0, 3, at == 1 ? doubles[i] : 1,
+                                                                   at == 2 ? doubles[i] : 1, &l));
+            espalier_lattice_destroy(l);
+        }
 }
 
 static void test_nested(void) {
@@ -536,6 +612,7 @@ int main(void) {
     test_refine_options();
     test_binding();
     test_shapes();
+    test_inventory();
     test_nested();
     test_fit();
     test_evaluators();

@@ -130,7 +130,7 @@ static void test_shapes(void) {
     OK(espalier_lattice_counts(both, counts));
     CHECK(counts[0] == 45 && counts[3] == 16);
     /* 8 wedges round the axis in each of 3 layers; 4 times an axis and 8 vertices round it. */
-    OK(espalier_lattice_create_cylinder(8, 1, 3, 0.5, origin, top, &round));
+    OK(espalier_lattice_create_cylinder(8, 1, ESPALIER_CORE_WEDGES, 3, 0.5, origin, top, &round));
     OK(espalier_lattice_counts(round, counts));
     CHECK(counts[0] == 36 && counts[3] == 24);
     espalier_lattice_destroy(one);
@@ -143,7 +143,7 @@ static void test_shapes(void) {
             "one of the lattices is null");
     REFUSED(espalier_lattice_create_box(NULL, origin, corner, &one), ESPALIER_ERROR_INPUT,
             "cells is null");
-    REFUSED(espalier_lattice_create_cylinder(8, 1, 1, 1, NULL, top, &one), ESPALIER_ERROR_INPUT,
+    REFUSED(espalier_lattice_create_cylinder(8, 1, 0, 1, 1, NULL, top, &one), ESPALIER_ERROR_INPUT,
             "from is null");
     CHECK(one == NULL);
 }
