@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "arguments.h"
+#include "bind_options.h"
 #include "guard.h"
 #include "handles.h"
 
@@ -23,16 +24,9 @@ static_assert(sizeof(stencils::PointStatus) == sizeof(std::uint8_t));
 namespace espalier::c {
 namespace {
 
-/// A refiner of the same base, which points can be bound to.
-far::TopologyRefiner baseOf(const far::TopologyRefiner& refiner) {
-    return far::TopologyRefiner(refiner.level(0).complex, refiner.options());
-}
-
 espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Point3> positions,
                             std::span<const Point3> points, const espalier_bind_options& chosen) {
-    stencils::EmbeddingOptions options;
-    options.outside = choice(chosen.outside, stencils::OutsidePolicy::Error, "outside");
-    options.tolerance = chosen.tolerance;
+    const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
     if (chosen.limit_tolerance != 0) {
         auto bound = stencils::bindLimit<double>(
@@ -85,10 +79,7 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
         c::checkCount(vertex_count, own.refiner.level(0).complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
-        const auto chosen = c::optionsOr(options, espalier_default_bind_options(),
-                                         offsetof(espalier_bind_options, limit_tolerance),
-                                         "espalier_default_bind_options");
-        out = c::newBinding(c::bind(own, rest, model, chosen));
+        out = c::newBinding(c::bind(own, rest, model, c::bindOptionsOr(options)));
     });
 }
 

@@ -5,7 +5,8 @@
 #include "espalier.h"
 
 /// \file
-/// Lattices from wishes, from C (solve/): the displacements that carry points to targets.
+/// Lattices from wishes, from C (solve/): the displacements that carry points to targets, and the
+/// vertices to freeze so that a part stays.
 ///
 /// What espalier.h says of errors, ownership and threads holds here, too.
 
@@ -78,6 +79,62 @@ ESPALIER_C_API espalier_status espalier_lattice_fit(
     const espalier_table* deformation, const espalier_lattice* lattice, int32_t target_count,
     const int32_t* rows, const double* misses, const espalier_fit_options* options,
     int32_t vertex_count, double* displacements, espalier_fit_quality* quality);
+
+// ---- Holding --------------------------------------------------------------------------------
+
+/// How a part that is held meets the part that moves (stencils/continuity.h).
+enum {
+    ESPALIER_CONTINUITY_C0 = 0,  ///< in its place
+    ESPALIER_CONTINUITY_C1 = 1,  ///< and with its tangent planes
+    ESPALIER_CONTINUITY_C2 = 2   ///< and with its curvatures, by the same vertices
+};
+
+/// The vertices to freeze to hold faces of a lattice: the side where a model leaves it, for
+/// example. The result is for espalier_fit_options.frozen.
+///
+/// \param refiner its level 0 is held
+/// \param faces of the lattice, as espalier_refiner_cells() numbers them at level 0; in any order,
+///        on the boundary or inside
+/// \param continuity ESPALIER_CONTINUITY_...
+/// \param vertex_count that of the lattice: the room for the result
+/// \param held *held_count vertices are written, ascending; the numbers after them stay
+/// \retval ESPALIER_ERROR_INPUT no faces, or one that is not there; an open boundary, where a level
+///         covers less than the faces
+/// \cost O(lattice + the cells around the faces, twice refined)
+ESPALIER_C_API espalier_status espalier_hold_faces(const espalier_refiner* refiner,
+                                                   int32_t face_count, const int32_t* faces,
+                                                   int32_t continuity, int32_t vertex_count,
+                                                   int32_t* held, int32_t* held_count);
+
+/// The same to hold points: a part of a model. A point outside of the lattice asks for the vertices
+/// that carry it; under ESPALIER_OUTSIDE_KEEP for none.
+///
+/// \param positions of the vertices of the lattice at rest, 3 · vertex_count numbers
+/// \param points 3 · point_count numbers
+/// \param options as the points are bound, null for the defaults; limit_tolerance must be 0
+/// \param held room for vertex_count numbers; *held_count are written, ascending
+/// \retval ESPALIER_ERROR_INPUT no points; one that is not finite; as espalier_binding_create()
+/// \cost as espalier_binding_create()
+ESPALIER_C_API espalier_status espalier_hold_points(const espalier_refiner* refiner,
+                                                    int32_t vertex_count, const double* positions,
+                                                    int32_t point_count, const double* points,
+                                                    int32_t continuity,
+                                                    const espalier_bind_options* options,
+                                                    int32_t* held, int32_t* held_count);
+
+/// The same to hold points in their places (C0) that are bound already.
+///
+/// \param deformation D: points × vertices of the lattice
+/// \param row_count points to hold
+/// \param rows the rows of D that these points have; null for all rows
+/// \param vertex_count the columns of D: the room for the result
+/// \param held *held_count vertices are written, ascending
+/// \retval ESPALIER_ERROR_INPUT a row that is not there
+/// \cost O(entries)
+ESPALIER_C_API espalier_status espalier_hold_rows(const espalier_table* deformation,
+                                                  int32_t row_count, const int32_t* rows,
+                                                  int32_t vertex_count, int32_t* held,
+                                                  int32_t* held_count);
 
 #ifdef __cplusplus
 }

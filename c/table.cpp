@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "arguments.h"
+#include "bind_options.h"
 #include "guard.h"
 #include "handles.h"
 
@@ -76,18 +77,10 @@ espalier_status espalier_table_create_nested(
         c::checkCount(parent_vertex_count, complex.count(0), "positions of the parent's vertices");
         const auto pose = c::positions(child_pose, child_vertex_count, "child_pose");
         const auto rest = c::positions(parent_positions, parent_vertex_count, "parent_positions");
-        const auto chosen = c::optionsOr(options, espalier_default_bind_options(),
-                                         offsetof(espalier_bind_options, limit_tolerance),
-                                         "espalier_default_bind_options");
-        if (chosen.limit_tolerance != 0)
-            throw Error("limit_tolerance is " + std::to_string(chosen.limit_tolerance) +
-                        "; expected 0, since lattices nest in a level");
-        stencils::EmbeddingOptions embedding;
-        embedding.outside = c::choice(chosen.outside, stencils::OutsidePolicy::Error, "outside");
-        embedding.tolerance = chosen.tolerance;
-        out = c::newTable(
-            stencils::nestTables(own, pose, far::TopologyRefiner(complex, outer.refiner.options()),
-                                 rest, chosen.level, outer.rules, embedding));
+        const auto chosen = c::levelOptionsOr(options, "lattices nest in a level");
+        out = c::newTable(stencils::nestTables(own, pose, c::baseOf(outer.refiner), rest,
+                                               chosen.level, outer.rules,
+                                               c::embeddingOptions(chosen)));
     });
 }
 

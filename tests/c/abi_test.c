@@ -33,6 +33,9 @@ static_assert(ESPALIER_POINT_INSIDE == 0 && ESPALIER_POINT_OUTSIDE == 1 &&
                   ESPALIER_POINT_NOT_CONVERGED == 2,
               "points");
 
+static_assert(ESPALIER_CONTINUITY_C0 == 0 && ESPALIER_CONTINUITY_C1 == 1 &&
+                  ESPALIER_CONTINUITY_C2 == 2,
+              "continuity");
 static_assert(ESPALIER_CORE_WEDGES == 0 && ESPALIER_CORE_POLYGON == 1, "cores");
 static_assert(ESPALIER_SECTION_GRID == 0 && ESPALIER_SECTION_DISK == 1, "sections");
 static_assert(ESPALIER_SOLID_TETRAHEDRON == 0 && ESPALIER_SOLID_CUBE == 1 &&

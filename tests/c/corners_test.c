@@ -546,6 +546,37 @@ static void evaluate_all(const buffers* b, const buffers* a) {
     took(espalier_binding_put_kept_f64(empty, values, b->destination_size, b->destination));
 }
 
+static void test_hold(void) {
+    int32_t held[BOX_VERTICES], count = 0;
+    const int32_t zero = 0;
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        took(espalier_hold_faces(refiner, 1, &n, 1, BOX_VERTICES, held, &count));
+        took(espalier_hold_faces(refiner, 1, &zero, n, BOX_VERTICES, held, &count));
+        CHECK(took(espalier_hold_faces(refiner, 1, &zero, 1, n, held, &count)) ==
+              (n == BOX_VERTICES));
+        if (n <= 1) took(espalier_hold_faces(refiner, n, &zero, 1, BOX_VERTICES, held, &count));
+        CHECK(took(espalier_hold_points(refiner, n, positions, 1, point, 1, NULL, held, &count)) ==
+              (n == BOX_VERTICES));
+        if (n <= 1)
+            took(espalier_hold_points(refiner, BOX_VERTICES, positions, n, point, 1, NULL, held,
+                                      &count));
+        took(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, point, n, NULL, held,
+                                  &count));
+        espalier_bind_options options = espalier_default_bind_options();
+        options.level = n;
+        took(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, point, 1, &options, held,
+                                  &count));
+        CHECK(took(espalier_hold_rows(table, 1, &n, BOX_VERTICES, held, &count)) == (n == 0));
+        CHECK(took(espalier_hold_rows(table, 1, NULL, n, held, &count)) == (n == BOX_VERTICES));
+        CHECK(took(espalier_hold_rows(table, n, NULL, BOX_VERTICES, held, &count)) == (n == 1));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[3] = {0.5, doubles[i], 0.5};
+        took(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, odd, 1, NULL, held, &count));
+    }
+}
+
 static void test_evaluators(void) {
     const espalier_buffer_layout xyz = espalier_packed_layout(3);
     const buffers good = {81, xyz, 3, xyz, 0, 1}, adjoint = {3, xyz, 81, xyz, 0, BOX_VERTICES};
@@ -615,6 +646,7 @@ int main(void) {
     test_inventory();
     test_nested();
     test_fit();
+    test_hold();
     test_evaluators();
     printf("%d calls, %d accepted\n", tried, accepted);
 

@@ -77,6 +77,90 @@ static void test_fit(void) {
         ESPALIER_ERROR_INPUT, "displacements is null");
 }
 
+/* The side x = 0 of the box: its 9 vertices in place, and the next layer for tangent planes. */
+static void test_hold(void) {
+    int32_t held[BOX_VERTICES], count = -1, side[4], sides = 0;
+    espalier_cells topology;
+    OK(espalier_refiner_cells(refiner, 0, &topology));
+    for (int32_t f = 0; f < topology.face_count; ++f) {
+        int on_side = 1;
+        for (int64_t i = topology.face_offsets[f]; i < topology.face_offsets[f + 1]; ++i)
+            if (topology.face_vertices[i] % 3 != 0) on_side = 0;
+        if (on_side) side[sides++] = f;
+    }
+    CHECK(sides == 4);
+    OK(espalier_hold_faces(refiner, 4, side, ESPALIER_CONTINUITY_C0, BOX_VERTICES, held, &count));
+    CHECK(count == 9);
+    for (int i = 0; i < 9; ++i) CHECK(held[i] == 3 * i);
+    OK(espalier_hold_faces(refiner, 4, side, ESPALIER_CONTINUITY_C1, BOX_VERTICES, held, &count));
+    CHECK(count == 18);
+    for (int i = 0; i < 18; ++i) CHECK(held[i] == 3 * (i / 2) + i % 2);
+
+    /* A corner of the box is a vertex of the lattice; to the vertices that hold a bound point,
+     * continuity adds others. */
+    const double corner[3] = {0, 0, 0};
+    OK(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, ESPALIER_CONTINUITY_C0, NULL,
+                            held, &count));
+    CHECK(count == 1 && held[0] == 0);
+    OK(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, ESPALIER_CONTINUITY_C1, NULL,
+                            held, &count));
+    CHECK(count > 1 && held[0] == 0);
+
+    /* The vertices that hold a row are its columns. */
+    const int32_t first = 0;
+    espalier_csr csr;
+    OK(espalier_table_csr(table, &csr));
+    OK(espalier_hold_rows(table, 1, &first, BOX_VERTICES, held, &count));
+    CHECK(count == csr.offsets[1]);
+    for (int32_t i = 0; i < count; ++i) CHECK(held[i] == csr.columns[i]);
+    OK(espalier_hold_rows(table, POINTS, NULL, BOX_VERTICES, held, &count));
+    CHECK(count == BOX_VERTICES);
+
+    count = -7;
+    held[0] = -7;
+    REFUSED(espalier_hold_faces(refiner, 0, NULL, 0, BOX_VERTICES, held, &count),
+            ESPALIER_ERROR_INPUT, "face");
+    side[0] = topology.face_count;
+    REFUSED(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, held, &count),
+            ESPALIER_ERROR_INPUT, "face");
+    side[0] = 0;
+    REFUSED(espalier_hold_faces(refiner, 4, side, 3, BOX_VERTICES, held, &count),
+            ESPALIER_ERROR_INPUT, "continuity is 3");
+    REFUSED(espalier_hold_faces(NULL, 4, side, 0, BOX_VERTICES, held, &count), ESPALIER_ERROR_INPUT,
+            "refiner is null");
+    REFUSED(espalier_hold_faces(refiner, 4, NULL, 0, BOX_VERTICES, held, &count),
+            ESPALIER_ERROR_INPUT, "faces is null");
+    REFUSED(espalier_hold_faces(refiner, 4, side, 0, 26, held, &count), ESPALIER_ERROR_INPUT,
+            "got 26");
+    REFUSED(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, NULL, &count),
+            ESPALIER_ERROR_INPUT, "held is null");
+    REFUSED(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, held, NULL),
+            ESPALIER_ERROR_INPUT, "held_count is null");
+    REFUSED(espalier_hold_points(NULL, BOX_VERTICES, rest, 1, corner, 0, NULL, held, &count),
+            ESPALIER_ERROR_INPUT, "refiner is null");
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, NULL, 1, corner, 0, NULL, held, &count),
+            ESPALIER_ERROR_INPUT, "positions is null");
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, NULL, 0, NULL, held, &count),
+            ESPALIER_ERROR_INPUT, "points is null");
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, NULL, NULL, &count),
+            ESPALIER_ERROR_INPUT, "held is null");
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, NULL, held, NULL),
+            ESPALIER_ERROR_INPUT, "held_count is null");
+    espalier_bind_options options = espalier_default_bind_options();
+    options.limit_tolerance = 1e-6;
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, &options, held, &count),
+            ESPALIER_ERROR_INPUT, "limit_tolerance");
+    REFUSED(espalier_hold_rows(NULL, 1, &first, BOX_VERTICES, held, &count), ESPALIER_ERROR_INPUT,
+            "deformation is null");
+    REFUSED(espalier_hold_rows(table, 1, NULL, BOX_VERTICES, held, &count), ESPALIER_ERROR_INPUT,
+            "got 1 rows");
+    REFUSED(espalier_hold_rows(table, 1, &first, BOX_VERTICES, NULL, &count), ESPALIER_ERROR_INPUT,
+            "held is null");
+    REFUSED(espalier_hold_rows(table, 1, &first, BOX_VERTICES, held, NULL), ESPALIER_ERROR_INPUT,
+            "held_count is null");
+    CHECK(count == -7 && held[0] == -7);
+}
+
 /* A child that lies in a parent of twice its size: with the parent at rest the points stay, and
  * they follow a move of the parent. */
 static void test_nested(void) {
@@ -192,6 +276,7 @@ static void test_files(const char* path) {
 int main(int argc, char** argv) {
     set_up();
     test_fit();
+    test_hold();
     test_nested();
     test_shapes();
     test_limits();
