@@ -5,8 +5,8 @@
 #include "espalier.h"
 
 /// \file
-/// Lattices from wishes, from C (solve/): the displacements that carry points to targets, and the
-/// vertices to freeze so that a part stays.
+/// Lattices from wishes, from C (solve/): the displacements that carry points to targets, the
+/// vertices to freeze so that a part stays, and the poses that turn no cell inside out.
 ///
 /// What espalier.h says of errors, ownership and threads holds here, too.
 
@@ -135,6 +135,96 @@ ESPALIER_C_API espalier_status espalier_hold_rows(const espalier_table* deformat
                                                   int32_t row_count, const int32_t* rows,
                                                   int32_t vertex_count, int32_t* held,
                                                   int32_t* held_count);
+
+// ---- Validity -------------------------------------------------------------------------------
+
+/// What is checked. Begin with espalier_default_validity_options(), as with those of espalier.h.
+typedef struct espalier_validity_options {
+    size_t size;       ///< of this struct: sizeof(espalier_validity_options)
+    int32_t level;     ///< 1 or more; default 3: whose cells are checked; of the limit, how far
+                       ///< irregular features are refined, 1 to 15
+    int32_t of_limit;  ///< 0, the default: the cells of the level are checked; 1: the limits of the
+                       ///< cells of the lattice
+} espalier_validity_options;
+
+static inline espalier_validity_options espalier_default_validity_options(void) {
+    espalier_validity_options options;
+    options.size = sizeof options;
+    options.level = 3;
+    options.of_limit = 0;
+    return options;
+}
+
+/// Tells where poses of a lattice turn its volume inside out (solve/validity.h). Immutable.
+typedef struct espalier_validity espalier_validity;
+
+/// The level need not be there, and the refiner stays as it is.
+///
+/// \param positions of the vertices of the lattice at rest, 3 · vertex_count numbers
+/// \param options null for the defaults
+/// \retval ESPALIER_ERROR_INPUT a level out of range; a position that is not finite, or beyond
+///         ±1e90; rules without a limit
+/// \cost O(cells): 1 µs a cell of the level; 30 µs a cell of the limit
+ESPALIER_C_API espalier_status espalier_validity_create(const espalier_refiner* refiner,
+                                                        int32_t vertex_count,
+                                                        const double* positions,
+                                                        const espalier_validity_options* options,
+                                                        espalier_validity** validity);
+ESPALIER_C_API void espalier_validity_destroy(espalier_validity* validity);
+
+/// The number of cells that are checked: those of the level; those of the lattice for the limit.
+ESPALIER_C_API espalier_status espalier_validity_cell_count(const espalier_validity* validity,
+                                                            int32_t* cell_count);
+
+/// The cells that are flat, folded or inside out at rest, ascending. They do not count in the
+/// answers of the functions below.
+ESPALIER_C_API espalier_status espalier_validity_bad_at_rest(const espalier_validity* validity,
+                                                             int32_t* cell_count,
+                                                             const int32_t** cells);
+
+/// The cell of the lattice that a cell descends from.
+/// \retval ESPALIER_ERROR_INPUT no such cell
+ESPALIER_C_API espalier_status espalier_validity_base_cell(const espalier_validity* validity,
+                                                           int32_t cell, int32_t* base_cell);
+
+/// What a pose does to the cells.
+typedef struct espalier_pose_validity {
+    int32_t inverted_count;  ///< cells that the pose turns inside out, wholly or in part
+    int32_t smallest_cell;   ///< the lowest cell of the smallest ratio; −1 if no cell has a ratio
+    double smallest_ratio;   ///< not a number if no cell has one
+} espalier_pose_validity;
+
+/// Checks a pose.
+///
+/// \param pose positions of the vertices of the lattice, 3 · vertex_count numbers
+/// \param cell_count that of espalier_validity_cell_count(); not read if `ratios` is null
+/// \param ratios may be null. For each cell the factor by which the pose changes its volume, the
+///        least all over the cell. It is at most 0 if and only if the cell is inverted, and not a
+///        number for cells that are bad at rest, or shrink away in the limit
+/// \retval ESPALIER_ERROR_INPUT sizes that do not match; a position that is not finite
+/// \cost O(cells): 2 µs a cell of the level; 0.1 to 0.5 ms a cell of the limit
+ESPALIER_C_API espalier_status espalier_validity_check(const espalier_validity* validity,
+                                                       int32_t vertex_count, const double* pose,
+                                                       int32_t cell_count, double* ratios,
+                                                       espalier_pose_validity* result);
+
+/// How far a lattice can go towards a pose.
+typedef struct espalier_largest_step {
+    double length;          ///< all cells stay valid up to here, as a part of the way to the pose
+    int32_t limiting_cell;  ///< one that could not be proved valid further on; −1 where `length` is
+                            ///< the most
+    int32_t is_tight;  ///< 1: that cell goes bad right after; 0: it may stay valid
+} espalier_largest_step;
+
+/// The largest step from rest towards a pose, up to `most`, on which no cell is inverted.
+///
+/// \param most above 0, up to a million; 1 is the whole way
+/// \retval ESPALIER_ERROR_INPUT as espalier_validity_check(); `most` out of range
+/// \cost O(cells): 1 to 3 µs a cell of the level; 0.15 ms a cell of the limit
+ESPALIER_C_API espalier_status espalier_validity_largest_step(const espalier_validity* validity,
+                                                              int32_t vertex_count,
+                                                              const double* pose, double most,
+                                                              espalier_largest_step* step);
 
 #ifdef __cplusplus
 }

@@ -70,6 +70,16 @@ IS_AT(espalier_fit_options, frozen_count, sizeof(size_t) + 16);
 IS_AT(espalier_fit_options, frozen, sizeof(size_t) + 24);
 static_assert(sizeof(espalier_fit_quality) == 24, "espalier_fit_quality cannot grow");
 
+IS_AT(espalier_validity_options, size, 0);
+IS_AT(espalier_validity_options, level, sizeof(size_t));
+IS_AT(espalier_validity_options, of_limit, sizeof(size_t) + 4);
+IS_AT(espalier_pose_validity, smallest_cell, 4);
+IS_AT(espalier_pose_validity, smallest_ratio, 8);
+static_assert(sizeof(espalier_pose_validity) == 16, "espalier_pose_validity cannot grow");
+IS_AT(espalier_largest_step, limiting_cell, 8);
+IS_AT(espalier_largest_step, is_tight, 12);
+static_assert(sizeof(espalier_largest_step) == 16, "espalier_largest_step cannot grow");
+
 IS_AT(espalier_torus_options, size, 0);
 IS_AT(espalier_torus_options, segments, sizeof(size_t));
 IS_AT(espalier_torus_options, section, sizeof(size_t) + 4);

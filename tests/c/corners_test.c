@@ -577,6 +577,52 @@ static void test_hold(void) {
     }
 }
 
+static void test_validity(void) {
+    espalier_validity *own = NULL, *v = NULL;
+    espalier_pose_validity result;
+    espalier_largest_step step;
+    double ratios[8 * BOX_CELLS];
+    int32_t base;
+    espalier_validity_options options = espalier_default_validity_options();
+    options.level = 1;
+    OK(espalier_validity_create(refiner, BOX_VERTICES, positions, &options, &own));
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        CHECK(took(espalier_validity_create(refiner, n, positions, &options, &v)) ==
+              (n == BOX_VERTICES));
+        espalier_validity_destroy(v);
+        for (int32_t limit = 0; limit < 2; ++limit) {
+            v = NULL;
+            espalier_validity_options odd = {sizeof odd, n, limit};
+            took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd, &v));
+            espalier_validity_destroy(v);
+        }
+        v = NULL;
+        espalier_validity_options odd = {sizeof odd, 1, n};
+        CHECK(took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd, &v)) ==
+              (n == 0 || n == 1));
+        espalier_validity_destroy(v);
+        v = NULL;
+        CHECK(took(espalier_validity_base_cell(own, n, &base)) == (n >= 0 && n < 8 * BOX_CELLS));
+        CHECK(took(espalier_validity_check(own, n, positions, 64, ratios, &result)) ==
+              (n == BOX_VERTICES));
+        REFUSES(espalier_validity_check(own, BOX_VERTICES, positions, n, ratios, &result));
+        CHECK(took(espalier_validity_largest_step(own, n, positions, 1, &step)) ==
+              (n == BOX_VERTICES));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        took(espalier_validity_largest_step(own, BOX_VERTICES, positions, doubles[i], &step));
+        memcpy(values, positions, sizeof values);
+        values[5] = doubles[i];
+        took(espalier_validity_largest_step(own, BOX_VERTICES, values, 1, &step));
+        took(espalier_validity_check(own, BOX_VERTICES, values, 64, ratios, &result));
+        took(espalier_validity_create(refiner, BOX_VERTICES, values, &options, &v));
+        espalier_validity_destroy(v);
+        v = NULL;
+    }
+    espalier_validity_destroy(own);
+}
+
 static void test_evaluators(void) {
     const espalier_buffer_layout xyz = espalier_packed_layout(3);
     const buffers good = {81, xyz, 3, xyz, 0, 1}, adjoint = {3, xyz, 81, xyz, 0, BOX_VERTICES};
@@ -647,6 +693,7 @@ int main(void) {
     test_nested();
     test_fit();
     test_hold();
+    test_validity();
     test_evaluators();
     printf("%d calls, %d accepted\n", tried, accepted);
 

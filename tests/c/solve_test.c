@@ -161,6 +161,133 @@ static void test_hold(void) {
     CHECK(count == -7 && held[0] == -7);
 }
 
+/* A box stretched to twice its length: all ratios are 2. Mirrored: all cells are inverted, and half
+ * of the way is the last that is valid. */
+static void check_poses(int32_t of_limit) {
+    espalier_validity* validity = NULL;
+    espalier_validity_options options = espalier_default_validity_options();
+    espalier_pose_validity result = {-7, -7, -7};
+    espalier_largest_step step = {-7, -7, -7};
+    double pose[3 * BOX_VERTICES], ratios[8 * BOX_CELLS];
+    const int32_t cell_count = of_limit ? BOX_CELLS : 8 * BOX_CELLS;
+    int32_t count = -1;
+    const int32_t* bad = NULL;
+    options.level = 1;
+    options.of_limit = of_limit;
+    OK(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity));
+    OK(espalier_validity_cell_count(validity, &count));
+    CHECK(count == cell_count);
+    OK(espalier_validity_bad_at_rest(validity, &count, &bad));
+    CHECK(count == 0);
+    OK(espalier_validity_base_cell(validity, cell_count - 1, &count));
+    CHECK(count == BOX_CELLS - 1);
+
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) pose[i] = (i % 3 == 0 ? 2 : 1) * rest[i];
+    OK(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count, ratios, &result));
+    CHECK(result.inverted_count == 0);
+    CHECK(result.smallest_ratio <= 2 && result.smallest_ratio > 1.99);
+    CHECK(ratios[result.smallest_cell] == result.smallest_ratio);
+    for (int32_t i = 0; i < cell_count; ++i) CHECK(ratios[i] <= 2 && ratios[i] > 1.99);
+    OK(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 1, &step));
+    CHECK(step.length == 1 && step.limiting_cell == -1);
+
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) pose[i] = (i % 3 == 0 ? -1 : 1) * rest[i];
+    OK(espalier_validity_check(validity, BOX_VERTICES, pose, 0, NULL, &result));
+    CHECK(result.inverted_count == cell_count && result.smallest_ratio <= 0);
+    OK(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 1, &step));
+    CHECK(step.length <= 0.5 && step.length > 0.5 - 1e-5);
+    CHECK(step.limiting_cell >= 0 && step.limiting_cell < cell_count && step.is_tight == 1);
+
+    ratios[0] = result.smallest_ratio = step.length = -7;
+    REFUSED(espalier_validity_check(validity, 26, pose, 0, NULL, &result), ESPALIER_ERROR_INPUT,
+            "got 26");
+    REFUSED(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count - 1, ratios, &result),
+            ESPALIER_ERROR_INPUT, "cells of room");
+    REFUSED(espalier_validity_check(NULL, BOX_VERTICES, pose, 0, NULL, &result),
+            ESPALIER_ERROR_INPUT, "validity is null");
+    REFUSED(espalier_validity_check(validity, BOX_VERTICES, NULL, 0, NULL, &result),
+            ESPALIER_ERROR_INPUT, "pose is null");
+    REFUSED(espalier_validity_check(validity, BOX_VERTICES, pose, 0, NULL, NULL),
+            ESPALIER_ERROR_INPUT, "result is null");
+    REFUSED(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 0, &step),
+            ESPALIER_ERROR_INPUT, "0");
+    REFUSED(espalier_validity_largest_step(validity, BOX_VERTICES, NULL, 1, &step),
+            ESPALIER_ERROR_INPUT, "pose is null");
+    REFUSED(espalier_validity_largest_step(NULL, BOX_VERTICES, pose, 1, &step),
+            ESPALIER_ERROR_INPUT, "validity is null");
+    REFUSED(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 1, NULL),
+            ESPALIER_ERROR_INPUT, "step is null");
+    pose[4] = NAN;
+    REFUSED(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count, ratios, &result),
+            ESPALIER_ERROR_INPUT, "finite");
+    CHECK(ratios[0] == -7 && result.smallest_ratio == -7 && step.length == -7);
+    REFUSED(espalier_validity_base_cell(validity, cell_count, &count), ESPALIER_ERROR_INPUT,
+            "there is no cell");
+    REFUSED(espalier_validity_base_cell(NULL, 0, &count), ESPALIER_ERROR_INPUT, "validity is null");
+    REFUSED(espalier_validity_base_cell(validity, 0, NULL), ESPALIER_ERROR_INPUT,
+            "base_cell is null");
+    REFUSED(espalier_validity_bad_at_rest(NULL, &count, &bad), ESPALIER_ERROR_INPUT,
+            "validity is null");
+    REFUSED(espalier_validity_bad_at_rest(validity, NULL, &bad), ESPALIER_ERROR_INPUT,
+            "cell_count is null");
+    REFUSED(espalier_validity_bad_at_rest(validity, &count, NULL), ESPALIER_ERROR_INPUT,
+            "cells is null");
+    REFUSED(espalier_validity_cell_count(NULL, &count), ESPALIER_ERROR_INPUT, "validity is null");
+    REFUSED(espalier_validity_cell_count(validity, NULL), ESPALIER_ERROR_INPUT,
+            "cell_count is null");
+    espalier_validity_destroy(validity);
+}
+
+static void test_validity(void) {
+    check_poses(0);
+    check_poses(1);
+
+    /* The cell at the origin, flat at rest. */
+    double flat[3 * BOX_VERTICES];
+    memcpy(flat, rest, sizeof flat);
+    for (int v = 1; v < 14; v += 3)
+        if (v % 9 < 6) flat[3 * v] = 0;
+    espalier_validity* validity = NULL;
+    espalier_validity_options options = espalier_default_validity_options();
+    espalier_pose_validity result;
+    int32_t count = -1, base = -1;
+    const int32_t* bad = NULL;
+    double ratios[8 * BOX_CELLS];
+    options.level = 1;
+    OK(espalier_validity_create(refiner, BOX_VERTICES, flat, &options, &validity));
+    OK(espalier_validity_bad_at_rest(validity, &count, &bad));
+    CHECK(count > 0);
+    OK(espalier_validity_base_cell(validity, bad[0], &base));
+    CHECK(base == 0);
+    OK(espalier_validity_check(validity, BOX_VERTICES, rest, 8 * BOX_CELLS, ratios, &result));
+    CHECK(isnan(ratios[bad[0]]) && result.inverted_count == 0);
+    espalier_validity_destroy(validity);
+    validity = NULL;
+
+    espalier_validity_destroy(NULL);
+    options.level = 0;
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            ESPALIER_ERROR_INPUT, "level is 0");
+    options.of_limit = 1;
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            ESPALIER_ERROR_INPUT, "0");
+    options.of_limit = 2;
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            ESPALIER_ERROR_INPUT, "of_limit is 2");
+    options.size = 4;
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            ESPALIER_ERROR_INPUT, "espalier_default_validity_options()");
+    REFUSED(espalier_validity_create(NULL, BOX_VERTICES, rest, NULL, &validity),
+            ESPALIER_ERROR_INPUT, "refiner is null");
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, NULL, NULL, &validity),
+            ESPALIER_ERROR_INPUT, "positions is null");
+    REFUSED(espalier_validity_create(refiner, 26, rest, NULL, &validity), ESPALIER_ERROR_INPUT,
+            "got 26");
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, NULL, NULL), ESPALIER_ERROR_INPUT,
+            "validity is null");
+    CHECK(validity == NULL);
+}
+
 /* A child that lies in a parent of twice its size: with the parent at rest the points stay, and
  * they follow a move of the parent. */
 static void test_nested(void) {
@@ -277,6 +404,7 @@ int main(int argc, char** argv) {
     set_up();
     test_fit();
     test_hold();
+    test_validity();
     test_nested();
     test_shapes();
     test_limits();
