@@ -358,7 +358,8 @@ typedef struct espalier_table espalier_table;
 
 /// Its numbers in compressed sparse rows, the form of SciPy, Eigen and MKL. Row r has the entries
 /// offsets[r] to offsets[r + 1] − 1. Columns ascend and are unique in a row. Every row sums to 1,
-/// or is empty: that of a point that is kept in place. (Tables that were read are as their files.)
+/// or is empty: that of a point that is kept in place. Rows of derivatives sum to 0. (Tables that
+/// were read are as their files.)
 typedef struct espalier_csr {
     int32_t row_count;
     int32_t column_count;
@@ -383,6 +384,52 @@ ESPALIER_C_API espalier_status espalier_table_create_level(const espalier_refine
 /// \retval ESPALIER_ERROR_INPUT no such level; rules or a boundary without a limit here
 ESPALIER_C_API espalier_status espalier_table_create_limits(const espalier_refiner* refiner,
                                                             int32_t level, espalier_table** table);
+
+/// The rows for places in the limit. Begin with espalier_default_limit_stencil_options(), as with
+/// those above.
+typedef struct espalier_limit_stencil_options {
+    size_t size;          ///< of this struct: sizeof(espalier_limit_stencil_options)
+    int32_t derivatives;  ///< 0, 1 or 2: up to which order; default 0
+    double tolerance;     ///< how close rows come to the limit around irregular features, 1e-14 to
+                          ///< 0.1 of the size of what surrounds a cell; default 1e-6
+} espalier_limit_stencil_options;
+
+static inline espalier_limit_stencil_options espalier_default_limit_stencil_options(void) {
+    espalier_limit_stencil_options options;
+    options.size = sizeof options;
+    options.derivatives = 0;
+    options.tolerance = 1e-6;
+    return options;
+}
+
+/// The number of tables that espalier_table_create_limit_stencils() makes: 1, 4 or 10.
+#define ESPALIER_LIMIT_STENCIL_TABLES(derivatives) \
+    ((derivatives) == 0 ? 1 : (derivatives) == 1 ? 4 : 10)
+
+/// Positions in the limit, and derivatives there: places × vertices of the lattice
+/// (stencils/limit_stencils.h). Rows of positions sum to 1, rows of derivatives to 0.
+///
+/// A place is a hexahedron of the level, and (u, v, w) in it, each from 0 to 1. (0, 0, 0) is the
+/// first vertex of the cell's first face (espalier_refiner_cells()). Where the sign of that face
+/// (espalier_refiner_face_signs()) is -1, u goes to its second vertex, and v to its fourth; where
+/// the sign is 1, u goes to the fourth and v to the second. w goes away from the face.
+///
+/// \param level one that is there
+/// \param cells of the level, all hexahedra: one a place
+/// \param uvw 3 · place_count numbers
+/// \param options null for the defaults
+/// \param table_count room for the tables: ESPALIER_LIMIT_STENCIL_TABLES(options->derivatives)
+/// \param tables of positions; of first derivatives by u, v, w; of second ones by uu, uv, uw, vv,
+///        vw, ww. The caller destroys each. If the function fails, no table is made
+/// \retval ESPALIER_ERROR_INPUT no such level; a cell that is not there or no hexahedron; a place
+///         outside of [0, 1]³, or on a cell that shrinks away; options out of range; rules without
+///         a limit
+/// \cost O(entries), and near irregular features about 0.2 ms for each level of refinement there
+ESPALIER_C_API espalier_status espalier_table_create_limit_stencils(
+    const espalier_refiner* refiner, int32_t level, int32_t place_count, const int32_t* cells,
+    const double* uvw, const espalier_limit_stencil_options* options, int32_t table_count,
+    espalier_table** tables);
+
 ESPALIER_C_API void espalier_table_destroy(espalier_table* table);
 
 /// Writes a table in the format of the extension (io/matrix_file.h): .mtx, .npz of SciPy, .npy

@@ -70,6 +70,13 @@ IS_AT(espalier_fit_options, frozen_count, sizeof(size_t) + 16);
 IS_AT(espalier_fit_options, frozen, sizeof(size_t) + 24);
 static_assert(sizeof(espalier_fit_quality) == 24, "espalier_fit_quality cannot grow");
 
+IS_AT(espalier_limit_stencil_options, size, 0);
+IS_AT(espalier_limit_stencil_options, derivatives, sizeof(size_t));
+IS_AT(espalier_limit_stencil_options, tolerance, sizeof(size_t) + 8);
+static_assert(ESPALIER_LIMIT_STENCIL_TABLES(0) == 1 && ESPALIER_LIMIT_STENCIL_TABLES(1) == 4 &&
+                  ESPALIER_LIMIT_STENCIL_TABLES(2) == 10,
+              "tables of limit stencils");
+
 IS_AT(espalier_validity_options, size, 0);
 IS_AT(espalier_validity_options, level, sizeof(size_t));
 IS_AT(espalier_validity_options, of_limit, sizeof(size_t) + 4);

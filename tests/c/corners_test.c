@@ -623,6 +623,36 @@ static void test_validity(void) {
     espalier_validity_destroy(own);
 }
 
+static void try_limit_stencils(int32_t level, int32_t count, int32_t cell, double u,
+                               int32_t derivatives, double tolerance, int32_t room) {
+    espalier_table* tables[10] = {NULL};
+    const double uvw[3] = {u, 0.5, 0.5};
+    espalier_limit_stencil_options options = espalier_default_limit_stencil_options();
+    options.derivatives = derivatives;
+    options.tolerance = tolerance;
+    const int made = took(espalier_table_create_limit_stencils(refiner, level, count, &cell, uvw,
+                                                               &options, room, tables));
+    for (int t = 0; t < 10; ++t) {
+        CHECK((tables[t] != NULL) == (made && t < room));
+        espalier_table_destroy(tables[t]);
+    }
+}
+
+static void test_limit_stencils(void) {
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        try_limit_stencils(n, 1, 0, 0.5, 0, 1e-6, 1);
+        if (n <= 1) try_limit_stencils(0, n, 0, 0.5, 1, 1e-6, 4);
+        try_limit_stencils(0, 1, n, 0.5, 2, 1e-6, 10);
+        try_limit_stencils(0, 1, 0, 0.5, n, 1e-6, 10);
+        try_limit_stencils(0, 1, 0, 0.5, 0, 1e-6, n);
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        try_limit_stencils(0, 1, 0, doubles[i], 2, 1e-6, 10);
+        try_limit_stencils(0, 1, 0, 0.5, 2, doubles[i], 10);
+    }
+}
+
 static void test_evaluators(void) {
     const espalier_buffer_layout xyz = espalier_packed_layout(3);
     const buffers good = {81, xyz, 3, xyz, 0, 1}, adjoint = {3, xyz, 81, xyz, 0, BOX_VERTICES};
@@ -692,6 +722,7 @@ int main(void) {
     test_inventory();
     test_nested();
     test_fit();
+    test_limit_stencils();
     test_hold();
     test_validity();
     test_evaluators();

@@ -378,6 +378,105 @@ static void test_limits(void) {
     CHECK(limits == NULL);
 }
 
+/* Where (0, 0, 0) of a cell of the box is, and its axes u, v, w, as espalier.h says. */
+static void make_frame(int32_t cell, double frame[4][3]) {
+    espalier_cells topology;
+    const int8_t* signs = NULL;
+    OK(espalier_refiner_cells(refiner, 0, &topology));
+    OK(espalier_refiner_face_signs(refiner, 0, &signs));
+    const int64_t first = topology.cell_offsets[cell];
+    const int32_t* loop =
+        topology.face_vertices + topology.face_offsets[topology.cell_faces[first]];
+    const int32_t u = signs[first] < 0 ? loop[1] : loop[3];
+    const int32_t v = signs[first] < 0 ? loop[3] : loop[1];
+    for (int k = 0; k < 3; ++k) {
+        frame[0][k] = rest[3 * loop[0] + k];
+        frame[1][k] = rest[3 * u + k] - frame[0][k];
+        frame[2][k] = rest[3 * v + k] - frame[0][k];
+    }
+    /* The cells are cubes of side 0.5, and their axes right-handed. */
+    for (int k = 0; k < 3; ++k) {
+        const int l = (k + 1) % 3, m = (k + 2) % 3;
+        frame[3][k] = 2 * (frame[1][l] * frame[2][m] - frame[1][m] * frame[2][l]);
+    }
+}
+
+/* Positions at rest are the places, and their derivatives the edges of the cell. */
+static void test_limit_stencils(void) {
+    enum { TABLES = ESPALIER_LIMIT_STENCIL_TABLES(2), PLACES = 2 };
+    const int32_t some[PLACES] = {0, 7};
+    const double places[3 * PLACES] = {0.5, 0.5, 0.5, 0.25, 0.5, 0.75};
+    espalier_table* tables[TABLES] = {NULL};
+    espalier_limit_stencil_options options = espalier_default_limit_stencil_options();
+    options.derivatives = 2;
+    OK(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+                                            tables));
+    for (int t = 0; t < TABLES; ++t) {
+        espalier_csr csr;
+        OK(espalier_table_csr(tables[t], &csr));
+        CHECK(csr.row_count == PLACES && csr.column_count == BOX_VERTICES);
+        for (int row = 0; row < PLACES; ++row) {
+            double sum = 0, at[3] = {0, 0, 0};
+            for (int64_t i = csr.offsets[row]; i < csr.offsets[row + 1]; ++i) {
+                sum += csr.weights[i];
+                for (int k = 0; k < 3; ++k) at[k] += csr.weights[i] * rest[3 * csr.columns[i] + k];
+            }
+            CHECK(fabs(sum - (t == 0)) < tolerance);
+            /* The box is its own limit. */
+            double frame[4][3];
+            make_frame(some[row], frame);
+            for (int k = 0; k < 3; ++k) {
+                double expected = t >= 1 && t <= 3 ? frame[t][k] : 0;
+                if (t == 0) expected = frame[0][k];
+                for (int axis = 0; axis < 3 && t == 0; ++axis)
+                    expected += places[3 * row + axis] * frame[axis + 1][k];
+                CHECK(fabs(at[k] - expected) < tolerance);
+            }
+        }
+        espalier_table_destroy(tables[t]);
+        tables[t] = NULL;
+    }
+    OK(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, NULL, 1, tables));
+    espalier_table_destroy(tables[0]);
+    tables[0] = NULL;
+
+    const int32_t none[PLACES] = {0, BOX_CELLS};
+    const double outside[3 * PLACES] = {0.5, 0.5, 0.5, 0.5, 1.5, 0.5};
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, none, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "8");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, outside, &options,
+                                                 TABLES, tables),
+            ESPALIER_ERROR_INPUT, "1.5");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 1, PLACES, some, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "level 1");
+    REFUSED(
+        espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, 4, tables),
+        ESPALIER_ERROR_INPUT, "got 4 tables");
+    REFUSED(espalier_table_create_limit_stencils(NULL, 0, PLACES, some, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "refiner is null");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, NULL, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "cells is null");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, NULL, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "uvw is null");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+                                                 NULL),
+            ESPALIER_ERROR_INPUT, "tables is null");
+    options.derivatives = 3;
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "derivatives is 3");
+    options.size = 0;
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "espalier_default_limit_stencil_options()");
+    for (int t = 0; t < TABLES; ++t) CHECK(tables[t] == NULL);
+}
+
 static void test_files(const char* path) {
     espalier_table* other = NULL;
     espalier_csr a, b;
@@ -408,6 +507,7 @@ int main(int argc, char** argv) {
     test_nested();
     test_shapes();
     test_limits();
+    test_limit_stencils();
     for (int i = 1; i < argc; ++i) test_files(argv[i]);
     tear_down();
     return 0;
