@@ -2,6 +2,7 @@
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/stencils/limit_binding.h>
 #include <espalier/stencils/local_binding.h>
+#include <espalier/stencils/tensor_product.h>
 
 #include <string>
 #include <utility>
@@ -19,6 +20,7 @@ static_assert(static_cast<int>(stencils::PointStatus::Inside) == ESPALIER_POINT_
 static_assert(static_cast<int>(stencils::PointStatus::Outside) == ESPALIER_POINT_OUTSIDE);
 static_assert(static_cast<int>(stencils::PointStatus::NotConverged) ==
               ESPALIER_POINT_NOT_CONVERGED);
+static_assert(static_cast<int>(stencils::Basis::BSpline) == ESPALIER_BASIS_BSPLINE);
 static_assert(sizeof(stencils::PointStatus) == sizeof(std::uint8_t));
 
 namespace espalier::c {
@@ -80,6 +82,27 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
         out = c::newBinding(c::bind(own, rest, model, c::bindOptionsOr(options)));
+    });
+}
+
+espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, int32_t basis,
+                                               int32_t point_count, const double* points,
+                                               const espalier_bind_options* options,
+                                               espalier_binding** binding) {
+    return c::guarded([&] {
+        auto& out = c::deref(binding, "binding");
+        const auto& own = c::deref(lattice, "lattice").lattice;
+        const auto chosenBasis = c::choice(basis, stencils::Basis::BSpline, "basis");
+        const auto model = c::positions(points, point_count, "points");
+        const auto chosen = c::levelOptionsOr(options, "these weights are not subdivided");
+        if (!own.marks.empty())
+            throw Error("the lattice has marks, which only subdivision heeds; clear them");
+        const stencils::TensorLattice tensor(own.complex, own.positions, chosenBasis);
+        const auto embedding = stencils::embedPoints(tensor, model, c::embeddingOptions(chosen));
+        espalier_binding::Placement placement{{}, embedding.largestResidual()};
+        for (const auto& place : embedding.points) placement.statuses.push_back(place.status);
+        auto bound = stencils::makeBinding<double>(tensor, embedding, model);
+        out = c::newBinding({{std::move(bound), {}, {}}, std::move(placement)});
     });
 }
 

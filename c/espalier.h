@@ -502,6 +502,30 @@ ESPALIER_C_API espalier_status espalier_binding_create(const espalier_refiner* r
                                                        const double* points,
                                                        const espalier_bind_options* options,
                                                        espalier_binding** binding);
+
+/// The basis functions by which a box lattice weighs its vertices without subdivision
+/// (stencils/basis_functions.h).
+enum {
+    ESPALIER_BASIS_BEZIER = 0,  ///< Bernstein polynomials over the whole lattice
+    ESPALIER_BASIS_BSPLINE = 1  ///< uniform cubic B-splines
+};
+
+/// Binds points to a box lattice by products of basis functions, the free-form deformation that
+/// came before lattices of any topology (stencils/tensor_product.h).
+///
+/// \param lattice a box of hexahedra that lies on an evenly divided parallelepiped; without marks
+/// \param basis ESPALIER_BASIS_...
+/// \param points 3 · point_count numbers
+/// \param options null for the defaults; `level` is not read, and limit_tolerance must be 0
+/// \retval ESPALIER_ERROR_INPUT the lattice is no such box, has marks, or under
+///         ESPALIER_BASIS_BSPLINE fewer than 3 cells along an axis; as espalier_binding_create()
+/// \cost O(points · weights of a point): at most 64 of B-splines, all vertices of Bernstein
+///       polynomials
+ESPALIER_C_API espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice,
+                                                              int32_t basis, int32_t point_count,
+                                                              const double* points,
+                                                              const espalier_bind_options* options,
+                                                              espalier_binding** binding);
 ESPALIER_C_API void espalier_binding_destroy(espalier_binding* binding);
 
 /// Writes a binding (.espb, io/binding_file.h), to the last bit. A file that is there is replaced

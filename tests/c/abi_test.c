@@ -33,6 +33,7 @@ static_assert(ESPALIER_POINT_INSIDE == 0 && ESPALIER_POINT_OUTSIDE == 1 &&
                   ESPALIER_POINT_NOT_CONVERGED == 2,
               "points");
 
+static_assert(ESPALIER_BASIS_BEZIER == 0 && ESPALIER_BASIS_BSPLINE == 1, "bases");
 static_assert(ESPALIER_CONTINUITY_C0 == 0 && ESPALIER_CONTINUITY_C1 == 1 &&
                   ESPALIER_CONTINUITY_C2 == 2,
               "continuity");

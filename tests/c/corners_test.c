@@ -315,6 +315,34 @@ static void test_binding(void) {
     }
 }
 
+static void test_tensor(void) {
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        espalier_binding* b = NULL;
+        took(espalier_binding_create_tensor(lattice, int32s[i], 1, point, NULL, &b));
+        espalier_binding_destroy(b);
+        b = NULL;
+        if (int32s[i] <= 1) {
+            CHECK(took(espalier_binding_create_tensor(lattice, 0, int32s[i], point, NULL, &b)) ==
+                  (int32s[i] >= 0));
+            espalier_binding_destroy(b);
+        }
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[3] = {0.5, doubles[i], 0.5};
+        espalier_bind_options options = espalier_default_bind_options();
+        for (int32_t outside = 0; outside < 3; ++outside) {
+            espalier_binding* b = NULL;
+            options.outside = outside;
+            took(espalier_binding_create_tensor(lattice, 0, 1, odd, &options, &b));
+            espalier_binding_destroy(b);
+        }
+        espalier_binding* b = NULL;
+        options.tolerance = doubles[i];
+        took(espalier_binding_create_tensor(lattice, 0, 1, point, &options, &b));
+        espalier_binding_destroy(b);
+    }
+}
+
 static void test_shapes(void) {
     const double from[3] = {0, 0, 0}, to[3] = {1, 1, 1};
     for (size_t i = 0; i < COUNT(int32s); ++i)
@@ -718,6 +746,7 @@ int main(void) {
     test_lattice();
     test_refine_options();
     test_binding();
+    test_tensor();
     test_shapes();
     test_inventory();
     test_nested();

@@ -477,6 +477,59 @@ static void test_limit_stencils(void) {
     for (int t = 0; t < TABLES; ++t) CHECK(tables[t] == NULL);
 }
 
+/* In the middle of an axis of 2 cells, the Bernstein polynomials of degree 2 are 1/4, 1/2, 1/4. In
+ * that of an axis of 4 cells, at a grid point, the B-splines are 1/6, 4/6, 1/6. */
+static void test_tensor(void) {
+    espalier_binding* b = NULL;
+    espalier_table* t = NULL;
+    espalier_csr csr;
+    espalier_lattice* fine = NULL;
+    const double middle[3] = {0.5, 0.5, 0.5}, zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
+    const int32_t fours[3] = {4, 4, 4}, vertex = 0;
+    OK(espalier_binding_create_tensor(lattice, ESPALIER_BASIS_BEZIER, 1, middle, NULL, &b));
+    OK(espalier_binding_table(b, &t));
+    OK(espalier_table_csr(t, &csr));
+    CHECK(csr.row_count == 1 && csr.offsets[1] == BOX_VERTICES);
+    CHECK(fabs(csr.weights[0] - 1.0 / 64) < tolerance);
+    CHECK(fabs(csr.weights[BOX_CENTRE] - 1.0 / 8) < tolerance);
+    espalier_table_destroy(t);
+    espalier_binding_destroy(b);
+    b = NULL;
+    REFUSED(espalier_binding_create_tensor(lattice, ESPALIER_BASIS_BSPLINE, 1, middle, NULL, &b),
+            ESPALIER_ERROR_INPUT, "cells");
+
+    OK(espalier_lattice_create_box(fours, zero, one, &fine));
+    OK(espalier_binding_create_tensor(fine, ESPALIER_BASIS_BSPLINE, 1, middle, NULL, &b));
+    OK(espalier_binding_table(b, &t));
+    OK(espalier_table_csr(t, &csr));
+    double centre = 0;
+    for (int64_t i = 0; i < csr.offsets[1]; ++i)
+        if (csr.columns[i] == 62) centre = csr.weights[i];
+    CHECK(fabs(centre - 8.0 / 27) < tolerance);
+    espalier_table_destroy(t);
+    espalier_binding_destroy(b);
+    b = NULL;
+
+    const double sharp = ESPALIER_SHARP;
+    OK(espalier_lattice_mark_vertices(fine, 1, &vertex, &sharp));
+    REFUSED(espalier_binding_create_tensor(fine, 0, 1, middle, NULL, &b), ESPALIER_ERROR_INPUT,
+            "marks");
+    espalier_lattice_destroy(fine);
+    espalier_bind_options options = espalier_default_bind_options();
+    options.limit_tolerance = 1e-6;
+    REFUSED(espalier_binding_create_tensor(lattice, 0, 1, middle, &options, &b),
+            ESPALIER_ERROR_INPUT, "limit_tolerance");
+    REFUSED(espalier_binding_create_tensor(lattice, 2, 1, middle, NULL, &b), ESPALIER_ERROR_INPUT,
+            "basis is 2");
+    REFUSED(espalier_binding_create_tensor(NULL, 0, 1, middle, NULL, &b), ESPALIER_ERROR_INPUT,
+            "lattice is null");
+    REFUSED(espalier_binding_create_tensor(lattice, 0, 1, NULL, NULL, &b), ESPALIER_ERROR_INPUT,
+            "points is null");
+    REFUSED(espalier_binding_create_tensor(lattice, 0, 1, middle, NULL, NULL), ESPALIER_ERROR_INPUT,
+            "binding is null");
+    CHECK(b == NULL);
+}
+
 static void test_files(const char* path) {
     espalier_table* other = NULL;
     espalier_csr a, b;
@@ -508,6 +561,7 @@ int main(int argc, char** argv) {
     test_shapes();
     test_limits();
     test_limit_stencils();
+    test_tensor();
     for (int i = 1; i < argc; ++i) test_files(argv[i]);
     tear_down();
     return 0;
