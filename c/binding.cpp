@@ -2,11 +2,13 @@
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/stencils/limit_binding.h>
 #include <espalier/stencils/local_binding.h>
+#include <espalier/stencils/tensor_product.h>
 
 #include <string>
 #include <utility>
 
 #include "arguments.h"
+#include "bind_options.h"
 #include "guard.h"
 #include "handles.h"
 
@@ -18,21 +20,15 @@ static_assert(static_cast<int>(stencils::PointStatus::Inside) == ESPALIER_POINT_
 static_assert(static_cast<int>(stencils::PointStatus::Outside) == ESPALIER_POINT_OUTSIDE);
 static_assert(static_cast<int>(stencils::PointStatus::NotConverged) ==
               ESPALIER_POINT_NOT_CONVERGED);
+static_assert(static_cast<int>(stencils::Basis::BSpline) == ESPALIER_BASIS_BSPLINE);
 static_assert(sizeof(stencils::PointStatus) == sizeof(std::uint8_t));
 
 namespace espalier::c {
 namespace {
 
-/// A refiner of the same base, which points can be bound to.
-far::TopologyRefiner baseOf(const far::TopologyRefiner& refiner) {
-    return far::TopologyRefiner(refiner.level(0).complex, refiner.options());
-}
-
 espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Point3> positions,
                             std::span<const Point3> points, const espalier_bind_options& chosen) {
-    stencils::EmbeddingOptions options;
-    options.outside = choice(chosen.outside, stencils::OutsidePolicy::Error, "outside");
-    options.tolerance = chosen.tolerance;
+    const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
     if (chosen.limit_tolerance != 0) {
         auto bound = stencils::bindLimit<double>(
@@ -85,10 +81,28 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
         c::checkCount(vertex_count, own.refiner.level(0).complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
-        const auto chosen = c::optionsOr(options, espalier_default_bind_options(),
-                                         offsetof(espalier_bind_options, limit_tolerance),
-                                         "espalier_default_bind_options");
-        out = c::newBinding(c::bind(own, rest, model, chosen));
+        out = c::newBinding(c::bind(own, rest, model, c::bindOptionsOr(options)));
+    });
+}
+
+espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, int32_t basis,
+                                               int32_t point_count, const double* points,
+                                               const espalier_bind_options* options,
+                                               espalier_binding** binding) {
+    return c::guarded([&] {
+        auto& out = c::deref(binding, "binding");
+        const auto& own = c::deref(lattice, "lattice").lattice;
+        const auto chosenBasis = c::choice(basis, stencils::Basis::BSpline, "basis");
+        const auto model = c::positions(points, point_count, "points");
+        const auto chosen = c::levelOptionsOr(options, "these weights are not subdivided");
+        if (!own.marks.empty())
+            throw Error("the lattice has marks, which only subdivision heeds; clear them");
+        const stencils::TensorLattice tensor(own.complex, own.positions, chosenBasis);
+        const auto embedding = stencils::embedPoints(tensor, model, c::embeddingOptions(chosen));
+        espalier_binding::Placement placement{{}, embedding.largestResidual()};
+        for (const auto& place : embedding.points) placement.statuses.push_back(place.status);
+        auto bound = stencils::makeBinding<double>(tensor, embedding, model);
+        out = c::newBinding({{std::move(bound), {}, {}}, std::move(placement)});
     });
 }
 

@@ -37,7 +37,10 @@
 /// length. A count is that of the entities, not of the numbers; where it is that of numbers, it is
 /// called a size. An array may be null where its count is 0.
 ///
-/// What an operation means and costs is said in more detail in the C++ headers that are named.
+/// The C++ headers that are named say in more detail what an operation means and costs.
+///
+/// This header is the core. espalier_shapes.h has the inventory of lattices, and espalier_solve.h
+/// the fit of a lattice and the checks of its poses; both include this one.
 
 #if defined(__GNUC__)
 #define ESPALIER_C_API __attribute__((visibility("default")))
@@ -192,37 +195,6 @@ ESPALIER_C_API espalier_status espalier_lattice_create_hexahedra(int32_t vertex_
                                                                  int32_t cell_count,
                                                                  const int32_t* vertices,
                                                                  espalier_lattice** lattice);
-
-/// A box of hexahedra (shapes/inventory.h). Vertex (i, j, k) is i + (cells[0] + 1) (j + (cells[1] +
-/// 1) k).
-///
-/// \param cells along x, y and z: 1 or more each
-/// \param min, max the corners, `max` above `min` in each coordinate
-ESPALIER_C_API espalier_status espalier_lattice_create_box(const int32_t cells[3],
-                                                           const double min[3], const double max[3],
-                                                           espalier_lattice** lattice);
-
-/// A disk swept along an axis, with wedges round the axis (shapes/inventory.h).
-///
-/// \param sectors sides of the disk, 3 or more
-/// \param rings of cells in the disk, 1 or more
-/// \param layers of cells along the axis, 1 or more
-/// \param radius of the outermost vertices, above 0
-/// \param from, to the centres of the ends, x, y, z each
-ESPALIER_C_API espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings,
-                                                                int32_t layers, double radius,
-                                                                const double from[3],
-                                                                const double to[3],
-                                                                espalier_lattice** lattice);
-
-/// Joins lattices by welding the vertices that coincide (shapes/merge.h).
-///
-/// \param count of lattices, 1 or more
-/// \param tolerance how far apart vertices may be, as a fraction of the diagonal of the box round
-///        all; 1e-6 is usual
-ESPALIER_C_API espalier_status
-espalier_lattice_create_merged(int64_t count, const espalier_lattice* const* lattices,
-                               double tolerance, espalier_lattice** lattice);
 
 /// Reads a lattice in the format of its extension: .ovm, .vtu or .vtk, with marks (io/).
 ESPALIER_C_API espalier_status espalier_lattice_read(const char* path, espalier_lattice** lattice);
@@ -386,7 +358,8 @@ typedef struct espalier_table espalier_table;
 
 /// Its numbers in compressed sparse rows, the form of SciPy, Eigen and MKL. Row r has the entries
 /// offsets[r] to offsets[r + 1] − 1. Columns ascend and are unique in a row. Every row sums to 1,
-/// or is empty: that of a point that is kept in place. (Tables that were read are as their files.)
+/// or is empty: that of a point that is kept in place. Rows of derivatives sum to 0. (Tables that
+/// were read are as their files.)
 typedef struct espalier_csr {
     int32_t row_count;
     int32_t column_count;
@@ -411,6 +384,52 @@ ESPALIER_C_API espalier_status espalier_table_create_level(const espalier_refine
 /// \retval ESPALIER_ERROR_INPUT no such level; rules or a boundary without a limit here
 ESPALIER_C_API espalier_status espalier_table_create_limits(const espalier_refiner* refiner,
                                                             int32_t level, espalier_table** table);
+
+/// The rows for places in the limit. Begin with espalier_default_limit_stencil_options(), as with
+/// those above.
+typedef struct espalier_limit_stencil_options {
+    size_t size;          ///< of this struct: sizeof(espalier_limit_stencil_options)
+    int32_t derivatives;  ///< 0, 1 or 2: up to which order; default 0
+    double tolerance;     ///< how close rows come to the limit around irregular features, 1e-14 to
+                          ///< 0.1 of the size of what surrounds a cell; default 1e-6
+} espalier_limit_stencil_options;
+
+static inline espalier_limit_stencil_options espalier_default_limit_stencil_options(void) {
+    espalier_limit_stencil_options options;
+    options.size = sizeof options;
+    options.derivatives = 0;
+    options.tolerance = 1e-6;
+    return options;
+}
+
+/// The number of tables that espalier_table_create_limit_stencils() makes: 1, 4 or 10.
+#define ESPALIER_LIMIT_STENCIL_TABLES(derivatives) \
+    ((derivatives) == 0 ? 1 : (derivatives) == 1 ? 4 : 10)
+
+/// Positions in the limit, and derivatives there: places × vertices of the lattice
+/// (stencils/limit_stencils.h). Rows of positions sum to 1, rows of derivatives to 0.
+///
+/// A place is a hexahedron of the level, and (u, v, w) in it, each from 0 to 1. (0, 0, 0) is the
+/// first vertex of the cell's first face (espalier_refiner_cells()). Where the sign of that face
+/// (espalier_refiner_face_signs()) is -1, u goes to its second vertex, and v to its fourth; where
+/// the sign is 1, u goes to the fourth and v to the second. w goes away from the face.
+///
+/// \param level one that is there
+/// \param cells of the level, all hexahedra: one a place
+/// \param uvw 3 · place_count numbers
+/// \param options null for the defaults
+/// \param table_count room for the tables: ESPALIER_LIMIT_STENCIL_TABLES(options->derivatives)
+/// \param tables of positions; of first derivatives by u, v, w; of second ones by uu, uv, uw, vv,
+///        vw, ww. The caller destroys each. If the function fails, no table is made
+/// \retval ESPALIER_ERROR_INPUT no such level; a cell that is not there or no hexahedron; a place
+///         outside of [0, 1]³, or on a cell that shrinks away; options out of range; rules without
+///         a limit
+/// \cost O(entries), and near irregular features about 0.2 ms for each level of refinement there
+ESPALIER_C_API espalier_status espalier_table_create_limit_stencils(
+    const espalier_refiner* refiner, int32_t level, int32_t place_count, const int32_t* cells,
+    const double* uvw, const espalier_limit_stencil_options* options, int32_t table_count,
+    espalier_table** tables);
+
 ESPALIER_C_API void espalier_table_destroy(espalier_table* table);
 
 /// Writes a table in the format of the extension (io/matrix_file.h): .mtx, .npz of SciPy, .npy
@@ -483,6 +502,30 @@ ESPALIER_C_API espalier_status espalier_binding_create(const espalier_refiner* r
                                                        const double* points,
                                                        const espalier_bind_options* options,
                                                        espalier_binding** binding);
+
+/// The basis functions by which a box lattice weighs its vertices without subdivision
+/// (stencils/basis_functions.h).
+enum {
+    ESPALIER_BASIS_BEZIER = 0,  ///< Bernstein polynomials over the whole lattice
+    ESPALIER_BASIS_BSPLINE = 1  ///< uniform cubic B-splines
+};
+
+/// Binds points to a box lattice by products of basis functions, the free-form deformation that
+/// came before lattices of any topology (stencils/tensor_product.h).
+///
+/// \param lattice a box of hexahedra that lies on an evenly divided parallelepiped; without marks
+/// \param basis ESPALIER_BASIS_...
+/// \param points 3 · point_count numbers
+/// \param options null for the defaults; `level` is not read, and limit_tolerance must be 0
+/// \retval ESPALIER_ERROR_INPUT the lattice is no such box, has marks, or under
+///         ESPALIER_BASIS_BSPLINE fewer than 3 cells along an axis; as espalier_binding_create()
+/// \cost O(points · weights of a point): at most 64 of B-splines, all vertices of Bernstein
+///       polynomials
+ESPALIER_C_API espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice,
+                                                              int32_t basis, int32_t point_count,
+                                                              const double* points,
+                                                              const espalier_bind_options* options,
+                                                              espalier_binding** binding);
 ESPALIER_C_API void espalier_binding_destroy(espalier_binding* binding);
 
 /// Writes a binding (.espb, io/binding_file.h), to the last bit. A file that is there is replaced
@@ -549,72 +592,6 @@ ESPALIER_C_API espalier_status espalier_table_create_nested(
     const espalier_table* child, int32_t child_vertex_count, const double* child_pose,
     const espalier_refiner* parent, int32_t parent_vertex_count, const double* parent_positions,
     const espalier_bind_options* options, espalier_table** table);
-
-// ---- Fitting --------------------------------------------------------------------------------
-
-/// What is asked of displacements besides that they reach the targets (solve/lattice_fit.h).
-enum {
-    ESPALIER_SMOOTHING_NONE = 0,
-    ESPALIER_SMOOTHING_TIKHONOV = 1,  ///< that they are small
-    ESPALIER_SMOOTHING_LAPLACIAN = 2  ///< that each is like those of the neighbours
-};
-
-/// What is done where the targets leave some displacements open.
-enum {
-    ESPALIER_UNDETERMINED_SMALLEST = 0,  ///< of all that fit as well, the smallest
-    ESPALIER_UNDETERMINED_REFUSE = 1
-};
-
-/// How a lattice is fitted. Begin with espalier_default_fit_options(), as with those above.
-typedef struct espalier_fit_options {
-    size_t size;            ///< of this struct: sizeof(espalier_fit_options)
-    int32_t smoothing;      ///< ESPALIER_SMOOTHING_...; default NONE
-    int32_t undetermined;   ///< ESPALIER_UNDETERMINED_...; default SMALLEST
-    double strength;        ///< of smoothing against targets, 1e-4 to 1e4; default 1e-3
-    int64_t frozen_count;   ///< default 0
-    const int32_t* frozen;  ///< vertices that stay where they are: frozen_count numbers
-} espalier_fit_options;
-
-static inline espalier_fit_options espalier_default_fit_options(void) {
-    espalier_fit_options options;
-    options.size = sizeof options;
-    options.smoothing = ESPALIER_SMOOTHING_NONE;
-    options.undetermined = ESPALIER_UNDETERMINED_SMALLEST;
-    options.strength = 1e-3;
-    options.frozen_count = 0;
-    options.frozen = NULL;
-    return options;
-}
-
-/// How well displacements do.
-typedef struct espalier_fit_quality {
-    double largest_miss;  ///< how far a point is from its target
-    double rms_miss;      ///< the root of the mean of the squares of these distances
-    double condition;     ///< of the least-squares matrix; infinity where displacements are open
-} espalier_fit_quality;
-
-/// The displacements of the vertices of a lattice that carry points to where they are wanted, in
-/// the sense of least squares.
-///
-/// \param deformation D: points × vertices of the lattice
-/// \param lattice whose edges are the neighbours of smoothing
-/// \param target_count points that have targets
-/// \param rows the rows of D that these points have; null for all rows, in order
-/// \param misses of each of these points: its target, less where it is at rest. 3 · target_count
-///        numbers
-/// \param options null for the defaults
-/// \param vertex_count that of the lattice
-/// \param displacements 3 · vertex_count numbers are written
-/// \param quality may be null
-/// \retval ESPALIER_ERROR_INPUT no targets; a row that is not there, or is empty; misses that are
-/// not
-///         finite; options out of range; a frozen vertex that is not there; open displacements
-///         under ESPALIER_UNDETERMINED_REFUSE
-/// \cost O(Σ entries² of the rows + a sparse Cholesky factor of the vertices)
-ESPALIER_C_API espalier_status espalier_lattice_fit(
-    const espalier_table* deformation, const espalier_lattice* lattice, int32_t target_count,
-    const int32_t* rows, const double* misses, const espalier_fit_options* options,
-    int32_t vertex_count, double* displacements, espalier_fit_quality* quality);
 
 // ---- Evaluators -----------------------------------------------------------------------------
 

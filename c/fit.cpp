@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/solve/lattice_fit.h>
 
-#include <string>
-
 #include "arguments.h"
+#include "espalier_solve.h"
 #include "guard.h"
 #include "handles.h"
+#include "rows.h"
 
 using namespace espalier;
 
@@ -38,20 +38,13 @@ espalier_status espalier_lattice_fit(const espalier_table* deformation,
         const auto& complex = c::deref(lattice, "lattice").lattice.complex;
         c::checkCount(vertex_count, complex.count(0), "vertices of room for the result");
         c::array(displacements, vertex_count, "displacements", 3);
-        if (rows == nullptr) c::checkCount(target_count, table.rowCount(), "targets");
         const auto wanted = c::positions(misses, target_count, "misses");
         const auto chosen = c::fitOptions(c::optionsOr(options, espalier_default_fit_options(),
                                                        sizeof(espalier_fit_options),
                                                        "espalier_default_fit_options"));
-        const auto fit = [&] {
-            if (rows == nullptr) return solve::fitLattice(table, wanted, complex, chosen);
-            const auto some = c::array(rows, target_count, "rows");
-            for (const int32_t row : some)
-                if (row < 0 || row >= table.rowCount())
-                    throw Error("rows: there is no row " + std::to_string(row) + " among " +
-                                std::to_string(table.rowCount()));
-            return solve::fitLattice(stencils::selectRows(table, some), wanted, complex, chosen);
-        }();
+        const auto fit = c::withRows(table, target_count, rows, "targets", [&](const auto& some) {
+            return solve::fitLattice(some, wanted, complex, chosen);
+        });
         std::memcpy(displacements, fit.displacements.data(),
                     fit.displacements.size() * sizeof(Point3));
         if (quality != nullptr) *quality = {fit.largestMiss, fit.meanMiss, fit.condition};

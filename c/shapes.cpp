@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
+#include <espalier/shapes/solids.h>
+
+#include <utility>
+#include <vector>
 
 #include "arguments.h"
+#include "espalier_shapes.h"
 #include "guard.h"
 #include "handles.h"
 
 using namespace espalier;
+
+static_assert(static_cast<int>(shapes::Core::Polygon) == ESPALIER_CORE_POLYGON);
+static_assert(static_cast<int>(shapes::TorusSection::Disk) == ESPALIER_SECTION_DISK);
 
 namespace espalier::c {
 namespace {
@@ -15,6 +23,17 @@ Point3 point(const double* values, const char* name) {
     const auto given = array(values, 1, name, 3);
     return {given[0], given[1], given[2]};
 }
+
+shapes::DiskPattern pattern(std::int32_t rings, std::int32_t core) {
+    return {rings, choice(core, shapes::Core::Polygon, "core")};
+}
+
+using RegularSolid = Lattice (*)(const shapes::RegularSolidOptions&);
+constexpr RegularSolid kRegularSolids[] = {shapes::tetrahedron, shapes::cube, shapes::octahedron,
+                                           shapes::dodecahedron, shapes::icosahedron};
+
+using PolygonalSolid = Lattice (*)(const shapes::PolygonalSolidOptions&);
+constexpr PolygonalSolid kPolygonalSolids[] = {shapes::prism, shapes::pyramid, shapes::bipyramid};
 
 }  // namespace
 }  // namespace espalier::c
@@ -29,17 +48,106 @@ espalier_status espalier_lattice_create_box(const int32_t cells[3], const double
     });
 }
 
-espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings, int32_t layers,
-                                                 double radius, const double from[3],
-                                                 const double to[3], espalier_lattice** lattice) {
+espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings, int32_t core,
+                                                 int32_t layers, double radius,
+                                                 const double from[3], const double to[3],
+                                                 espalier_lattice** lattice) {
     return c::guarded([&] {
         auto& out = c::deref(lattice, "lattice");
-        out = new espalier_lattice{shapes::cylinder({sectors,
-                                                     {rings, shapes::Core::Wedges},
-                                                     layers,
-                                                     radius,
-                                                     c::point(from, "from"),
-                                                     c::point(to, "to")})};
+        out =
+            new espalier_lattice{shapes::cylinder({sectors, c::pattern(rings, core), layers, radius,
+                                                   c::point(from, "from"), c::point(to, "to")})};
+    });
+}
+
+espalier_status espalier_lattice_create_torus(const espalier_torus_options* options,
+                                              espalier_lattice** lattice) {
+    return c::guarded([&] {
+        auto& out = c::deref(lattice, "lattice");
+        const auto chosen =
+            c::optionsOr(options, espalier_default_torus_options(), sizeof(espalier_torus_options),
+                         "espalier_default_torus_options");
+        out = new espalier_lattice{shapes::torus(
+            {.segments = chosen.segments,
+             .section = c::choice(chosen.section, shapes::TorusSection::Disk, "section"),
+             .gridCells = chosen.grid_cells,
+             .sides = chosen.sides,
+             .pattern = c::pattern(chosen.rings, chosen.core),
+             .majorRadius = chosen.major_radius,
+             .minorRadius = chosen.minor_radius})};
+    });
+}
+
+espalier_status espalier_lattice_create_star(const espalier_star_options* options,
+                                             espalier_lattice** lattice) {
+    return c::guarded([&] {
+        auto& out = c::deref(lattice, "lattice");
+        const auto chosen =
+            c::optionsOr(options, espalier_default_star_options(), sizeof(espalier_star_options),
+                         "espalier_default_star_options");
+        out = new espalier_lattice{shapes::star({.points = chosen.points,
+                                                 .pattern = c::pattern(chosen.rings, chosen.core),
+                                                 .layers = chosen.layers,
+                                                 .innerRadius = chosen.inner_radius,
+                                                 .outerRadius = chosen.outer_radius,
+                                                 .height = chosen.height})};
+    });
+}
+
+espalier_status espalier_lattice_create_barbell(const espalier_barbell_options* options,
+                                                espalier_lattice** lattice) {
+    return c::guarded([&] {
+        auto& out = c::deref(lattice, "lattice");
+        const auto chosen =
+            c::optionsOr(options, espalier_default_barbell_options(),
+                         sizeof(espalier_barbell_options), "espalier_default_barbell_options");
+        out =
+            new espalier_lattice{shapes::barbell({.endSegments = chosen.end_segments,
+                                                  .barSegments = chosen.bar_segments,
+                                                  .barAcross = chosen.bar_across,
+                                                  .pattern = c::pattern(chosen.rings, chosen.core),
+                                                  .layers = chosen.layers,
+                                                  .endRadius = chosen.end_radius,
+                                                  .barLength = chosen.bar_length,
+                                                  .barHalfWidth = chosen.bar_half_width,
+                                                  .roundness = chosen.roundness,
+                                                  .height = chosen.height})};
+    });
+}
+
+espalier_status espalier_lattice_create_arm(const espalier_arm_options* options,
+                                            espalier_lattice** lattice) {
+    return c::guarded([&] {
+        auto& out = c::deref(lattice, "lattice");
+        const auto chosen =
+            c::optionsOr(options, espalier_default_arm_options(), sizeof(espalier_arm_options),
+                         "espalier_default_arm_options");
+        std::vector<shapes::ArmJoint> joints;
+        for (const auto& joint : c::array(chosen.joints, chosen.joint_count, "joints"))
+            joints.push_back({c::point(joint.position, "position"), joint.radius, joint.twist});
+        out = new espalier_lattice{shapes::arm({.joints = std::move(joints),
+                                                .segments = chosen.segments,
+                                                .sides = chosen.sides,
+                                                .pattern = c::pattern(chosen.rings, chosen.core),
+                                                .up = c::point(chosen.up, "up")})};
+    });
+}
+
+espalier_status espalier_lattice_create_regular_solid(int32_t solid, double radius,
+                                                      espalier_lattice** lattice) {
+    return c::guarded([&] {
+        auto& out = c::deref(lattice, "lattice");
+        const auto number = c::choice(solid, std::int32_t{ESPALIER_SOLID_ICOSAHEDRON}, "solid");
+        out = new espalier_lattice{c::kRegularSolids[number]({radius})};
+    });
+}
+
+espalier_status espalier_lattice_create_polygonal_solid(int32_t solid, int32_t sides, double radius,
+                                                        double height, espalier_lattice** lattice) {
+    return c::guarded([&] {
+        auto& out = c::deref(lattice, "lattice");
+        const auto number = c::choice(solid, std::int32_t{ESPALIER_SOLID_BIPYRAMID}, "solid");
+        out = new espalier_lattice{c::kPolygonalSolids[number]({sides, radius, height})};
     });
 }
 

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/matrix_file.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/limit_stencils.h>
 #include <espalier/stencils/limit_table.h>
 #include <espalier/stencils/nested_lattices.h>
 
+#include <algorithm>
+#include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "arguments.h"
+#include "bind_options.h"
 #include "guard.h"
 #include "handles.h"
 
@@ -19,6 +24,18 @@ namespace {
 espalier_table* newTable(stencils::StencilTable<double> table) {
     return new espalier_table{
         std::make_shared<const stencils::StencilTable<double>>(std::move(table))};
+}
+
+std::vector<stencils::LimitLocation> limitLocations(std::int32_t count, const std::int32_t* cells,
+                                                    const double* uvw) {
+    const auto givenCells = array(cells, count, "cells");
+    const auto givenPlaces = array(uvw, count, "uvw", 3);
+    std::vector<stencils::LimitLocation> locations(givenCells.size());
+    for (std::size_t i = 0; i < locations.size(); ++i) {
+        locations[i].cell = givenCells[i];
+        std::copy_n(&givenPlaces[3 * i], 3, locations[i].uvw.begin());
+    }
+    return locations;
 }
 
 }  // namespace
@@ -51,6 +68,36 @@ espalier_status espalier_table_create_limits(const espalier_refiner* refiner, in
     });
 }
 
+espalier_status espalier_table_create_limit_stencils(const espalier_refiner* refiner, int32_t level,
+                                                     int32_t place_count, const int32_t* cells,
+                                                     const double* uvw,
+                                                     const espalier_limit_stencil_options* options,
+                                                     int32_t table_count, espalier_table** tables) {
+    return c::guarded([&] {
+        const auto& own = c::deref(refiner, "refiner");
+        const auto chosen = c::optionsOr(options, espalier_default_limit_stencil_options(),
+                                         sizeof(espalier_limit_stencil_options),
+                                         "espalier_default_limit_stencil_options");
+        if (chosen.derivatives < 0 || chosen.derivatives > 2)
+            throw Error("derivatives is " + std::to_string(chosen.derivatives) +
+                        "; expected 0 to 2");
+        c::checkCount(table_count, ESPALIER_LIMIT_STENCIL_TABLES(chosen.derivatives),
+                      "tables of room for the result");
+        const auto out = c::array(tables, table_count, "tables");
+        auto made = stencils::buildLimitStencils<double>(
+            own.refiner, level, own.rules, c::limitLocations(place_count, cells, uvw),
+            {.tolerance = chosen.tolerance, .derivatives = chosen.derivatives});
+        std::vector<std::unique_ptr<espalier_table>> results;
+        results.reserve(out.size());  // so that nothing fails between a table and its owner
+        results.emplace_back(c::newTable(std::move(made.position)));
+        if (chosen.derivatives >= 1)
+            for (auto& table : made.first) results.emplace_back(c::newTable(std::move(table)));
+        if (chosen.derivatives >= 2)
+            for (auto& table : made.second) results.emplace_back(c::newTable(std::move(table)));
+        for (std::size_t i = 0; i < results.size(); ++i) out[i] = results[i].release();
+    });
+}
+
 espalier_status espalier_table_write(const espalier_table* table, const char* path) {
     return c::guarded(
         [&] { io::writeMatrix(&c::deref(path, "path"), *c::deref(table, "table").table); });
@@ -76,18 +123,10 @@ espalier_status espalier_table_create_nested(
         c::checkCount(parent_vertex_count, complex.count(0), "positions of the parent's vertices");
         const auto pose = c::positions(child_pose, child_vertex_count, "child_pose");
         const auto rest = c::positions(parent_positions, parent_vertex_count, "parent_positions");
-        const auto chosen = c::optionsOr(options, espalier_default_bind_options(),
-                                         offsetof(espalier_bind_options, limit_tolerance),
-                                         "espalier_default_bind_options");
-        if (chosen.limit_tolerance != 0)
-            throw Error("limit_tolerance is " + std::to_string(chosen.limit_tolerance) +
-                        "; expected 0, since lattices nest in a level");
-        stencils::EmbeddingOptions embedding;
-        embedding.outside = c::choice(chosen.outside, stencils::OutsidePolicy::Error, "outside");
-        embedding.tolerance = chosen.tolerance;
-        out = c::newTable(
-            stencils::nestTables(own, pose, far::TopologyRefiner(complex, outer.refiner.options()),
-                                 rest, chosen.level, outer.rules, embedding));
+        const auto chosen = c::levelOptionsOr(options, "lattices nest in a level");
+        out = c::newTable(stencils::nestTables(own, pose, c::baseOf(outer.refiner), rest,
+                                               chosen.level, outer.rules,
+                                               c::embeddingOptions(chosen)));
     });
 }
 

@@ -33,6 +33,20 @@ static_assert(ESPALIER_POINT_INSIDE == 0 && ESPALIER_POINT_OUTSIDE == 1 &&
                   ESPALIER_POINT_NOT_CONVERGED == 2,
               "points");
 
+static_assert(ESPALIER_BASIS_BEZIER == 0 && ESPALIER_BASIS_BSPLINE == 1, "bases");
+static_assert(ESPALIER_CONTINUITY_C0 == 0 && ESPALIER_CONTINUITY_C1 == 1 &&
+                  ESPALIER_CONTINUITY_C2 == 2,
+              "continuity");
+static_assert(ESPALIER_CORE_WEDGES == 0 && ESPALIER_CORE_POLYGON == 1, "cores");
+static_assert(ESPALIER_SECTION_GRID == 0 && ESPALIER_SECTION_DISK == 1, "sections");
+static_assert(ESPALIER_SOLID_TETRAHEDRON == 0 && ESPALIER_SOLID_CUBE == 1 &&
+                  ESPALIER_SOLID_OCTAHEDRON == 2 && ESPALIER_SOLID_DODECAHEDRON == 3 &&
+                  ESPALIER_SOLID_ICOSAHEDRON == 4,
+              "regular solids");
+static_assert(ESPALIER_SOLID_PRISM == 0 && ESPALIER_SOLID_PYRAMID == 1 &&
+                  ESPALIER_SOLID_BIPYRAMID == 2,
+              "polygonal solids");
+
 /* Fields lie one behind the other, with no more room than their alignment asks for. */
 #define IS_AT(type, field, place) static_assert(offsetof(type, field) == (place), #type "." #field)
 
@@ -56,6 +70,66 @@ IS_AT(espalier_fit_options, strength, sizeof(size_t) + 8);
 IS_AT(espalier_fit_options, frozen_count, sizeof(size_t) + 16);
 IS_AT(espalier_fit_options, frozen, sizeof(size_t) + 24);
 static_assert(sizeof(espalier_fit_quality) == 24, "espalier_fit_quality cannot grow");
+
+IS_AT(espalier_limit_stencil_options, size, 0);
+IS_AT(espalier_limit_stencil_options, derivatives, sizeof(size_t));
+IS_AT(espalier_limit_stencil_options, tolerance, sizeof(size_t) + 8);
+static_assert(ESPALIER_LIMIT_STENCIL_TABLES(0) == 1 && ESPALIER_LIMIT_STENCIL_TABLES(1) == 4 &&
+                  ESPALIER_LIMIT_STENCIL_TABLES(2) == 10,
+              "tables of limit stencils");
+
+IS_AT(espalier_validity_options, size, 0);
+IS_AT(espalier_validity_options, level, sizeof(size_t));
+IS_AT(espalier_validity_options, of_limit, sizeof(size_t) + 4);
+IS_AT(espalier_pose_validity, smallest_cell, 4);
+IS_AT(espalier_pose_validity, smallest_ratio, 8);
+static_assert(sizeof(espalier_pose_validity) == 16, "espalier_pose_validity cannot grow");
+IS_AT(espalier_largest_step, limiting_cell, 8);
+IS_AT(espalier_largest_step, is_tight, 12);
+static_assert(sizeof(espalier_largest_step) == 16, "espalier_largest_step cannot grow");
+
+IS_AT(espalier_torus_options, size, 0);
+IS_AT(espalier_torus_options, segments, sizeof(size_t));
+IS_AT(espalier_torus_options, section, sizeof(size_t) + 4);
+IS_AT(espalier_torus_options, grid_cells, sizeof(size_t) + 8);
+IS_AT(espalier_torus_options, sides, sizeof(size_t) + 12);
+IS_AT(espalier_torus_options, rings, sizeof(size_t) + 16);
+IS_AT(espalier_torus_options, core, sizeof(size_t) + 20);
+IS_AT(espalier_torus_options, major_radius, sizeof(size_t) + 24);
+IS_AT(espalier_torus_options, minor_radius, sizeof(size_t) + 32);
+
+IS_AT(espalier_star_options, size, 0);
+IS_AT(espalier_star_options, points, sizeof(size_t));
+IS_AT(espalier_star_options, rings, sizeof(size_t) + 4);
+IS_AT(espalier_star_options, core, sizeof(size_t) + 8);
+IS_AT(espalier_star_options, layers, sizeof(size_t) + 12);
+IS_AT(espalier_star_options, inner_radius, sizeof(size_t) + 16);
+IS_AT(espalier_star_options, outer_radius, sizeof(size_t) + 24);
+IS_AT(espalier_star_options, height, sizeof(size_t) + 32);
+
+IS_AT(espalier_barbell_options, size, 0);
+IS_AT(espalier_barbell_options, end_segments, sizeof(size_t));
+IS_AT(espalier_barbell_options, bar_segments, sizeof(size_t) + 4);
+IS_AT(espalier_barbell_options, bar_across, sizeof(size_t) + 8);
+IS_AT(espalier_barbell_options, rings, sizeof(size_t) + 12);
+IS_AT(espalier_barbell_options, core, sizeof(size_t) + 16);
+IS_AT(espalier_barbell_options, layers, sizeof(size_t) + 20);
+IS_AT(espalier_barbell_options, end_radius, sizeof(size_t) + 24);
+IS_AT(espalier_barbell_options, bar_length, sizeof(size_t) + 32);
+IS_AT(espalier_barbell_options, bar_half_width, sizeof(size_t) + 40);
+IS_AT(espalier_barbell_options, roundness, sizeof(size_t) + 48);
+IS_AT(espalier_barbell_options, height, sizeof(size_t) + 56);
+
+IS_AT(espalier_arm_options, size, 0);
+IS_AT(espalier_arm_options, segments, sizeof(size_t));
+IS_AT(espalier_arm_options, sides, sizeof(size_t) + 4);
+IS_AT(espalier_arm_options, rings, sizeof(size_t) + 8);
+IS_AT(espalier_arm_options, core, sizeof(size_t) + 12);
+IS_AT(espalier_arm_options, joint_count, sizeof(size_t) + 16);
+IS_AT(espalier_arm_options, joints, sizeof(size_t) + 24);
+IS_AT(espalier_arm_joint, radius, 24);
+IS_AT(espalier_arm_joint, twist, 32);
+static_assert(sizeof(espalier_arm_joint) == 40, "espalier_arm_joint cannot grow");
 
 IS_AT(espalier_cells, vertex_count, 0);
 IS_AT(espalier_cells, face_count, 4);

@@ -2,7 +2,8 @@
 #ifndef ESPALIER_TESTS_CHECK_H
 #define ESPALIER_TESTS_CHECK_H
 
-#include <espalier.h>
+#include <espalier_shapes.h>
+#include <espalier_solve.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

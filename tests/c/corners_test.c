@@ -315,6 +315,34 @@ static void test_binding(void) {
     }
 }
 
+static void test_tensor(void) {
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        espalier_binding* b = NULL;
+        took(espalier_binding_create_tensor(lattice, int32s[i], 1, point, NULL, &b));
+        espalier_binding_destroy(b);
+        b = NULL;
+        if (int32s[i] <= 1) {
+            CHECK(took(espalier_binding_create_tensor(lattice, 0, int32s[i], point, NULL, &b)) ==
+                  (int32s[i] >= 0));
+            espalier_binding_destroy(b);
+        }
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[3] = {0.5, doubles[i], 0.5};
+        espalier_bind_options options = espalier_default_bind_options();
+        for (int32_t outside = 0; outside < 3; ++outside) {
+            espalier_binding* b = NULL;
+            options.outside = outside;
+            took(espalier_binding_create_tensor(lattice, 0, 1, odd, &options, &b));
+            espalier_binding_destroy(b);
+        }
+        espalier_binding* b = NULL;
+        options.tolerance = doubles[i];
+        took(espalier_binding_create_tensor(lattice, 0, 1, point, &options, &b));
+        espalier_binding_destroy(b);
+    }
+}
+
 static void test_shapes(void) {
     const double from[3] = {0, 0, 0}, to[3] = {1, 1, 1};
     for (size_t i = 0; i < COUNT(int32s); ++i)
@@ -325,8 +353,11 @@ static void test_shapes(void) {
             took(espalier_lattice_create_box(counts, from, to, &l));
             espalier_lattice_destroy(l);
             l = NULL;
-            took(
-                espalier_lattice_create_cylinder(counts[0], counts[1], counts[2], 1, from, to, &l));
+            took(espalier_lattice_create_cylinder(3, 1, int32s[i], 1, 1, from, to, &l));
+            espalier_lattice_destroy(l);
+            l = NULL;
+            took(espalier_lattice_create_cylinder(counts[0], counts[1], 0, counts[2], 1, from, to,
+                                                  &l));
             espalier_lattice_destroy(l);
         }
     const espalier_lattice* both[2] = {lattice, lattice};
@@ -337,7 +368,7 @@ static void test_shapes(void) {
         took(espalier_lattice_create_box(ones, odd, to, &l));
         espalier_lattice_destroy(l);
         l = NULL;
-        took(espalier_lattice_create_cylinder(3, 1, 1, doubles[i], from, to, &l));
+        took(espalier_lattice_create_cylinder(3, 1, 0, 1, doubles[i], from, to, &l));
         espalier_lattice_destroy(l);
         l = NULL;
         took(espalier_lattice_create_merged(1, both, doubles[i], &l));
@@ -347,6 +378,79 @@ static void test_shapes(void) {
     for (size_t i = 0; i < COUNT(lengths); ++i)
         REFUSES(espalier_lattice_create_merged(lengths[i], both, 1e-6, &l));
     REFUSES(espalier_lattice_create_merged(0, both, 1e-6, &l));
+}
+
+/* A shape with options: each number at the corners of its type, and sizes of the struct. `create`
+ * makes `l` of `options`; `field` is the first of `integers` int32_t; `length` the first of `reals`
+ * doubles. */
+#define TRY_SHAPE(shape, create, field, integers, length, reals)                       \
+    do {                                                                               \
+        static const size_t sizes[] = {0, 1, 4, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX}; \
+        espalier_##shape##_options options = espalier_default_##shape##_options();     \
+        espalier_lattice* l = NULL;                                                    \
+        for (size_t i = 0; i < COUNT(sizes); ++i) {                                    \
+            options.size = sizes[i];                                                   \
+            REFUSES(create);                                                           \
+        }                                                                              \
+        for (int at = 0; at < (integers); ++at)                                        \
+            for (size_t i = 0; i < COUNT(int32s); ++i) {                               \
+                options = espalier_default_##shape##_options();                        \
+                *(&options.field + at) = int32s[i];                                    \
+                l = NULL;                                                              \
+                took(create);                                                          \
+                espalier_lattice_destroy(l);                                           \
+            }                                                                          \
+        for (int at = 0; at < (reals); ++at)                                           \
+            for (size_t i = 0; i < COUNT(doubles); ++i) {                              \
+                options = espalier_default_##shape##_options();                        \
+                *(&options.length + at) = doubles[i];                                  \
+                l = NULL;                                                              \
+                took(create);                                                          \
+                espalier_lattice_destroy(l);                                           \
+            }                                                                          \
+    } while (0)
+
+static void test_inventory(void) {
+    TRY_SHAPE(torus, espalier_lattice_create_torus(&options, &l), segments, 6, major_radius, 2);
+    TRY_SHAPE(star, espalier_lattice_create_star(&options, &l), points, 4, inner_radius, 3);
+    TRY_SHAPE(barbell, espalier_lattice_create_barbell(&options, &l), end_segments, 6, end_radius,
+              5);
+    TRY_SHAPE(arm, espalier_lattice_create_arm(&options, &l), segments, 4, up[0], 3);
+    espalier_lattice* l = NULL;
+    for (size_t i = 0; i < COUNT(lengths); ++i) {
+        espalier_arm_options options = espalier_default_arm_options();
+        options.joint_count = lengths[i];
+        REFUSES(espalier_lattice_create_arm(&options, &l));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i)
+        for (int at = 0; at < 5; ++at) {
+            espalier_arm_joint joints[2] = {{{0, 0, 0}, 1, 0}, {{2, 0, 0}, 1, 0}};
+            espalier_arm_options options = espalier_default_arm_options();
+            options.joints = joints;
+            options.joint_count = 2;
+            *(at < 3    ? &joints[1].position[at]
+              : at == 3 ? &joints[1].radius
+                        : &joints[1].twist) = doubles[i];
+            l = NULL;
+            took(espalier_lattice_create_arm(&options, &l));
+            espalier_lattice_destroy(l);
+        }
+    for (size_t i = 0; i < COUNT(int32s); ++i)
+        for (int at = 0; at < 3; ++at) {
+            l = NULL;
+            took(at == 0   ? espalier_lattice_create_regular_solid(int32s[i], 1, &l)
+                 : at == 1 ? espalier_lattice_create_polygonal_solid(int32s[i], 3, 1, 1, &l)
+                           : espalier_lattice_create_polygonal_solid(0, int32s[i], 1, 1, &l));
+            espalier_lattice_destroy(l);
+        }
+    for (size_t i = 0; i < COUNT(doubles); ++i)
+        for (int at = 0; at < 3; ++at) {
+            l = NULL;
+            took(at == 0 ? espalier_lattice_create_regular_solid(0, doubles[i], &l)
+                         : espalier_lattice_create_polygonal_solid(0, 3, at == 1 ? doubles[i] : 1,
+                                                                   at == 2 ? doubles[i] : 1, &l));
+            espalier_lattice_destroy(l);
+        }
 }
 
 static void test_nested(void) {
@@ -470,6 +574,113 @@ static void evaluate_all(const buffers* b, const buffers* a) {
     took(espalier_binding_put_kept_f64(empty, values, b->destination_size, b->destination));
 }
 
+static void test_hold(void) {
+    int32_t held[BOX_VERTICES], count = 0;
+    const int32_t zero = 0;
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        took(espalier_hold_faces(refiner, 1, &n, 1, BOX_VERTICES, held, &count));
+        took(espalier_hold_faces(refiner, 1, &zero, n, BOX_VERTICES, held, &count));
+        CHECK(took(espalier_hold_faces(refiner, 1, &zero, 1, n, held, &count)) ==
+              (n == BOX_VERTICES));
+        if (n <= 1) took(espalier_hold_faces(refiner, n, &zero, 1, BOX_VERTICES, held, &count));
+        CHECK(took(espalier_hold_points(refiner, n, positions, 1, point, 1, NULL, held, &count)) ==
+              (n == BOX_VERTICES));
+        if (n <= 1)
+            took(espalier_hold_points(refiner, BOX_VERTICES, positions, n, point, 1, NULL, held,
+                                      &count));
+        took(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, point, n, NULL, held,
+                                  &count));
+        espalier_bind_options options = espalier_default_bind_options();
+        options.level = n;
+        took(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, point, 1, &options, held,
+                                  &count));
+        CHECK(took(espalier_hold_rows(table, 1, &n, BOX_VERTICES, held, &count)) == (n == 0));
+        CHECK(took(espalier_hold_rows(table, 1, NULL, n, held, &count)) == (n == BOX_VERTICES));
+        CHECK(took(espalier_hold_rows(table, n, NULL, BOX_VERTICES, held, &count)) == (n == 1));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        const double odd[3] = {0.5, doubles[i], 0.5};
+        took(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, odd, 1, NULL, held, &count));
+    }
+}
+
+static void test_validity(void) {
+    espalier_validity *own = NULL, *v = NULL;
+    espalier_pose_validity result;
+    espalier_largest_step step;
+    double ratios[8 * BOX_CELLS];
+    int32_t base;
+    espalier_validity_options options = espalier_default_validity_options();
+    options.level = 1;
+    OK(espalier_validity_create(refiner, BOX_VERTICES, positions, &options, &own));
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        CHECK(took(espalier_validity_create(refiner, n, positions, &options, &v)) ==
+              (n == BOX_VERTICES));
+        espalier_validity_destroy(v);
+        for (int32_t limit = 0; limit < 2; ++limit) {
+            v = NULL;
+            espalier_validity_options odd = {sizeof odd, n, limit};
+            took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd, &v));
+            espalier_validity_destroy(v);
+        }
+        v = NULL;
+        espalier_validity_options odd = {sizeof odd, 1, n};
+        CHECK(took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd, &v)) ==
+              (n == 0 || n == 1));
+        espalier_validity_destroy(v);
+        v = NULL;
+        CHECK(took(espalier_validity_base_cell(own, n, &base)) == (n >= 0 && n < 8 * BOX_CELLS));
+        CHECK(took(espalier_validity_check(own, n, positions, 64, ratios, &result)) ==
+              (n == BOX_VERTICES));
+        REFUSES(espalier_validity_check(own, BOX_VERTICES, positions, n, ratios, &result));
+        CHECK(took(espalier_validity_largest_step(own, n, positions, 1, &step)) ==
+              (n == BOX_VERTICES));
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        took(espalier_validity_largest_step(own, BOX_VERTICES, positions, doubles[i], &step));
+        memcpy(values, positions, sizeof values);
+        values[5] = doubles[i];
+        took(espalier_validity_largest_step(own, BOX_VERTICES, values, 1, &step));
+        took(espalier_validity_check(own, BOX_VERTICES, values, 64, ratios, &result));
+        took(espalier_validity_create(refiner, BOX_VERTICES, values, &options, &v));
+        espalier_validity_destroy(v);
+        v = NULL;
+    }
+    espalier_validity_destroy(own);
+}
+
+static void try_limit_stencils(int32_t level, int32_t count, int32_t cell, double u,
+                               int32_t derivatives, double tolerance, int32_t room) {
+    espalier_table* tables[10] = {NULL};
+    const double uvw[3] = {u, 0.5, 0.5};
+    espalier_limit_stencil_options options = espalier_default_limit_stencil_options();
+    options.derivatives = derivatives;
+    options.tolerance = tolerance;
+    const int made = took(espalier_table_create_limit_stencils(refiner, level, count, &cell, uvw,
+                                                               &options, room, tables));
+    for (int t = 0; t < 10; ++t) {
+        CHECK((tables[t] != NULL) == (made && t < room));
+        espalier_table_destroy(tables[t]);
+    }
+}
+
+static void test_limit_stencils(void) {
+    for (size_t i = 0; i < COUNT(int32s); ++i) {
+        const int32_t n = int32s[i];
+        try_limit_stencils(n, 1, 0, 0.5, 0, 1e-6, 1);
+        if (n <= 1) try_limit_stencils(0, n, 0, 0.5, 1, 1e-6, 4);
+        try_limit_stencils(0, 1, n, 0.5, 2, 1e-6, 10);
+        try_limit_stencils(0, 1, 0, 0.5, n, 1e-6, 10);
+        try_limit_stencils(0, 1, 0, 0.5, 0, 1e-6, n);
+    }
+    for (size_t i = 0; i < COUNT(doubles); ++i) {
+        try_limit_stencils(0, 1, 0, doubles[i], 2, 1e-6, 10);
+        try_limit_stencils(0, 1, 0, 0.5, 2, doubles[i], 10);
+    }
+}
+
 static void test_evaluators(void) {
     const espalier_buffer_layout xyz = espalier_packed_layout(3);
     const buffers good = {81, xyz, 3, xyz, 0, 1}, adjoint = {3, xyz, 81, xyz, 0, BOX_VERTICES};
@@ -535,9 +746,14 @@ int main(void) {
     test_lattice();
     test_refine_options();
     test_binding();
+    test_tensor();
     test_shapes();
+    test_inventory();
     test_nested();
     test_fit();
+    test_limit_stencils();
+    test_hold();
+    test_validity();
     test_evaluators();
     printf("%d calls, %d accepted\n", tried, accepted);
 

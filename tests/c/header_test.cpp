@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// That the header is C++ as well, as old as C++11.
-#include <espalier.h>
+// That the headers are C++ as well, as old as C++11.
+#include <espalier_shapes.h>
+#include <espalier_solve.h>
 
 int main() {
     espalier_bind_options options = espalier_default_bind_options();

@@ -77,6 +77,217 @@ static void test_fit(void) {
         ESPALIER_ERROR_INPUT, "displacements is null");
 }
 
+/* The side x = 0 of the box: its 9 vertices in place, and the next layer for tangent planes. */
+static void test_hold(void) {
+    int32_t held[BOX_VERTICES], count = -1, side[4], sides = 0;
+    espalier_cells topology;
+    OK(espalier_refiner_cells(refiner, 0, &topology));
+    for (int32_t f = 0; f < topology.face_count; ++f) {
+        int on_side = 1;
+        for (int64_t i = topology.face_offsets[f]; i < topology.face_offsets[f + 1]; ++i)
+            if (topology.face_vertices[i] % 3 != 0) on_side = 0;
+        if (on_side) side[sides++] = f;
+    }
+    CHECK(sides == 4);
+    OK(espalier_hold_faces(refiner, 4, side, ESPALIER_CONTINUITY_C0, BOX_VERTICES, held, &count));
+    CHECK(count == 9);
+    for (int i = 0; i < 9; ++i) CHECK(held[i] == 3 * i);
+    OK(espalier_hold_faces(refiner, 4, side, ESPALIER_CONTINUITY_C1, BOX_VERTICES, held, &count));
+    CHECK(count == 18);
+    for (int i = 0; i < 18; ++i) CHECK(held[i] == 3 * (i / 2) + i % 2);
+
+    /* A corner of the box is a vertex of the lattice; to the vertices that hold a bound point,
+     * continuity adds others. */
+    const double corner[3] = {0, 0, 0};
+    OK(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, ESPALIER_CONTINUITY_C0, NULL,
+                            held, &count));
+    CHECK(count == 1 && held[0] == 0);
+    OK(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, ESPALIER_CONTINUITY_C1, NULL,
+                            held, &count));
+    CHECK(count > 1 && held[0] == 0);
+
+    /* The vertices that hold a row are its columns. */
+    const int32_t first = 0;
+    espalier_csr csr;
+    OK(espalier_table_csr(table, &csr));
+    OK(espalier_hold_rows(table, 1, &first, BOX_VERTICES, held, &count));
+    CHECK(count == csr.offsets[1]);
+    for (int32_t i = 0; i < count; ++i) CHECK(held[i] == csr.columns[i]);
+    OK(espalier_hold_rows(table, POINTS, NULL, BOX_VERTICES, held, &count));
+    CHECK(count == BOX_VERTICES);
+
+    count = -7;
+    held[0] = -7;
+    REFUSED(espalier_hold_faces(refiner, 0, NULL, 0, BOX_VERTICES, held, &count),
+            ESPALIER_ERROR_INPUT, "face");
+    side[0] = topology.face_count;
+    REFUSED(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, held, &count),
+            ESPALIER_ERROR_INPUT, "face");
+    side[0] = 0;
+    REFUSED(espalier_hold_faces(refiner, 4, side, 3, BOX_VERTICES, held, &count),
+            ESPALIER_ERROR_INPUT, "continuity is 3");
+    REFUSED(espalier_hold_faces(NULL, 4, side, 0, BOX_VERTICES, held, &count), ESPALIER_ERROR_INPUT,
+            "refiner is null");
+    REFUSED(espalier_hold_faces(refiner, 4, NULL, 0, BOX_VERTICES, held, &count),
+            ESPALIER_ERROR_INPUT, "faces is null");
+    REFUSED(espalier_hold_faces(refiner, 4, side, 0, 26, held, &count), ESPALIER_ERROR_INPUT,
+            "got 26");
+    REFUSED(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, NULL, &count),
+            ESPALIER_ERROR_INPUT, "held is null");
+    REFUSED(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, held, NULL),
+            ESPALIER_ERROR_INPUT, "held_count is null");
+    REFUSED(espalier_hold_points(NULL, BOX_VERTICES, rest, 1, corner, 0, NULL, held, &count),
+            ESPALIER_ERROR_INPUT, "refiner is null");
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, NULL, 1, corner, 0, NULL, held, &count),
+            ESPALIER_ERROR_INPUT, "positions is null");
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, NULL, 0, NULL, held, &count),
+            ESPALIER_ERROR_INPUT, "points is null");
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, NULL, NULL, &count),
+            ESPALIER_ERROR_INPUT, "held is null");
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, NULL, held, NULL),
+            ESPALIER_ERROR_INPUT, "held_count is null");
+    espalier_bind_options options = espalier_default_bind_options();
+    options.limit_tolerance = 1e-6;
+    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, &options, held, &count),
+            ESPALIER_ERROR_INPUT, "limit_tolerance");
+    REFUSED(espalier_hold_rows(NULL, 1, &first, BOX_VERTICES, held, &count), ESPALIER_ERROR_INPUT,
+            "deformation is null");
+    REFUSED(espalier_hold_rows(table, 1, NULL, BOX_VERTICES, held, &count), ESPALIER_ERROR_INPUT,
+            "got 1 rows");
+    REFUSED(espalier_hold_rows(table, 1, &first, BOX_VERTICES, NULL, &count), ESPALIER_ERROR_INPUT,
+            "held is null");
+    REFUSED(espalier_hold_rows(table, 1, &first, BOX_VERTICES, held, NULL), ESPALIER_ERROR_INPUT,
+            "held_count is null");
+    CHECK(count == -7 && held[0] == -7);
+}
+
+/* A box stretched to twice its length: all ratios are 2. Mirrored: all cells are inverted, and half
+ * of the way is the last that is valid. */
+static void check_poses(int32_t of_limit) {
+    espalier_validity* validity = NULL;
+    espalier_validity_options options = espalier_default_validity_options();
+    espalier_pose_validity result = {-7, -7, -7};
+    espalier_largest_step step = {-7, -7, -7};
+    double pose[3 * BOX_VERTICES], ratios[8 * BOX_CELLS];
+    const int32_t cell_count = of_limit ? BOX_CELLS : 8 * BOX_CELLS;
+    int32_t count = -1;
+    const int32_t* bad = NULL;
+    options.level = 1;
+    options.of_limit = of_limit;
+    OK(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity));
+    OK(espalier_validity_cell_count(validity, &count));
+    CHECK(count == cell_count);
+    OK(espalier_validity_bad_at_rest(validity, &count, &bad));
+    CHECK(count == 0);
+    OK(espalier_validity_base_cell(validity, cell_count - 1, &count));
+    CHECK(count == BOX_CELLS - 1);
+
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) pose[i] = (i % 3 == 0 ? 2 : 1) * rest[i];
+    OK(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count, ratios, &result));
+    CHECK(result.inverted_count == 0);
+    CHECK(result.smallest_ratio <= 2 && result.smallest_ratio > 1.99);
+    CHECK(ratios[result.smallest_cell] == result.smallest_ratio);
+    for (int32_t i = 0; i < cell_count; ++i) CHECK(ratios[i] <= 2 && ratios[i] > 1.99);
+    OK(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 1, &step));
+    CHECK(step.length == 1 && step.limiting_cell == -1);
+
+    for (int i = 0; i < 3 * BOX_VERTICES; ++i) pose[i] = (i % 3 == 0 ? -1 : 1) * rest[i];
+    OK(espalier_validity_check(validity, BOX_VERTICES, pose, 0, NULL, &result));
+    CHECK(result.inverted_count == cell_count && result.smallest_ratio <= 0);
+    OK(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 1, &step));
+    CHECK(step.length <= 0.5 && step.length > 0.5 - 1e-5);
+    CHECK(step.limiting_cell >= 0 && step.limiting_cell < cell_count && step.is_tight == 1);
+
+    ratios[0] = result.smallest_ratio = step.length = -7;
+    REFUSED(espalier_validity_check(validity, 26, pose, 0, NULL, &result), ESPALIER_ERROR_INPUT,
+            "got 26");
+    REFUSED(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count - 1, ratios, &result),
+            ESPALIER_ERROR_INPUT, "cells of room");
+    REFUSED(espalier_validity_check(NULL, BOX_VERTICES, pose, 0, NULL, &result),
+            ESPALIER_ERROR_INPUT, "validity is null");
+    REFUSED(espalier_validity_check(validity, BOX_VERTICES, NULL, 0, NULL, &result),
+            ESPALIER_ERROR_INPUT, "pose is null");
+    REFUSED(espalier_validity_check(validity, BOX_VERTICES, pose, 0, NULL, NULL),
+            ESPALIER_ERROR_INPUT, "result is null");
+    REFUSED(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 0, &step),
+            ESPALIER_ERROR_INPUT, "0");
+    REFUSED(espalier_validity_largest_step(validity, BOX_VERTICES, NULL, 1, &step),
+            ESPALIER_ERROR_INPUT, "pose is null");
+    REFUSED(espalier_validity_largest_step(NULL, BOX_VERTICES, pose, 1, &step),
+            ESPALIER_ERROR_INPUT, "validity is null");
+    REFUSED(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 1, NULL),
+            ESPALIER_ERROR_INPUT, "step is null");
+    pose[4] = NAN;
+    REFUSED(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count, ratios, &result),
+            ESPALIER_ERROR_INPUT, "finite");
+    CHECK(ratios[0] == -7 && result.smallest_ratio == -7 && step.length == -7);
+    REFUSED(espalier_validity_base_cell(validity, cell_count, &count), ESPALIER_ERROR_INPUT,
+            "there is no cell");
+    REFUSED(espalier_validity_base_cell(NULL, 0, &count), ESPALIER_ERROR_INPUT, "validity is null");
+    REFUSED(espalier_validity_base_cell(validity, 0, NULL), ESPALIER_ERROR_INPUT,
+            "base_cell is null");
+    REFUSED(espalier_validity_bad_at_rest(NULL, &count, &bad), ESPALIER_ERROR_INPUT,
+            "validity is null");
+    REFUSED(espalier_validity_bad_at_rest(validity, NULL, &bad), ESPALIER_ERROR_INPUT,
+            "cell_count is null");
+    REFUSED(espalier_validity_bad_at_rest(validity, &count, NULL), ESPALIER_ERROR_INPUT,
+            "cells is null");
+    REFUSED(espalier_validity_cell_count(NULL, &count), ESPALIER_ERROR_INPUT, "validity is null");
+    REFUSED(espalier_validity_cell_count(validity, NULL), ESPALIER_ERROR_INPUT,
+            "cell_count is null");
+    espalier_validity_destroy(validity);
+}
+
+static void test_validity(void) {
+    check_poses(0);
+    check_poses(1);
+
+    /* The cell at the origin, flat at rest. */
+    double flat[3 * BOX_VERTICES];
+    memcpy(flat, rest, sizeof flat);
+    for (int v = 1; v < 14; v += 3)
+        if (v % 9 < 6) flat[3 * v] = 0;
+    espalier_validity* validity = NULL;
+    espalier_validity_options options = espalier_default_validity_options();
+    espalier_pose_validity result;
+    int32_t count = -1, base = -1;
+    const int32_t* bad = NULL;
+    double ratios[8 * BOX_CELLS];
+    options.level = 1;
+    OK(espalier_validity_create(refiner, BOX_VERTICES, flat, &options, &validity));
+    OK(espalier_validity_bad_at_rest(validity, &count, &bad));
+    CHECK(count > 0);
+    OK(espalier_validity_base_cell(validity, bad[0], &base));
+    CHECK(base == 0);
+    OK(espalier_validity_check(validity, BOX_VERTICES, rest, 8 * BOX_CELLS, ratios, &result));
+    CHECK(isnan(ratios[bad[0]]) && result.inverted_count == 0);
+    espalier_validity_destroy(validity);
+    validity = NULL;
+
+    espalier_validity_destroy(NULL);
+    options.level = 0;
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            ESPALIER_ERROR_INPUT, "level is 0");
+    options.of_limit = 1;
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            ESPALIER_ERROR_INPUT, "0");
+    options.of_limit = 2;
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            ESPALIER_ERROR_INPUT, "of_limit is 2");
+    options.size = 4;
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            ESPALIER_ERROR_INPUT, "espalier_default_validity_options()");
+    REFUSED(espalier_validity_create(NULL, BOX_VERTICES, rest, NULL, &validity),
+            ESPALIER_ERROR_INPUT, "refiner is null");
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, NULL, NULL, &validity),
+            ESPALIER_ERROR_INPUT, "positions is null");
+    REFUSED(espalier_validity_create(refiner, 26, rest, NULL, &validity), ESPALIER_ERROR_INPUT,
+            "got 26");
+    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, NULL, NULL), ESPALIER_ERROR_INPUT,
+            "validity is null");
+    CHECK(validity == NULL);
+}
+
 /* A child that lies in a parent of twice its size: with the parent at rest the points stay, and
  * they follow a move of the parent. */
 static void test_nested(void) {
@@ -130,7 +341,7 @@ static void test_shapes(void) {
     OK(espalier_lattice_counts(both, counts));
     CHECK(counts[0] == 45 && counts[3] == 16);
     /* 8 wedges round the axis in each of 3 layers; 4 times an axis and 8 vertices round it. */
-    OK(espalier_lattice_create_cylinder(8, 1, 3, 0.5, origin, top, &round));
+    OK(espalier_lattice_create_cylinder(8, 1, ESPALIER_CORE_WEDGES, 3, 0.5, origin, top, &round));
     OK(espalier_lattice_counts(round, counts));
     CHECK(counts[0] == 36 && counts[3] == 24);
     espalier_lattice_destroy(one);
@@ -143,7 +354,7 @@ static void test_shapes(void) {
             "one of the lattices is null");
     REFUSED(espalier_lattice_create_box(NULL, origin, corner, &one), ESPALIER_ERROR_INPUT,
             "cells is null");
-    REFUSED(espalier_lattice_create_cylinder(8, 1, 1, 1, NULL, top, &one), ESPALIER_ERROR_INPUT,
+    REFUSED(espalier_lattice_create_cylinder(8, 1, 0, 1, 1, NULL, top, &one), ESPALIER_ERROR_INPUT,
             "from is null");
     CHECK(one == NULL);
 }
@@ -165,6 +376,158 @@ static void test_limits(void) {
     REFUSED(espalier_table_create_limits(NULL, 0, &limits), ESPALIER_ERROR_INPUT,
             "refiner is null");
     CHECK(limits == NULL);
+}
+
+/* Where (0, 0, 0) of a cell of the box is, and its axes u, v, w, as espalier.h says. */
+static void make_frame(int32_t cell, double frame[4][3]) {
+    espalier_cells topology;
+    const int8_t* signs = NULL;
+    OK(espalier_refiner_cells(refiner, 0, &topology));
+    OK(espalier_refiner_face_signs(refiner, 0, &signs));
+    const int64_t first = topology.cell_offsets[cell];
+    const int32_t* loop =
+        topology.face_vertices + topology.face_offsets[topology.cell_faces[first]];
+    const int32_t u = signs[first] < 0 ? loop[1] : loop[3];
+    const int32_t v = signs[first] < 0 ? loop[3] : loop[1];
+    for (int k = 0; k < 3; ++k) {
+        frame[0][k] = rest[3 * loop[0] + k];
+        frame[1][k] = rest[3 * u + k] - frame[0][k];
+        frame[2][k] = rest[3 * v + k] - frame[0][k];
+    }
+    /* The cells are cubes of side 0.5, and their axes right-handed. */
+    for (int k = 0; k < 3; ++k) {
+        const int l = (k + 1) % 3, m = (k + 2) % 3;
+        frame[3][k] = 2 * (frame[1][l] * frame[2][m] - frame[1][m] * frame[2][l]);
+    }
+}
+
+/* Positions at rest are the places, and their derivatives the edges of the cell. */
+static void test_limit_stencils(void) {
+    enum { TABLES = ESPALIER_LIMIT_STENCIL_TABLES(2), PLACES = 2 };
+    const int32_t some[PLACES] = {0, 7};
+    const double places[3 * PLACES] = {0.5, 0.5, 0.5, 0.25, 0.5, 0.75};
+    espalier_table* tables[TABLES] = {NULL};
+    espalier_limit_stencil_options options = espalier_default_limit_stencil_options();
+    options.derivatives = 2;
+    OK(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+                                            tables));
+    for (int t = 0; t < TABLES; ++t) {
+        espalier_csr csr;
+        OK(espalier_table_csr(tables[t], &csr));
+        CHECK(csr.row_count == PLACES && csr.column_count == BOX_VERTICES);
+        for (int row = 0; row < PLACES; ++row) {
+            double sum = 0, at[3] = {0, 0, 0};
+            for (int64_t i = csr.offsets[row]; i < csr.offsets[row + 1]; ++i) {
+                sum += csr.weights[i];
+                for (int k = 0; k < 3; ++k) at[k] += csr.weights[i] * rest[3 * csr.columns[i] + k];
+            }
+            CHECK(fabs(sum - (t == 0)) < tolerance);
+            /* The box is its own limit. */
+            double frame[4][3];
+            make_frame(some[row], frame);
+            for (int k = 0; k < 3; ++k) {
+                double expected = t >= 1 && t <= 3 ? frame[t][k] : 0;
+                if (t == 0) expected = frame[0][k];
+                for (int axis = 0; axis < 3 && t == 0; ++axis)
+                    expected += places[3 * row + axis] * frame[axis + 1][k];
+                CHECK(fabs(at[k] - expected) < tolerance);
+            }
+        }
+        espalier_table_destroy(tables[t]);
+        tables[t] = NULL;
+    }
+    OK(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, NULL, 1, tables));
+    espalier_table_destroy(tables[0]);
+    tables[0] = NULL;
+
+    const int32_t none[PLACES] = {0, BOX_CELLS};
+    const double outside[3 * PLACES] = {0.5, 0.5, 0.5, 0.5, 1.5, 0.5};
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, none, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "8");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, outside, &options,
+                                                 TABLES, tables),
+            ESPALIER_ERROR_INPUT, "1.5");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 1, PLACES, some, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "level 1");
+    REFUSED(
+        espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, 4, tables),
+        ESPALIER_ERROR_INPUT, "got 4 tables");
+    REFUSED(espalier_table_create_limit_stencils(NULL, 0, PLACES, some, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "refiner is null");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, NULL, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "cells is null");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, NULL, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "uvw is null");
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+                                                 NULL),
+            ESPALIER_ERROR_INPUT, "tables is null");
+    options.derivatives = 3;
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "derivatives is 3");
+    options.size = 0;
+    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+                                                 tables),
+            ESPALIER_ERROR_INPUT, "espalier_default_limit_stencil_options()");
+    for (int t = 0; t < TABLES; ++t) CHECK(tables[t] == NULL);
+}
+
+/* In the middle of an axis of 2 cells, the Bernstein polynomials of degree 2 are 1/4, 1/2, 1/4. In
+ * that of an axis of 4 cells, at a grid point, the B-splines are 1/6, 4/6, 1/6. */
+static void test_tensor(void) {
+    espalier_binding* b = NULL;
+    espalier_table* t = NULL;
+    espalier_csr csr;
+    espalier_lattice* fine = NULL;
+    const double middle[3] = {0.5, 0.5, 0.5}, zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
+    const int32_t fours[3] = {4, 4, 4}, vertex = 0;
+    OK(espalier_binding_create_tensor(lattice, ESPALIER_BASIS_BEZIER, 1, middle, NULL, &b));
+    OK(espalier_binding_table(b, &t));
+    OK(espalier_table_csr(t, &csr));
+    CHECK(csr.row_count == 1 && csr.offsets[1] == BOX_VERTICES);
+    CHECK(fabs(csr.weights[0] - 1.0 / 64) < tolerance);
+    CHECK(fabs(csr.weights[BOX_CENTRE] - 1.0 / 8) < tolerance);
+    espalier_table_destroy(t);
+    espalier_binding_destroy(b);
+    b = NULL;
+    REFUSED(espalier_binding_create_tensor(lattice, ESPALIER_BASIS_BSPLINE, 1, middle, NULL, &b),
+            ESPALIER_ERROR_INPUT, "cells");
+
+    OK(espalier_lattice_create_box(fours, zero, one, &fine));
+    OK(espalier_binding_create_tensor(fine, ESPALIER_BASIS_BSPLINE, 1, middle, NULL, &b));
+    OK(espalier_binding_table(b, &t));
+    OK(espalier_table_csr(t, &csr));
+    double centre = 0;
+    for (int64_t i = 0; i < csr.offsets[1]; ++i)
+        if (csr.columns[i] == 62) centre = csr.weights[i];
+    CHECK(fabs(centre - 8.0 / 27) < tolerance);
+    espalier_table_destroy(t);
+    espalier_binding_destroy(b);
+    b = NULL;
+
+    const double sharp = ESPALIER_SHARP;
+    OK(espalier_lattice_mark_vertices(fine, 1, &vertex, &sharp));
+    REFUSED(espalier_binding_create_tensor(fine, 0, 1, middle, NULL, &b), ESPALIER_ERROR_INPUT,
+            "marks");
+    espalier_lattice_destroy(fine);
+    espalier_bind_options options = espalier_default_bind_options();
+    options.limit_tolerance = 1e-6;
+    REFUSED(espalier_binding_create_tensor(lattice, 0, 1, middle, &options, &b),
+            ESPALIER_ERROR_INPUT, "limit_tolerance");
+    REFUSED(espalier_binding_create_tensor(lattice, 2, 1, middle, NULL, &b), ESPALIER_ERROR_INPUT,
+            "basis is 2");
+    REFUSED(espalier_binding_create_tensor(NULL, 0, 1, middle, NULL, &b), ESPALIER_ERROR_INPUT,
+            "lattice is null");
+    REFUSED(espalier_binding_create_tensor(lattice, 0, 1, NULL, NULL, &b), ESPALIER_ERROR_INPUT,
+            "points is null");
+    REFUSED(espalier_binding_create_tensor(lattice, 0, 1, middle, NULL, NULL), ESPALIER_ERROR_INPUT,
+            "binding is null");
+    CHECK(b == NULL);
 }
 
 static void test_files(const char* path) {
@@ -192,9 +555,13 @@ static void test_files(const char* path) {
 int main(int argc, char** argv) {
     set_up();
     test_fit();
+    test_hold();
+    test_validity();
     test_nested();
     test_shapes();
     test_limits();
+    test_limit_stencils();
+    test_tensor();
     for (int i = 1; i < argc; ++i) test_files(argv[i]);
     tear_down();
     return 0;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""That libespalier.so has the functions of symbols.txt, of espalier.h, and no other."""
+"""That libespalier.so has the functions of symbols.txt, of the headers of c/, and no other."""
 
 import pathlib
 import re
@@ -9,7 +9,7 @@ import sys
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
-NM = LIBRARY = HEADER = None  # set by main
+NM = LIBRARY = HEADERS = None  # set by main
 
 HOW_TO_CHANGE = """
 A function that is gone, or takes other arguments, breaks the programs that are linked to it: the
@@ -23,6 +23,10 @@ def names(path):
     return [line for line in lines if line and not line.startswith("#")]
 
 
+def without_comments():
+    return "".join(re.sub(r"//.*", "", path.read_text(encoding="utf-8")) for path in HEADERS)
+
+
 class Symbols(unittest.TestCase):
     def test_library(self):
         out = subprocess.run([NM, "-D", "--defined-only", LIBRARY], text=True, check=True,
@@ -31,13 +35,13 @@ class Symbols(unittest.TestCase):
         self.assertEqual(sorted(exported), names(HERE / "symbols.txt"), HOW_TO_CHANGE)
 
     def test_header(self):
-        text = re.sub(r"//.*", "", HEADER.read_text(encoding="utf-8"))
+        text = without_comments()
         declared = re.findall(r"ESPALIER_C_API [^(;]*?\b(espalier_\w+)\(", text)
         self.assertEqual(sorted(declared), names(HERE / "symbols.txt"), HOW_TO_CHANGE)
 
     def test_corners(self):
         """Functions that take numbers, arrays or options are in corners_test.c."""
-        text = re.sub(r"//.*", "", HEADER.read_text(encoding="utf-8"))
+        text = without_comments()
         test = (HERE / "corners_test.c").read_text(encoding="utf-8")
         number = r"(u?int\d+_t|size_t|double|float|espalier_buffer_layout) \w+\b(?!\[)"
         struct = r"const espalier_(cells|\w+_options)\*"
@@ -48,7 +52,7 @@ class Symbols(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    HEADER = pathlib.Path(sys.argv.pop())
+    HEADERS = sorted(pathlib.Path(sys.argv.pop()).glob("espalier*.h"))
     LIBRARY = sys.argv.pop()
     NM = sys.argv.pop()
     unittest.main()

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The inventory with options, and the lattices of a single cell. */
+
+#include <math.h>
+
+#include "check.h"
+
+/* Checks how many vertices and cells a lattice has, and destroys it. */
+static void check_counts(espalier_lattice** lattice, int32_t vertices, int32_t cells) {
+    int32_t counts[4];
+    OK(espalier_lattice_counts(*lattice, counts));
+    CHECK(counts[0] == vertices && counts[3] == cells);
+    espalier_lattice_destroy(*lattice);
+    *lattice = NULL;
+}
+
+/* The largest coordinate along an axis. */
+static double largest(const espalier_lattice* lattice, int axis) {
+    int32_t count = 0;
+    const double* positions = NULL;
+    double most = -INFINITY;
+    OK(espalier_lattice_positions(lattice, &count, &positions));
+    for (int32_t v = 0; v < count; ++v) most = fmax(most, positions[3 * v + axis]);
+    return most;
+}
+
+static void test_torus(void) {
+    espalier_lattice* l = NULL;
+    OK(espalier_lattice_create_torus(NULL, &l));
+    check_counts(&l, 8 * 4, 8);
+    espalier_torus_options options = espalier_default_torus_options();
+    options.section = ESPALIER_SECTION_DISK;
+    options.segments = 5;
+    options.sides = 7;
+    OK(espalier_lattice_create_torus(&options, &l));
+    check_counts(&l, 5 * 8, 5 * 7); /* a vertex in the middle, and wedges */
+    options.core = ESPALIER_CORE_POLYGON;
+    options.rings = 2;
+    OK(espalier_lattice_create_torus(&options, &l));
+    check_counts(&l, 5 * 14, 5 * 8);
+    options = espalier_default_torus_options();
+    options.grid_cells = 3;
+    options.major_radius = 2;
+    options.minor_radius = 0.5;
+    OK(espalier_lattice_create_torus(&options, &l));
+    CHECK(fabs(largest(l, 0) - 2.5) < 1e-12 && fabs(largest(l, 2) - 0.5) < 1e-12);
+    check_counts(&l, 8 * 16, 8 * 9);
+    options.minor_radius = 3;
+    REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT, "minorRadius");
+    options = espalier_default_torus_options();
+    options.section = 2;
+    REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT, "section is 2");
+    options = espalier_default_torus_options();
+    options.core = -1;
+    REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT, "core is -1");
+    options.size = 4;
+    REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT,
+            "espalier_default_torus_options()");
+    REFUSED(espalier_lattice_create_torus(NULL, NULL), ESPALIER_ERROR_INPUT, "lattice is null");
+    CHECK(l == NULL);
+}
+
+static void test_star(void) {
+    espalier_lattice* l = NULL;
+    OK(espalier_lattice_create_star(NULL, &l));
+    check_counts(&l, 2 * 11, 10);
+    espalier_star_options options = espalier_default_star_options();
+    options.points = 3;
+    options.rings = 2;
+    options.layers = 4;
+    options.core = ESPALIER_CORE_POLYGON;
+    options.inner_radius = 0.25;
+    options.outer_radius = 3;
+    options.height = 2;
+    OK(espalier_lattice_create_star(&options, &l));
+    CHECK(fabs(largest(l, 0) - 3) < 1e-12 && fabs(largest(l, 2) - 1) < 1e-12);
+    check_counts(&l, 5 * 12, 4 * 7);
+    options.inner_radius = 0;
+    REFUSED(espalier_lattice_create_star(&options, &l), ESPALIER_ERROR_INPUT, "innerRadius");
+    options.size = 0;
+    REFUSED(espalier_lattice_create_star(&options, &l), ESPALIER_ERROR_INPUT,
+            "espalier_default_star_options()");
+    REFUSED(espalier_lattice_create_star(NULL, NULL), ESPALIER_ERROR_INPUT, "lattice is null");
+    CHECK(l == NULL);
+}
+
+/* A block is a pose of the barbell of the same numbers. */
+static void test_barbell(void) {
+    espalier_lattice *l = NULL, *round = NULL;
+    uint64_t hash = 0, other = 1;
+    espalier_barbell_options options = espalier_default_barbell_options();
+    OK(espalier_lattice_create_barbell(NULL, &round));
+    options.roundness = 0;
+    options.bar_half_width = options.end_radius;
+    OK(espalier_lattice_create_barbell(&options, &l));
+    CHECK(fabs(largest(l, 0) - 3) < 1e-12 && fabs(largest(l, 1) - 1) < 1e-12 &&
+          fabs(largest(l, 2) - 0.25) < 1e-12);
+    OK(espalier_lattice_topology_hash(l, &hash));
+    OK(espalier_lattice_topology_hash(round, &other));
+    CHECK(hash == other);
+    espalier_lattice_destroy(l);
+    l = NULL;
+    options.layers = 2;
+    OK(espalier_lattice_create_barbell(&options, &l));
+    OK(espalier_lattice_topology_hash(l, &hash));
+    CHECK(hash != other);
+    espalier_lattice_destroy(l);
+    espalier_lattice_destroy(round);
+    l = NULL;
+    options.roundness = 2;
+    REFUSED(espalier_lattice_create_barbell(&options, &l), ESPALIER_ERROR_INPUT, "roundness");
+    options.size = 0;
+    REFUSED(espalier_lattice_create_barbell(&options, &l), ESPALIER_ERROR_INPUT,
+            "espalier_default_barbell_options()");
+    REFUSED(espalier_lattice_create_barbell(NULL, NULL), ESPALIER_ERROR_INPUT, "lattice is null");
+    CHECK(l == NULL);
+}
+
+static void test_arm(void) {
+    espalier_lattice* l = NULL;
+    OK(espalier_lattice_create_arm(NULL, &l));
+    CHECK(fabs(largest(l, 0) - 2.5) < 1e-12);
+    check_counts(&l, 7 * 4, 6);
+    const espalier_arm_joint joints[2] = {{{0, 0, 0}, 0.5, 0}, {{0, 0, 4}, 0.25, 1}};
+    espalier_arm_options options = espalier_default_arm_options();
+    options.joints = joints;
+    options.joint_count = 2;
+    options.segments = 3;
+    options.core = ESPALIER_CORE_WEDGES;
+    REFUSED(espalier_lattice_create_arm(&options, &l), ESPALIER_ERROR_INPUT, "up");
+    options.up[0] = 1;
+    options.up[2] = 0;
+    OK(espalier_lattice_create_arm(&options, &l));
+    CHECK(fabs(largest(l, 0) - 0.5) < 1e-12 && fabs(largest(l, 2) - 4) < 1e-12);
+    check_counts(&l, 4 * 5, 3 * 4);
+    options.joint_count = 1;
+    REFUSED(espalier_lattice_create_arm(&options, &l), ESPALIER_ERROR_INPUT, "joints");
+    options.joints = NULL;
+    REFUSED(espalier_lattice_create_arm(&options, &l), ESPALIER_ERROR_INPUT, "joints is null");
+    options.size = 0;
+    REFUSED(espalier_lattice_create_arm(&options, &l), ESPALIER_ERROR_INPUT,
+            "espalier_default_arm_options()");
+    REFUSED(espalier_lattice_create_arm(NULL, NULL), ESPALIER_ERROR_INPUT, "lattice is null");
+    CHECK(l == NULL);
+}
+
+static void test_solids(void) {
+    espalier_lattice* l = NULL;
+    static const int32_t vertices[5] = {4, 8, 6, 20, 12}, over_pentagon[3] = {10, 6, 7};
+    for (int32_t solid = 0; solid < 5; ++solid) {
+        int32_t count = 0;
+        const double* p = NULL;
+        OK(espalier_lattice_create_regular_solid(solid, 2, &l));
+        OK(espalier_lattice_positions(l, &count, &p));
+        CHECK(fabs(sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 2) < 1e-12);
+        check_counts(&l, vertices[solid], 1);
+    }
+    for (int32_t solid = 0; solid < 3; ++solid) {
+        OK(espalier_lattice_create_polygonal_solid(solid, 5, 2, 3, &l));
+        CHECK(fabs(largest(l, 0) - 2) < 1e-12 && fabs(largest(l, 2) - 1.5) < 1e-12);
+        check_counts(&l, over_pentagon[solid], 1);
+    }
+    REFUSED(espalier_lattice_create_regular_solid(5, 1, &l), ESPALIER_ERROR_INPUT, "solid is 5");
+    REFUSED(espalier_lattice_create_regular_solid(0, 0, &l), ESPALIER_ERROR_INPUT, "radius");
+    REFUSED(espalier_lattice_create_regular_solid(0, 1, NULL), ESPALIER_ERROR_INPUT,
+            "lattice is null");
+    REFUSED(espalier_lattice_create_polygonal_solid(3, 3, 1, 1, &l), ESPALIER_ERROR_INPUT,
+            "solid is 3");
+    REFUSED(espalier_lattice_create_polygonal_solid(0, 2, 1, 1, &l), ESPALIER_ERROR_INPUT, "sides");
+    REFUSED(espalier_lattice_create_polygonal_solid(0, 3, 1, 1, NULL), ESPALIER_ERROR_INPUT,
+            "lattice is null");
+    CHECK(l == NULL);
+}
+
+int main(void) {
+    test_torus();
+    test_star();
+    test_barbell();
+    test_arm();
+    test_solids();
+    return 0;
+}
