@@ -87,6 +87,11 @@ TEST(Obj, PassesOverAByteOrderMark) {
     EXPECT_EQ(written(*model, std::vector<Point3>{{1, 2, 4}}), "\xEF\xBB\xBFv 1 2 4\n");
 }
 
+TEST(Obj, ReadsCoordinatesNextToZeroAsZero) {
+    const auto model = readModel("a.obj", "v 1e-400 -1e-400 1 1e-999\n");
+    EXPECT_THAT(model->positions(), ElementsAre(Point3{0, -0.0, 1}));
+}
+
 TEST(Obj, RefusesAMalformedVertexWithItsLineAndTheCause) {
     const auto refused = [](const std::string& line, const std::string& why) {
         EXPECT_THAT([&] { readModel("a.obj", "# one\nv 0 0 0\n" + line + "\nv 1 1 1\n"); },
