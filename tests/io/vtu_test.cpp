@@ -111,7 +111,7 @@ TEST(Vtu, PiecesAreNumberedThroughAndNotWelded) {
     vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(), heat);
     vtu.piece({0, 0}, "", cells("", "", ""));
     vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
-              heat + Vtu::array("espalier:vertex_sharpness", "-1 10 nan 0", "Float64"));
+              heat + Vtu::array("espalier:vertex_sharpness", "-1 10 -1 0", "Float64"));
     vtu.fieldData = Vtu::array("espalier:edge_vertices", "4 5 1 0", "Int32", 2) +
                     Vtu::array("espalier:edge_sharpness", "0 11", "Float64");
     const Lattice lattice = vtu.read();
@@ -230,6 +230,15 @@ TEST(Vtu, RefusalsOfMarksNameTheOffender) {
     vtu.fieldData = Vtu::array("espalier:edge_vertices", "1 1", "Int64", 2) +
                     Vtu::array("espalier:edge_sharpness", "1", "Float64");
     EXPECT_THAT(vtu.refusal(), HasSubstr("a mark names edge (1, 1), which does not exist"));
+    vtu.fieldData = Vtu::array("espalier:edge_vertices", "0 1 2 3", "Int64", 2) +
+                    Vtu::array("espalier:edge_sharpness", "1 nan", "Float64");
+    EXPECT_THAT(vtu.refusal(),
+                HasSubstr("value 1 of 'espalier:edge_sharpness', counted from 0, is NaN"));
+    Vtu ofVertices;
+    ofVertices.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
+                     Vtu::array("espalier:vertex_sharpness", "-1 10 nan 0", "Float64"));
+    EXPECT_THAT(ofVertices.refusal(),
+                HasSubstr("value 2 of 'espalier:vertex_sharpness', counted from 0, is NaN"));
 }
 
 /// The exception stays what it is, so that programs can ask for the cause.
