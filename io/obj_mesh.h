@@ -30,8 +30,8 @@
 ///
 /// A sharpness is held in single precision, as by OpenSubdiv and by refinement (sharpness.h): 10
 /// and more is infinite, 0 and less is no mark. Tags of other names are passed over, face-varying
-/// data among them, which has no effect on vertices; and so are the other
-/// statements of the format.
+/// data among them, which has no effect on vertices; and so are the other statements of
+/// the format.
 
 namespace espalier::io {
 

@@ -35,9 +35,8 @@ enum class VtuEncoding {
 /// Several pieces become one lattice; their vertices are numbered through, and those that coincide
 /// are not welded. Vertices and cells keep their numbers.
 ///
-/// \throws FileError with the line, if the file is malformed, holds cells of other types or a
-/// sharpness
-///         that is NaN, or has more than comments around its VTKFile element;
+/// \throws FileError with the line, if the file is malformed, holds cells of other types or
+///         a sharpness that is NaN, or has more than comments around its VTKFile element;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
 ESPALIER_API Lattice readVtu(const std::filesystem::path& path);
 
