@@ -19,6 +19,7 @@
 #include "bind_model.h"
 #include "byte_counts.h"
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "pipeline.h"
 #include "run_report.h"
 
@@ -45,6 +46,7 @@ std::vector<std::filesystem::path> outputPaths(const Options& options) {
         paths.push_back(io::numberedPath(options.output, i, count));
         checkOutput(paths.back(), inputs);
     }
+    checkDistinct(paths);
     return paths;
 }
 

@@ -15,6 +15,7 @@
 #include "bind_model.h"
 #include "choice.h"
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "pipeline.h"
 
 namespace espalier::cli {
@@ -147,10 +148,15 @@ void run(Options& options) {
     checkInputs(inputs);
     if (options.levelTables && options.level == 0)
         throw CLI::ValidationError("--level-tables", "there are none before level 1");
+    std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& output : outputPaths(options)) {
         checkOutput(output, inputs, io::matrixExtensions());
-        for (const auto& path : io::matrixPaths(output)) checkOutput(path, inputs);
+        for (const auto& path : io::matrixPaths(output)) {
+            checkOutput(path, inputs);
+            files.push_back(path);
+        }
     }
+    checkDistinct(files);
     Stages stages(options.common.quiet);
     for (const Export& matrix : exports(options, stages)) {
         stages.run("writing", [&] { write(matrix, options); });

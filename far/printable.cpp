@@ -1,40 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/printable.h>
+#include <espalier/far/utf8.h>
 
 #include <algorithm>
 #include <cstdint>
 
 namespace espalier {
 namespace {
-
-/// A code point of a text, or a byte that is no part of one.
-struct Unit {
-    std::uint32_t value;
-    std::size_t size;  ///< in bytes
-    bool isCharacter;  ///< false for a byte that is not UTF-8
-};
-
-bool isContinuation(char byte) {
-    return (static_cast<unsigned char>(byte) & 0xC0) == 0x80;
-}
-
-/// Decodes the first code point of a text that is not empty (Unicode 15, table 3-7).
-Unit firstUnit(std::string_view text) {
-    const std::uint32_t lead = static_cast<unsigned char>(text[0]);
-    if (lead < 0x80) return {lead, 1, true};
-    const std::size_t size = lead < 0xC2 || lead > 0xF4 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
-    const Unit stray{lead, 1, false};
-    if (size == 0 || text.size() < size) return stray;
-    std::uint32_t value = lead & (0x7FU >> size);
-    for (std::size_t i = 1; i < size; ++i) {
-        if (!isContinuation(text[i])) return stray;
-        value = value << 6 | (static_cast<unsigned char>(text[i]) & 0x3FU);
-    }
-    constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-    const bool isSurrogate = value >= 0xD800 && value <= 0xDFFF;
-    if (value < kLeast[size] || value > 0x10FFFF || isSurrogate) return stray;
-    return {value, size, true};
-}
 
 struct Range {
     std::uint32_t first, last;
@@ -73,7 +45,7 @@ std::string hexadecimal(std::uint32_t value, std::size_t digits) {
 std::string escaped(std::string_view text) {
     std::string result;
     while (!text.empty()) {
-        const Unit unit = firstUnit(text);
+        const CodePoint unit = firstCodePoint(text);
         if (unit.isCharacter && !isEscaped(unit.value))
             result += text.substr(0, unit.size);
         else if (unit.size == 1)

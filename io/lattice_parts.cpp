@@ -5,6 +5,7 @@
 #include <espalier/io/point_arrays.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -20,7 +21,12 @@ double sharpnessFromFile(double value) {
     return value >= far::kLeastInfinite ? far::kInfinitelySharp : value;
 }
 
-bool isMarkInFile(double value) {
+bool isMarkInFile(const std::filesystem::path& path, const char* array, std::size_t place,
+                  double value) {
+    if (std::isnan(value))
+        throw FileError(path, "value " + std::to_string(place) + " of " + inQuotes(array) +
+                                  ", counted from 0, is NaN; expected a sharpness of 0 or more, "
+                                  "or -1 for no mark");
     return value >= 0;
 }
 
@@ -55,10 +61,11 @@ std::vector<double> vertexSharpnessForFile(const far::CellComplex& complex,
     return sharpness;
 }
 
-std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::vector<double>& sharpness) {
+std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::filesystem::path& path,
+                                                    const std::vector<double>& sharpness) {
     std::vector<far::Marks::Vertex> marks;
     for (std::size_t vertex = 0; vertex < sharpness.size(); ++vertex)
-        if (isMarkInFile(sharpness[vertex]))
+        if (isMarkInFile(path, kVertexSharpness, vertex, sharpness[vertex]))
             marks.push_back({static_cast<Index>(vertex), sharpnessFromFile(sharpness[vertex])});
     return marks;
 }

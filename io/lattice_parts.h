@@ -31,10 +31,13 @@ inline constexpr double kUnmarkedInFile = -1;
 /// (OpenSubdiv) and which every program can read.
 double sharpnessToFile(double sharpness);
 
-/// A sharpness from a file: 10 and more is infinite. Less than 0, or NaN, is no mark, and is not
-/// passed here.
+/// A sharpness from a file: 10 and more is infinite. \param value a mark
 double sharpnessFromFile(double value);
-bool isMarkInFile(double value);
+
+/// Whether a value of an array of sharpness is a mark. Less than 0 is none.
+/// \throws FileError naming the array and the place if the value is NaN
+bool isMarkInFile(const std::filesystem::path& path, const char* array, std::size_t place,
+                  double value);
 
 /// Whether an edge joins two vertices of the complex.
 bool isEdge(const far::CellComplex& complex, far::Index a, far::Index b);
@@ -53,7 +56,9 @@ std::vector<double> vertexSharpnessForFile(const far::CellComplex& complex,
                                            const far::Marks& marks);
 
 /// The marks in what vertexSharpnessForFile() gives.
-std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::vector<double>& sharpness);
+/// \throws FileError as isMarkInFile()
+std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::filesystem::path& path,
+                                                    const std::vector<double>& sharpness);
 
 /// Calls f, and puts the path before the message of a TopologyError that it throws.
 template <class F>

@@ -18,7 +18,7 @@ public:
     ObjModel(const std::filesystem::path& path, std::string text)
         : path_(path), text_(std::move(text)) {
         forEachObjStatement(path, text_, [&](ObjWords& words, std::size_t line) {
-            const std::string_view keyword = words.next();
+            const std::string_view keyword = readObjKeyword(words, path, line);
             if (keyword == "v") addPoint(readObjPoint(words, path, line));
             if (keyword == "vn") hasNormals_ = true;
         });

@@ -35,7 +35,8 @@ namespace espalier::io {
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \throws FileError with the line, if a `v` is malformed or not finite
+/// \throws FileError with the line, if a `v` is malformed or not finite, or if the first word of a
+/// statement is no keyword of the format
 /// \cost   one pass; 48 bytes a point and the text are kept. Writing takes one pass too; with
 /// gradients three, and 8 bytes a corner and about 80 for each `vn` meanwhile
 ESPALIER_API std::unique_ptr<Model> readObj(const std::filesystem::path& path, std::string bytes);

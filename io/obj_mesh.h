@@ -13,7 +13,7 @@
 ///
 ///     v x y z                        a vertex; w or a colour after it is not kept
 ///     f v v v ...                    a face: v, v/vt, v//vn or v/vt/vn, from 1; −1 is the last
-///                                    vertex so far. vt and vn are not kept
+///                                    vertex so far. vt and vn are not kept. Old files have fo
 ///     l v v ...                      a line of a curve, vertices as in f; a closed one ends with
 ///                                    its first. Passed over where there is a face
 ///     t crease 2/1/0 a b s           edges (a, b) of sharpness s; also 2k/1/0 with one sharpness
@@ -30,7 +30,8 @@
 ///
 /// A sharpness is held in single precision, as by OpenSubdiv and by refinement (sharpness.h): 10
 /// and more is infinite, 0 and less is no mark. Tags of other names are passed over, face-varying
-/// data among them, which has no effect on vertices; and so are all other statements.
+/// data among them, which has no effect on vertices; and so are the other statements of
+/// the format.
 
 namespace espalier::io {
 
@@ -45,7 +46,8 @@ namespace espalier::io {
 /// joined twice. A backslash at the end of a line continues the statement on the next.
 ///
 /// \throws FileError with the line, if a `v`, an `f`, an `l` that counts or a known tag is
-///         malformed, or names what is not there, or if lines join two vertices twice; FileError
+///         malformed, or names what is not there, if a statement begins with no keyword of the
+///         format, or if lines join two vertices twice; FileError
 ///         naming a vertex that is on no line of a curve; TopologyError, with the path in its
 ///         message, if there is neither face nor line, and with path and line if a face has fewer
 ///         than three corners

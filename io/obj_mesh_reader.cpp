@@ -58,10 +58,10 @@ public:
 
     Lattice read(std::string_view text) {
         forEachObjStatement(path_, text, [&](ObjWords& words, std::size_t line) {
-            const std::string_view keyword = words.next();
+            const std::string_view keyword = readObjKeyword(words, path_, line);
             if (keyword == "v")
                 mesh_.positions.push_back(readObjPoint(words, path_, line).position);
-            else if (keyword == "f")
+            else if (keyword == "f" || keyword == "fo")
                 readPath(words, line, mesh_.positions.size(), faces_);
             else if (keyword == "l")
                 lineStatements_.push_back({words, line, mesh_.positions.size()});

@@ -4,6 +4,9 @@
 #include <espalier/io/file.h>
 #include <espalier/io/obj_statements.h>
 
+#include <algorithm>
+#include <iterator>
+
 namespace espalier::io {
 
 std::string_view ObjWords::next() {
@@ -32,6 +35,25 @@ std::string_view readObjStatement(TextReader& reader) {
     while (last.ends_with('\\') && last.find('#') == std::string_view::npos)
         last = reader.restOfLine();
     return {first.data(), static_cast<std::size_t>(last.data() + last.size() - first.data())};
+}
+
+std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& path,
+                                std::size_t line) {
+    constexpr std::string_view kKeywords[] = {
+        "v", "f", "fo", "vt", "vn", "t", "l", "p", "vp", "g", "s", "o", "mg", "usemtl", "mtllib",
+        // Free-form curves and surfaces.
+        "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv",
+        "sp", "end", "con", "bsp", "bzp", "cdc", "cdp", "res",
+        // Display, and others.
+        "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech",
+        "maplib", "usemap", "call", "csh"};
+    const std::string_view word = words.next();
+    if (!word.empty() && std::ranges::find(kKeywords, word) == std::end(kKeywords))
+        throw FileError(path, line,
+                        inQuotes(word) +
+                            " is not a keyword of OBJ files; expected v, f, vn or "
+                            "another one, in lower case, or # and a comment");
+    return word;
 }
 
 ObjPoint readObjPoint(ObjWords& words, const std::filesystem::path& path, std::size_t line) {

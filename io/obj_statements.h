@@ -48,6 +48,13 @@ void forEachObjStatement(const std::filesystem::path& path, std::string_view tex
     }
 }
 
+/// The first word of a statement; empty if there is none.
+/// \param words of the whole statement
+/// \throws FileError if it is no keyword of the OBJ specification (version 3.0, those that it
+///         supersedes included), and not the `t` of OpenSubdiv's tags
+std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& path,
+                                std::size_t line);
+
 struct ObjPoint {
     Point3 position;
     std::array<std::string_view, 3> words;  ///< what gave x, y and z

@@ -60,7 +60,7 @@ bool parseCounts(std::string_view word, Counts& counts) {
 /// A sharpness as it is stored, so that what is written reads back the same; 0 if it is negative.
 bool parseSharpness(std::string_view word, double& sharpness) {
     if (!parseNumber(word, sharpness) || std::isnan(sharpness)) return false;
-    // By way of a double it could be rounded twice. What is no float is huge or next to 0.
+    // By way of a double it could be rounded twice. What is no float is huge.
     if (float single = 0; parseNumber(word, single)) sharpness = single;
     sharpness = far::storedSharpness(std::max(sharpness, 0.0));
     return true;

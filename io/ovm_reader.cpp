@@ -183,7 +183,7 @@ private:
         const bool isOfEdges = kind == "eprop" || kind == "edge_property";
         if (isOfVertices && name == kVertexSharpness && type == "double")
             marks_.vertices =
-                vertexMarksFromFile(readValues(positions_.size(), 1, VtkNumber::Float64));
+                vertexMarksFromFile(path_, readValues(positions_.size(), 1, VtkNumber::Float64));
         else if (isOfEdges && name == kEdgeSharpness && type == "double")
             readEdgeMarks();
         else if (isOfVertices && type == kVectorOfDoubles)
@@ -216,7 +216,7 @@ private:
     void readEdgeMarks() {
         const std::vector<double> sharpness = readValues(edges_.size(), 1, VtkNumber::Float64);
         for (std::size_t edge = 0; edge < edges_.size(); ++edge)
-            if (isMarkInFile(sharpness[edge]))
+            if (isMarkInFile(path_, kEdgeSharpness, edge, sharpness[edge]))
                 marks_.edges.push_back({edges_[edge], sharpnessFromFile(sharpness[edge])});
     }
 

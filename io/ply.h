@@ -11,15 +11,15 @@
 namespace espalier::io {
 
 /// Reads a PLY: ASCII, or binary of either byte order. Its points are the properties x, y and z of
-/// the element `vertex`, of type float or double; all else is kept and not interpreted, and so is
-/// what follows the last row.
+/// the element `vertex`, of type float or double; all else is kept and not interpreted.
 ///
 /// Directions are its properties nx, ny and nz, a normal, and tx, ty and tz, a tangent, if each of
 /// the three is there once and is a float or a double. Words that are no numbers are no error
 /// there.
 ///
-/// Every row that the header claims must be there. In ASCII a row is a line; empty lines between
-/// rows are passed over.
+/// Every row that the header claims must be there, and nothing after them. In ASCII a row is a
+/// line; empty lines between and after rows are kept and passed over. In binary one line end may
+/// follow.
 ///
 /// \param path for messages
 /// \param bytes the whole file

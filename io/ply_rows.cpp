@@ -41,6 +41,7 @@ public:
                 if (isVertex_) addVertices(direction, element.count);
             for (row_ = 0; row_ < element.count; ++row_) readRow(element);
         }
+        checkEnd();
         return std::move(points_);
     }
 
@@ -52,6 +53,9 @@ protected:
     virtual bool skipRows(const PlyElement& element) = 0;
 
     virtual void readRow(const PlyElement& element) = 0;
+
+    /// Fails if more than blank lines (ASCII) or a line end (binary) follow the last row.
+    virtual void checkEnd() = 0;
 
     /// What a column of the vertices belongs to.
     struct Slot {
@@ -137,6 +141,17 @@ private:
                         ", got " + inQuotes(more));
     }
 
+    void checkEnd() override {
+        while (lines_.remaining() > 0) {
+            std::string_view line = lines_.restOfLine();
+            if (const std::string_view word = takeWord(line); !word.empty())
+                lines_.fail(
+                    "expected the end of the file after all rows that the header claims, "
+                    "got " +
+                    inQuotes(word));
+        }
+    }
+
     double parse(const Slot& slot, std::string_view word) const {
         return isPosition(slot)
                    ? parseCoordinate(word, slot.axis, slot.precision(), path_, lines_.line())
@@ -196,6 +211,13 @@ private:
             else
                 take(1, size, property);
         }
+    }
+
+    void checkEnd() override {
+        const std::string_view rest = bytes_.substr(at_);
+        if (!rest.empty() && rest != "\n" && rest != "\r\n")
+            fail("expected the end of the file after all rows that the header claims, got " +
+                 std::to_string(rest.size()) + " more bytes");
     }
 
     /// Moves on by `count` numbers of `size` bytes.

@@ -29,8 +29,8 @@ struct PlyPoints {
 ///
 /// \param path for messages
 /// \param bytes the whole file
-/// \throws FileError with the line (ASCII) or the byte (binary) if there are fewer rows than the
-/// header claims, if one is malformed, or if a position is not finite
+/// \throws FileError with the line (ASCII) or the byte (binary) if there are fewer or more rows
+/// than the header claims, if one is malformed, or if a position is not finite
 /// \cost   takes memory for as many points as there are bytes for, whatever the header claims
 PlyPoints readPlyRows(const std::filesystem::path& path, std::string_view bytes,
                       const PlyHeader& header);

@@ -3,8 +3,10 @@
 #include <espalier/io/file.h>
 #include <espalier/io/text_reader.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 namespace espalier::io {
@@ -19,6 +21,28 @@ std::string shortest(Real number) {
     char text[64];
     const auto result = std::to_chars(text, text + sizeof text, number);
     return {text, result.ptr};
+}
+
+/// The number after the "e" of a decimal number, or one that is as good where it is huge: no text
+/// has as many digits as would outweigh it.
+std::int64_t exponentIn(std::string_view text) {
+    constexpr std::int64_t kHuge = std::int64_t{1} << 60;
+    if (text.starts_with('+')) text.remove_prefix(1);
+    std::int64_t exponent = 0;
+    const auto result = std::from_chars(text.data(), text.data() + text.size(), exponent);
+    if (result.ec != std::errc()) return text.starts_with('-') ? -kHuge : kHuge;
+    return std::clamp(exponent, -kHuge, kHuge);
+}
+
+/// Whether a decimal number other than 0 is less than 1 in size.
+bool isBelowOne(std::string_view text) {
+    const std::size_t end = std::min(text.find_first_of("eE"), text.size());
+    const std::string_view mantissa = text.substr(0, end);
+    const auto point = static_cast<std::int64_t>(std::min(mantissa.find('.'), end));
+    const auto digit = static_cast<std::int64_t>(mantissa.find_first_of("123456789"));
+    // The digit counts for ten to this power.
+    const std::int64_t power = digit < point ? point - digit - 1 : point - digit;
+    return power + (end < text.size() ? exponentIn(text.substr(end + 1)) : 0) < 0;
 }
 
 }  // namespace
@@ -109,7 +133,15 @@ template <class Number>
 bool parseNumber(std::string_view token, Number& number) {
     if (!token.empty() && token.front() == '+') token.remove_prefix(1);
     const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), number);
-    return error == std::errc() && end == token.data() + token.size();
+    if (end != token.data() + token.size()) return false;
+    if constexpr (std::is_floating_point_v<Number>) {
+        // The standard library tells of numbers next to 0 as of numbers that are too large.
+        if (error == std::errc::result_out_of_range && isBelowOne(token)) {
+            number = token.starts_with('-') ? -Number(0) : Number(0);
+            return true;
+        }
+    }
+    return error == std::errc();
 }
 
 std::string formatNumber(double number) {

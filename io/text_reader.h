@@ -74,8 +74,8 @@ private:
     std::size_t nextLine_;
 };
 
-/// A whole token as a number.
-/// \return false if it is not one, or out of the range of the type
+/// A whole token as a number. A real number that is too close to 0 for the type reads as 0 or -0.
+/// \return false if it is not one, or too large for the type
 template <class Number>
 ESPALIER_API bool parseNumber(std::string_view token, Number& number);
 

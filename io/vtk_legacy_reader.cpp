@@ -24,7 +24,7 @@ public:
         while (!text().atEnd()) readPart(data_.keyword("a keyword"));
         VtkCellReader cells(path_, checkedIndex(path_, positions_.size(), "points"));
         addCells(cells);
-        marks_.vertices = vertexMarksFromFile(vertexSharpness_);
+        marks_.vertices = vertexMarksFromFile(path_, vertexSharpness_);
         addEdgeMarks();
         return finishLattice(path_, cells.builder(), std::move(positions_), marks_,
                              std::move(attributes_));
@@ -257,7 +257,7 @@ private:
             return static_cast<far::Index>(vertex);
         };
         for (std::size_t mark = 0; mark < edgeSharpness_.size(); ++mark)
-            if (isMarkInFile(edgeSharpness_[mark]))
+            if (isMarkInFile(path_, kEdgeSharpness, mark, edgeSharpness_[mark]))
                 marks_.edges.push_back({{markedVertex(edgeVertices_[2 * mark]),
                                          markedVertex(edgeVertices_[2 * mark + 1])},
                                         sharpnessFromFile(edgeSharpness_[mark])});

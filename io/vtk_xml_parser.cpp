@@ -52,21 +52,37 @@ public:
 
     void parse(const std::string& dataSet) {
         std::string head = cutAppendedData();
+        // pugixml would end there.
+        if (const std::size_t zero = head.find('\0'); zero != std::string::npos)
+            failAt(placeInFile(zero), "is not well-formed XML: it holds a byte 0");
         pugi::xml_document document;
         const pugi::xml_parse_result result = document.load_buffer_inplace(
-            head.data(), head.size(), pugi::parse_default, pugi::encoding_utf8);
+            head.data(), head.size(), pugi::parse_default | pugi::parse_fragment,
+            pugi::encoding_utf8);
         if (result.status == pugi::status_out_of_memory) throw std::bad_alloc();
         if (!result)
             failAt(placeInFile(static_cast<std::size_t>(result.offset)),
                    std::string("is not well-formed XML: ") + result.description());
         const pugi::xml_node root = document.child("VTKFile");
         if (!root) file_.fail(1, "is not a VTK XML file: it has no VTKFile element");
+        for (const pugi::xml_node node : document.children())
+            if (node != root)
+                failAt(placeInFile(textBegin(node)),
+                       "there is more than a VTKFile element; expected nothing but comments before "
+                       "and after it");
         readRoot(root, dataSet);
         readAppended(root.child("AppendedData"));
         readDataSet(root.child(dataSet.c_str()));
     }
 
 private:
+    /// Where an element, or a text without the white space before it, begins in what was parsed.
+    static std::size_t textBegin(pugi::xml_node node) {
+        const std::string_view text = node.value();
+        return static_cast<std::size_t>(node.offset_debug()) +
+               std::min(text.find_first_not_of(" \t\r\n"), text.size());
+    }
+
     /// The file without the appended data, which need not be XML. Remembers where they are.
     std::string cutAppendedData() {
         const std::string_view bytes = file_.bytes_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/utf8.h>
 #include <espalier/io/vtk_xml_writer.h>
 
 #include <algorithm>
@@ -56,6 +57,18 @@ std::string dataArrayElement(const VtkArrayHead& head, std::span<const Value> va
         text += encodePayload(encodeNumbers(values, head.type, coding.byteOrder), coding);
     }
     return text.append("\n").append(indent).append("</DataArray>");
+}
+
+bool isXmlText(std::string_view text) {
+    while (!text.empty()) {
+        const CodePoint point = firstCodePoint(text);
+        const std::uint32_t value = point.value;
+        const bool isSpace = value == '\t' || value == '\n' || value == '\r';
+        if (!point.isCharacter || (value < 0x20 && !isSpace) || value == 0xFFFE || value == 0xFFFF)
+            return false;
+        text.remove_prefix(point.size);
+    }
+    return true;
 }
 
 std::string xmlEscaped(std::string_view text) {

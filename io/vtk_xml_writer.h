@@ -32,7 +32,11 @@ template <class Value>
 std::string dataArrayElement(const VtkArrayHead& head, std::span<const Value> values,
                              VtkArrayForm form, const VtkCoding& coding, std::string_view indent);
 
-/// A text as the value of an XML attribute.
+/// Whether XML 1.0 can hold a text (section 2.2): UTF-8 without control characters, but for tabs
+/// and line ends, and without U+FFFE and U+FFFF.
+bool isXmlText(std::string_view text);
+
+/// A text as the value of an XML attribute. \param text such as isXmlText() accepts
 std::string xmlEscaped(std::string_view text);
 
 }  // namespace espalier::io

@@ -35,7 +35,8 @@ enum class VtuEncoding {
 /// Several pieces become one lattice; their vertices are numbered through, and those that coincide
 /// are not welded. Vertices and cells keep their numbers.
 ///
-/// \throws FileError with the line, if the file is malformed or holds cells of other types;
+/// \throws FileError with the line, if the file is malformed, holds cells of other types or
+///         a sharpness that is NaN, or has more than comments around its VTKFile element;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
 ESPALIER_API Lattice readVtu(const std::filesystem::path& path);
 
@@ -48,8 +49,9 @@ ESPALIER_API Lattice readVtu(const std::filesystem::path& path, std::string_view
 /// canonical order. Files are little-endian, with 64-bit headers and the older layout of polyhedra,
 /// which every VTK reads.
 ///
-/// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, or the
-///         file cannot be written; TopologyError if a mark names what is not there
+/// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, XML
+///         cannot hold the name of an attribute, or the file cannot be written; TopologyError if a
+///         mark names what is not there
 ESPALIER_API void writeVtu(const std::filesystem::path& path, const Lattice& lattice,
                            VtuEncoding encoding = VtuEncoding::Compressed);
 

@@ -66,7 +66,7 @@ public:
             firstVertex += count;
         }
         readEdgeMarks();
-        marks_.vertices = vertexMarksFromFile(vertexSharpness_);
+        marks_.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
         return finishLattice(file_.path(), cells.builder(), std::move(positions_), marks_,
                              std::move(attributes_));
     }
@@ -203,7 +203,7 @@ private:
         const auto values = file_.reals(*sharpness);
         const auto vertices = file_.integers(*ends, values.size());
         for (std::size_t mark = 0; mark < values.size(); ++mark) {
-            if (!isMarkInFile(values[mark])) continue;
+            if (!isMarkInFile(file_.path(), kEdgeSharpness, mark, values[mark])) continue;
             marks_.edges.push_back({{markedVertex(*ends, vertices[2 * mark]),
                                      markedVertex(*ends, vertices[2 * mark + 1])},
                                     sharpnessFromFile(values[mark])});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_parts.h>
 #include <espalier/io/point_arrays.h>
@@ -103,6 +104,11 @@ private:
 
 void writeVtu(const std::filesystem::path& path, const Lattice& lattice, VtuEncoding encoding) {
     const far::Marks marks = checkedForWriting(path, lattice);
+    for (const VertexAttribute& attribute : lattice.attributes)
+        if (!isXmlText(attribute.name))
+            throw FileError(path, "cannot be written: the attribute " + inQuotes(attribute.name) +
+                                      " has a name that XML cannot hold; expected UTF-8 without "
+                                      "control characters. Rename the attribute");
     writeFile(path, [&](std::ostream& out) { VtuWriter(out, encoding).write(lattice, marks); });
 }
 

@@ -102,10 +102,11 @@ void dropTurned(const CellComplex& complex, std::vector<std::int8_t>& orientatio
     }
 }
 
-/// A lower bound of the least volume ratio of a part; its sign is sure.
+/// A lower bound of the least volume ratio of a part, or the double next to it; its sign is sure.
 double leastRatio(const CheckedVolume& volume, Index part, int orientation,
                   const LimitPositions& rest, const LimitPositions& pose) {
-    double least = std::numeric_limits<double>::max();  // where the quotient is beyond it
+    constexpr double kLargest = std::numeric_limits<double>::max();
+    double least = kLargest;
     volume.forEachPiece(
         part,
         [&]<std::size_t Degree>(const Piece<Degree>& before, const Piece<Degree>& posed) {
@@ -118,7 +119,7 @@ double leastRatio(const CheckedVolume& volume, Index part, int orientation,
             least = std::min(least, leastQuotient(quotient));
         },
         rest, pose);
-    return least;
+    return std::max(least, -kLargest);
 }
 
 /// Of a piece at the end of the way that is looked at, beyond the pose perhaps.

@@ -28,7 +28,8 @@ struct PoseValidity {
     /// Of each cell: a lower bound of its least volume ratio (see ValidityCheck), not positive if
     /// and only if the cell is among the inverted. Below the least ratio by 0.1 % of it at most, or
     /// by 1e-6; by more only in cells that come within rounding of flat, or are so twisted that
-    /// 2,000 halvings do not tell. Nothing for cells that are bad at rest, or shrink away.
+    /// 2,000 halvings do not tell. Always finite: a ratio beyond ±the largest double counts
+    /// as that. Nothing for cells that are bad at rest, or shrink away.
     std::vector<std::optional<double>> ratios;
 
     std::vector<Index> inverted;  ///< ascending; none that is bad at rest

@@ -63,6 +63,16 @@ class Check(CliTest):
         self.assertAlmostEqual(report["largest_step"]["length"], 0.5, delta=1e-6)
         self.assertLessEqual(report["largest_step"]["length"], 0.5)
 
+    def test_ratios_are_finite(self):
+        """A mirror image 1e240 times as large: the ratio is less than any double."""
+        self.write_pose(lambda x, y, z: (1e-80 * x, 1e-80 * y, 1e-80 * z), name="tiny.ovm")
+        self.write_pose(lambda x, y, z: (-1e80 * x, 1e80 * y, 1e80 * z))
+        report = json.loads(self.run_program(
+            "check", "pose.ovm", "--rest", "tiny.ovm", "-n", 1, "--report", "json", "-o",
+            "ratios.vtk", code=1).stdout)
+        self.assertEqual(report["smallest_volume_ratio"]["volume_ratio"], -sys.float_info.max)
+        self.assertNotIn("inf", (self.path / "ratios.vtk").read_text())
+
     def test_a_folded_pose(self):
         self.write_folded()
         report, error = self.check("-n", 2, "--list", 512, code=1)

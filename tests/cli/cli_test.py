@@ -353,6 +353,26 @@ class Deform(CliTest):
             self.assert_close(self.read_points(names[0]), self.points, 1e-12)
             self.assert_close(self.read_points(names[1]), self.expected, 1e-12)
 
+    def test_numbered_outputs_that_are_one_file_are_refused(self):
+        arguments = ["deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "pose.vtk",
+                     "-n", 1, "-o", "out.obj"]
+        link = self.path / "out.0001.obj"
+        for target in ["out.0000.obj", str(self.path / "." / "out.0000.obj")]:
+            link.symlink_to(target)  # first to a file that does not exist yet, then to one
+            error = self.error_of(*arguments)
+            self.assertIn("out.0001.obj: is the same file as out.0000.obj, through a link", error)
+            link.unlink()
+            (self.path / "out.0000.obj").write_text("kept")
+        self.assertEqual((self.path / "out.0000.obj").read_text(), "kept")
+        # Another file, and a device that takes several.
+        link.symlink_to("else.obj")
+        self.run_program(*arguments)
+        self.assert_close(self.read_points("else.obj"), self.expected, 1e-12)
+        for name in ["out.0000.obj", "out.0001.obj"]:
+            (self.path / name).unlink()
+            (self.path / name).symlink_to("/dev/null")
+        self.run_program(*arguments)
+
     def test_result_does_not_depend_on_the_number_of_threads(self):
         outputs = set()
         for threads in [1, 2, 5]:

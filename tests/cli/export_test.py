@@ -81,6 +81,13 @@ class Export(CliTest):
         self.write("-n", 1, "--level-tables", "-o", "one.mtx")
         self.assertTrue((self.path / "one.mtx").exists())
 
+    def test_level_tables_that_are_one_file_are_refused(self):
+        (self.path / "r2.npz").symlink_to("r1.npz")
+        self.assertIn("r2.npz: is the same file as r1.npz, through a link",
+                      self.error_of("stencils", "c.ovm", "-n", 2, "--level-tables", "-o",
+                                    "r%d.npz"))
+        self.assertFalse((self.path / "r1.npz").exists())
+
     def test_points_give_the_deformation_matrix(self):
         points = icosphere_points(50) + [(9, 9, 9)]
         self.write_model(points)

@@ -14,6 +14,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
+using testing::ThrowsMessage;
 
 using EdgeMarks = std::vector<far::Marks::Edge>;
 using VertexMarks = std::vector<far::Marks::Vertex>;
@@ -68,7 +69,9 @@ TEST(ObjMesh, FacesMayBeWrittenInEveryWay) {
           "f 1/1/9 2/2/9 5/-5/9 4/4/-9\nf 2 3/7 6//1 5/1/2\n",
           // The last vertex so far is number 6.
           "f -6 -5 -2 -3\nf -5 3 -1/-1/-1 5\n", "f 1 2 \\\n 5 4\nf 2\t3   6 5 # the right one\n",
-          "f +1 2 5 4\nf 2/ 3/1/ 6 5\n"})
+          "f +1 2 5 4\nf 2/ 3/1/ 6 5\n",
+          // As old files have it.
+          "fo 1 2 5 4\nfo 2 3 6 5\n"})
         EXPECT_EQ(loopsOf(readMesh(kVertices + faces).complex), kSquareLoops) << faces;
     EXPECT_EQ(loopsOf(readMesh(kVertices + "f 1 2 3 6 5 4\nf 1 2 5\n").complex),
               (Loops{{0, 1, 2, 5, 4, 3}, {0, 1, 4}}));
@@ -90,12 +93,19 @@ TEST(ObjMesh, OrderOfTheStatementsDoesNotCount) {
     EXPECT_EQ(mesh.marks, (far::Marks{{{{1, 4}, 2}}, {{0, kInfinitelySharp}}, {1}}));
 }
 
+TEST(ObjMesh, RefusesUnknownKeywords) {
+    for (const char* line : {"tt crease 2/1/0 0 1 1", "T hole 1/0/0 0", "F 1 2 3"})
+        EXPECT_THAT([&] { readMesh(kVertices + line + "\nf 1 2 5 4\n"); },
+                    ThrowsMessage<io::FileError>(HasSubstr("is not a keyword of OBJ files")))
+            << line;
+}
+
 TEST(ObjMesh, WhatIsNotOfTheMeshIsPassedOver) {
     const std::string text =
         "\xEF\xBB\xBF# t crease 2/1/0 0 1 1\nmtllib a.mtl\no a\ng b \\\nf 1 2 3\n"
         "v 0 0 0 1.5\nv 1 0 0 0.1 0.2 0.3\nv 2 0 0 # a comment\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
         "vt 0 x\nvn 0 0 1\nvp 1\nusemtl m\ns off\nl 1 2\np 1\n\nf 1 2 5 4\nf 2 3 6 5\n"
-        "tt crease 2/1/0 0 1 1\ncurv 0 1 1 2\nT hole 1/0/0 0";
+        "curv 0 1 1 2\nshadow_obj a.obj";
     for (const char* end : {"\n", "\r\n"}) {
         std::string withEnds;
         for (const char c : text) withEnds += c == '\n' ? end : std::string(1, c);

@@ -28,7 +28,7 @@ const std::string kFullText =
     "3.0# no space\n"
     "f 1/1/1 \\\n"
     " 2/1/1 3/1/1\n"
-    "unknown v 1 2 3\n"
+    "usemtl v 1 2 3\n"
     "v 1e2 0.5 7";  // the last line has no end
 
 std::string withLineEnds(const std::string& text, const std::string& end) {
@@ -87,6 +87,11 @@ TEST(Obj, PassesOverAByteOrderMark) {
     EXPECT_EQ(written(*model, std::vector<Point3>{{1, 2, 4}}), "\xEF\xBB\xBFv 1 2 4\n");
 }
 
+TEST(Obj, ReadsCoordinatesNextToZeroAsZero) {
+    const auto model = readModel("a.obj", "v 1e-400 -1e-400 1 1e-999\n");
+    EXPECT_THAT(model->positions(), ElementsAre(Point3{0, -0.0, 1}));
+}
+
 TEST(Obj, RefusesAMalformedVertexWithItsLineAndTheCause) {
     const auto refused = [](const std::string& line, const std::string& why) {
         EXPECT_THAT([&] { readModel("a.obj", "# one\nv 0 0 0\n" + line + "\nv 1 1 1\n"); },
@@ -106,6 +111,17 @@ TEST(Obj, RefusesAMalformedVertexWithItsLineAndTheCause) {
     refused("v 1 \\", "'v' is not a number; expected y");
 }
 
+TEST(Obj, RefusesUnknownKeywordsWithTheirLine) {
+    using namespace std::string_literals;
+    const std::vector<std::pair<std::string, std::string>> samples = {
+        {"V 1 2 3", "'V'"}, {"\0v 1 2 3"s, "'\\x00v'"}, {"\xC2\xA0v 1 2 3", "v'"}, {"vv", "'vv'"}};
+    for (const auto& [line, word] : samples)
+        EXPECT_THAT([&] { readModel("a.obj", "# one\nv 0 0 0\n" + line + "\n"); },
+                    ThrowsMessage<FileError>(AllOf(HasSubstr("a.obj:3: "),
+                                                   HasSubstr(word + " is not a keyword of OBJ"))))
+            << line;
+}
+
 TEST(Obj, CountsTheLinesOfContinuedStatements) {
     EXPECT_THAT([] { readModel("a.obj", "g a \\\n b \\\r\n c\nv 1 \\\n 2\n"); },
                 ThrowsMessage<FileError>(HasSubstr("a.obj:4: ")));
@@ -120,10 +136,10 @@ TEST(Obj, EveryPartIsReadOrRefused) {
             EXPECT_EQ(written(*model, model->positions()), part);
             ++readCount;
         } catch (const FileError&) {
-            // A part that ends within a vertex, or before the first.
+            // A part that ends within a vertex or a keyword, or before the first vertex.
         }
     }
-    EXPECT_GT(readCount, 10u);  // most ends are not within a vertex
+    EXPECT_GE(readCount, 10u);  // half of the ends are neither within a vertex nor a keyword
 }
 
 }  // namespace

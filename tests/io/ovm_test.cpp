@@ -108,7 +108,7 @@ TEST(Ovm, OtherPropertiesAreSkipped) {
 TEST(Ovm, MarksAreProperties) {
     const Lattice lattice =
         read(kTetrahedron + "EProp double \"espalier:edge_sharpness\"\n-1\n-1\n0\n-1\n10\n2.5\n" +
-             "VProp double \"espalier:vertex_sharpness\"\n1e9\n-1\nnan\n0\n");
+             "VProp double \"espalier:vertex_sharpness\"\n1e9\n-1\n-1\n0\n");
     EXPECT_TRUE(lattice.attributes.empty());
     // Edges 2, 4 and 5 are 2–0, 3–1 and 3–2.
     EXPECT_EQ(lattice.marks.edges,
@@ -116,6 +116,15 @@ TEST(Ovm, MarksAreProperties) {
                   {{0, 2}, 0}, {{1, 3}, far::kInfinitelySharp}, {{2, 3}, 2.5}}));
     EXPECT_EQ(lattice.marks.vertices,
               (std::vector<far::Marks::Vertex>{{0, far::kInfinitelySharp}, {3, 0}}));
+}
+
+TEST(Ovm, MarksThatAreNaNAreRefused) {
+    EXPECT_THAT(
+        refusal(kTetrahedron + "VProp double \"espalier:vertex_sharpness\"\n1e9\n-1\nnan\n0\n"),
+        HasSubstr("value 2 of 'espalier:vertex_sharpness', counted from 0, is NaN; expected"));
+    EXPECT_THAT(refusal(kTetrahedron +
+                        "EProp double \"espalier:edge_sharpness\"\n-1\n-nan\n0\n-1\n10\n2.5\n"),
+                HasSubstr("value 1 of 'espalier:edge_sharpness', counted from 0, is NaN"));
 }
 
 TEST(Ovm, RefusalsNameTheOffender) {

@@ -139,9 +139,23 @@ TEST(Ply, RefusesEveryPartOfAnAsciiFile) {
     test::expectPartsRefused("a.ply", text, text.size() - 1);
 }
 
-TEST(Ply, KeepsWhatFollowsTheLastRow) {
-    const std::string ascii = headerOf("ascii", "float", "float") + kAsciiRows + "\nmore\n";
-    const std::string binary = binarySample(std::endian::little, 1, 2, 3) + "more";
+TEST(Ply, RefusesMoreRowsThanTheHeaderClaims) {
+    const std::string ascii = headerOf("ascii", "float", "float") + kAsciiRows + "\n\n3 0 1 1\n";
+    EXPECT_THAT([&] { readModel("a.ply", ascii); },
+                ThrowsMessage<FileError>(
+                    HasSubstr("expected the end of the file after all rows that the header "
+                              "claims, got '3'")));
+    const std::string binary = binarySample(std::endian::little, 1, 2, 3);
+    for (const std::string more : {"more", "\n\n", " "})
+        EXPECT_THAT([&] { readModel("a.ply", binary + more); },
+                    ThrowsMessage<FileError>(
+                        AllOf(HasSubstr("byte " + std::to_string(binary.size()) + ":"),
+                              HasSubstr("got " + std::to_string(more.size()) + " more bytes"))));
+}
+
+TEST(Ply, KeepsLineEndsAfterTheLastRow) {
+    const std::string ascii = headerOf("ascii", "float", "float") + kAsciiRows + "\n \n\r\n";
+    const std::string binary = binarySample(std::endian::little, 1, 2, 3) + "\n";
     for (const std::string& bytes : {ascii, binary}) {
         const auto model = readModel("a.ply", bytes);
         EXPECT_EQ(written(*model, model->positions()), bytes);

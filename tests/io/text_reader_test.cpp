@@ -93,6 +93,50 @@ TEST(TextReader, HandsOutBytes) {
     EXPECT_EQ(text.token("a word"), "b");
 }
 
+TEST(ParseNumber, ReadsWhatIsNextToZeroAsZero) {
+    const std::string zeros(400, '0');
+    const std::string ones(400, '1');
+    for (const std::string& digits :
+         {std::string("1e-400"), std::string("1E-400"), std::string("2e-324"),
+          std::string("9.9e-99999999999999999999"), "0." + zeros + "1", "0." + zeros + "1e+5",
+          "." + zeros + "7", ones + "e-900", ones + "." + ones + "e-900",
+          std::string("0012.5e-400")}) {
+        for (const char* const prefix : {"", "+", "-"}) {
+            const std::string sign = prefix;
+            double number = 1;
+            EXPECT_TRUE(io::parseNumber(sign + digits, number)) << sign + digits;
+            EXPECT_EQ(number, 0) << sign + digits;
+            EXPECT_EQ(std::signbit(number), sign == "-") << sign + digits;
+        }
+        float single = 1;
+        EXPECT_TRUE(io::parseNumber(digits, single)) << digits;
+        EXPECT_EQ(single, 0) << digits;
+    }
+    float single = 1;
+    EXPECT_TRUE(io::parseNumber(std::string_view("-1e-50"), single));
+    EXPECT_EQ(single, 0);
+    double number = 0;
+    EXPECT_TRUE(io::parseNumber(std::string_view("4e-324"), number));
+    EXPECT_EQ(number, 5e-324);
+    EXPECT_TRUE(io::parseNumber("0." + zeros + "1e401", number));
+    EXPECT_EQ(number, 1);
+}
+
+TEST(ParseNumber, RefusesWhatIsTooLarge) {
+    const std::string zeros(400, '0');
+    for (const std::string& text :
+         {std::string("1e400"), std::string("-1E+400"), "1" + zeros, "1" + zeros + ".5",
+          "1" + zeros + "e-5", "0." + zeros + "1e900", std::string("1e99999999999999999999"),
+          std::string("1e-400x")}) {
+        double number = 1;
+        EXPECT_FALSE(io::parseNumber(text, number)) << text;
+    }
+    float single = 1;
+    EXPECT_FALSE(io::parseNumber(std::string_view("1e39"), single));
+    std::int32_t whole = 1;
+    EXPECT_FALSE(io::parseNumber(std::string_view("-2147483649"), whole));
+}
+
 TEST(FormatNumber, ReadsBackAsTheSameNumber) {
     for (const double number : {0.1, 1.0 / 3, 5e-324, -0.0, 1e300, 1.0000000000000002}) {
         double got = 1;

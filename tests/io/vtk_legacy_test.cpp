@@ -171,6 +171,11 @@ TEST(VtkLegacy, MarksThatMakeNoSenseAreRefused) {
                 HasSubstr("a mark names vertex 4; there are 4"));
     EXPECT_THAT(refusal(withField("1 double\n0 nan", "1 double\n10")),
                 HasSubstr("a mark names vertex nan"));
+    EXPECT_THAT(refusal(withField("1 int\n0 3", "1 double\nnan")),
+                HasSubstr("value 0 of 'espalier:edge_sharpness', counted from 0, is NaN"));
+    EXPECT_THAT(refusal(kHead + kPoints + kCells + "POINT_DATA 4\nFIELD f 1\n" +
+                        "espalier:vertex_sharpness 1 4 double\n0 -1 nan 2\n"),
+                HasSubstr("value 2 of 'espalier:vertex_sharpness', counted from 0, is NaN"));
 }
 
 /// The whole of what is written for a tetrahedron with all kinds of marks.

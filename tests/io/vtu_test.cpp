@@ -2,7 +2,10 @@
 #include "lattice_samples.h"
 
 #include <espalier/far/error.h>
+#include <espalier/io/file.h>
 #include <espalier/io/vtk_xml_writer.h>
+
+#include <algorithm>
 
 namespace espalier::test {
 namespace {
@@ -111,7 +114,7 @@ TEST(Vtu, PiecesAreNumberedThroughAndNotWelded) {
     vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(), heat);
     vtu.piece({0, 0}, "", cells("", "", ""));
     vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
-              heat + Vtu::array("espalier:vertex_sharpness", "-1 10 nan 0", "Float64"));
+              heat + Vtu::array("espalier:vertex_sharpness", "-1 10 -1 0", "Float64"));
     vtu.fieldData = Vtu::array("espalier:edge_vertices", "4 5 1 0", "Int32", 2) +
                     Vtu::array("espalier:edge_sharpness", "0 11", "Float64");
     const Lattice lattice = vtu.read();
@@ -230,6 +233,15 @@ TEST(Vtu, RefusalsOfMarksNameTheOffender) {
     vtu.fieldData = Vtu::array("espalier:edge_vertices", "1 1", "Int64", 2) +
                     Vtu::array("espalier:edge_sharpness", "1", "Float64");
     EXPECT_THAT(vtu.refusal(), HasSubstr("a mark names edge (1, 1), which does not exist"));
+    vtu.fieldData = Vtu::array("espalier:edge_vertices", "0 1 2 3", "Int64", 2) +
+                    Vtu::array("espalier:edge_sharpness", "1 nan", "Float64");
+    EXPECT_THAT(vtu.refusal(),
+                HasSubstr("value 1 of 'espalier:edge_sharpness', counted from 0, is NaN"));
+    Vtu ofVertices;
+    ofVertices.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
+                     Vtu::array("espalier:vertex_sharpness", "-1 10 nan 0", "Float64"));
+    EXPECT_THAT(ofVertices.refusal(),
+                HasSubstr("value 2 of 'espalier:vertex_sharpness', counted from 0, is NaN"));
 }
 
 /// The exception stays what it is, so that programs can ask for the cause.
@@ -255,7 +267,7 @@ TEST(Vtu, TopologyErrorsKeepTheirCauseAndNameTheFile) {
 
 TEST(Vtu, ThatIsNotAVtuIsRefused) {
     const auto refusal = [](const std::string& text) { return refusalOf("a.vtu", text); };
-    EXPECT_THAT(refusal(""), HasSubstr("is not well-formed XML"));
+    EXPECT_THAT(refusal(""), HasSubstr("it has no VTKFile element"));
     EXPECT_THAT(refusal("<a/>"), HasSubstr("it has no VTKFile element"));
     EXPECT_THAT(refusal("<VTKFile type=\"PolyData\"><PolyData/></VTKFile>"),
                 HasSubstr("holds 'PolyData'; expected UnstructuredGrid"));
@@ -268,6 +280,37 @@ TEST(Vtu, ThatIsNotAVtuIsRefused) {
     EXPECT_THAT(vtu.refusal(), HasSubstr("byte_order is 'Middle'; expected LittleEndian or Big"));
     vtu.fileAttributes = "header_type=\"UInt16\"";
     EXPECT_THAT(vtu.refusal(), HasSubstr("header_type is 'UInt16'; expected UInt32 or UInt64"));
+}
+
+TEST(Vtu, NothingButCommentsMayStandOutsideOfTheFileElement) {
+    const std::string text = tetrahedron().text();
+    const auto refusal = [](const std::string& file) { return refusalOf("a.vtu", file); };
+    EXPECT_EQ(refusal("<?xml version=\"1.0\"?>\n<!-- a -->\n" + text + "\n<!-- b -->\n"), "");
+    const auto line = ":" + std::to_string(std::count(text.begin(), text.end(), '\n') + 2) + ": ";
+    for (const std::string more : {"more", "<VTKFile/>", "<a></a>"})
+        EXPECT_THAT(refusal(text + "\n" + more + "\n"),
+                    StartsWith(line + "there is more than a VTKFile element"))
+            << more;
+    EXPECT_THAT(refusal("more" + text), StartsWith(":1: there is more than a VTKFile element"));
+    EXPECT_THAT(refusal(text + "\n" + std::string(1, '\0') + "more"),
+                StartsWith(line + "is not well-formed XML: it holds a byte 0"));
+}
+
+/// The names that XML can hold come back; the others would make a file that VTK does not read.
+TEST(Vtu, WritesNamesThatXmlCanHoldOnly) {
+    Lattice lattice = tetrahedron().read();
+    const auto withName = [&](const std::string& name) {
+        lattice.attributes = {{name, 1, {1, 2, 3, 4}}};
+        return lattice;
+    };
+    for (const std::string name : {"a\tb\nc\rd", "\xEF\xBF\xBD", "\xF0\x9F\x8C\xB2", "\x7F<&\">"})
+        EXPECT_EQ(latticeOf("a.vtu", writtenLattice("a.vtu", withName(name))).attributes[0].name,
+                  name);
+    for (const std::string name :
+         {"a\x01", "a\x1F", "\xEF\xBF\xBE", "\xEF\xBF\xBF", "\xFF", "\xED\xA0\x80"})
+        EXPECT_THAT([&] { writtenLattice("a.vtu", withName(name)); },
+                    testing::ThrowsMessage<io::FileError>(AllOf(
+                        HasSubstr("has a name that XML cannot hold"), HasSubstr(inQuotes(name)))));
 }
 
 TEST(Vtu, OtherCompressorsAreRefusedWhereTheyAreUsed) {

@@ -241,6 +241,13 @@ TEST(Validity, LongWaysAreProved) {
     const Positions tiny = scaled(1e-80);
     EXPECT_EQ(ValidityCheck(cube(), tiny).check(scaled(1e80)).smallest->value,
               std::numeric_limits<double>::max());
+    // Inside out by as much.
+    const Positions mirrored = changed(rest, [](Point3 p) {
+        return Point3{-1e80 * p[0], 1e80 * p[1], 1e80 * p[2]};
+    });
+    const auto inverted80 = ValidityCheck(cube(), tiny).check(mirrored);
+    EXPECT_EQ(inverted80.smallest->value, std::numeric_limits<double>::lowest());
+    EXPECT_THAT(inverted80.inverted, ElementsAre(0));
 }
 
 TEST(Validity, LeftHandedLatticesAreAsGood) {
