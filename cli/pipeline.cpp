@@ -12,7 +12,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <system_error>
+
+#include "standard_streams.h"
 
 namespace espalier::cli {
 
@@ -75,6 +78,22 @@ RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& 
         return refineLattice(options.lattice, lattice, options.common, options.level);
     });
     return {std::move(lattice), std::move(refiner)};
+}
+
+void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) {
+    const auto isNotFinite = [](double value) { return !std::isfinite(value); };
+    for (const auto& [name, components, values] : lattice.attributes) {
+        const auto first = std::ranges::find_if(values, isNotFinite);
+        if (first == values.end()) continue;
+        const auto count = std::count_if(first, values.end(), isNotFinite);
+        const std::string text = fmt::format(
+            "{}: the attribute {} has {} {} not finite, the first at vertex {} ({}); values that "
+            "are refined from such are not finite either",
+            io::shownPath(path), inQuotes(name), count,
+            count == 1 ? "value that is" : "values that are", (first - values.begin()) / components,
+            *first);
+        printError(text.c_str());
+    }
 }
 
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,

@@ -213,6 +213,28 @@ class RefineAndStencils(CliTest):
         heights = [float(line) for line in lines[at + 1:at + 1 + 125]]
         self.assertEqual(heights, [p[2] for p in self.read_ovm_positions("r.ovm")])
 
+    def test_attributes_that_are_not_finite_are_named(self):
+        self.run_program("shape", "box", "-o", "b.vtk")
+        plain = (self.path / "b.vtk").read_text()
+        (self.path / "b.vtk").write_text(
+            plain + "POINT_DATA 8\nFIELD f 4\n"
+            "fine 1 8 double\n1 2 3 4 5 6 7 8\n"
+            "heat 1 8 double\n1 2 3 nan 5 6 -inf 8\n"
+            "uv 2 8 double\n0 0 0 0 0 0 0 0 0 0 0 inf 0 0 0 0\n"
+            "%1B[2Jbad 1 8 float\nnan 2 3 4 5 6 7 8\n")
+        for quiet in ([], ["--quiet"]):
+            lines = self.run_program("refine", "b.vtk", "-n", 1, "-o", "r.vtu",
+                                     *quiet).stderr.splitlines()
+            self.assertEqual(len(lines), 3, lines)
+            self.assertIn("b.vtk: the attribute 'heat' has 2 values that are not finite, the first "
+                          "at vertex 3 (nan)", lines[0])
+            self.assertIn("'uv' has 1 value that is not finite, the first at vertex 5 (inf)",
+                          lines[1])
+            self.assertIn("at vertex 0 (nan)", lines[2])
+            self.assertNotIn("\x1b", lines[2])
+        (self.path / "b.vtk").write_text(plain.replace("double\n0", "double\nnan", 1))
+        self.assertIn("b.vtk: ", self.error_of("refine", "b.vtk", "-n", 1, "-o", "r.vtu"))
+
     def test_marks_keep_the_strata_of_a_refined_lattice(self):
         self.run_program("shape", "cylinder", "-o", "c.vtu")
         self.run_program("refine", "c.vtu", "-n", 1, "--sharp-edges", "literal", "-o", "r.vtu")
