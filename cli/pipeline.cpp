@@ -105,6 +105,7 @@ Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const Com
             {attribute.name, attribute.components,
              stencils::refineValues(refiner, level, options.rules, attribute.values,
                                     attribute.components)});
+    refined.integers = levelIntegers(refiner, level, base.integers);
     return refined;
 }
 

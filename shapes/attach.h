@@ -42,7 +42,8 @@ ESPALIER_API Lattice attachPyramid(const Lattice& lattice, far::FaceId face, con
 /// A vertex that comes with a new cell.
 struct NewVertex {
     Point3 position = {0, 0, 0};
-    /// Vertices whose mean attributes it takes; with none, its attributes are 0.
+    /// Vertices whose mean attributes it takes; with none, its attributes are 0. It takes the
+    /// integers of one vertex; with none, or more than one, it has noInteger().
     std::vector<far::Index> attributesFrom = {};
 };
 
