@@ -120,6 +120,8 @@ LatticeReport reportLattice(const Lattice& lattice, const far::TopologyRefiner& 
     report.marks = lattice.marks.edges.size() + lattice.marks.vertices.size();
     for (const VertexAttribute& attribute : lattice.attributes)
         report.attributes.push_back(attribute.name);
+    for (const VertexIntegers& integers : lattice.integers)
+        report.attributes.push_back(integers.name);
     for (int level = 0; level <= refiner.maxLevel(); ++level)
         report.levels.push_back(reportLevel(
             refiner.level(level), positions[static_cast<std::size_t>(level)], level == 0));

@@ -13,9 +13,12 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <system_error>
 #include <utility>
+
+#include "standard_streams.h"
 
 namespace espalier::cli {
 
@@ -93,6 +96,22 @@ RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& 
     return {std::move(lattice), std::move(refiner)};
 }
 
+void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) {
+    const auto isNotFinite = [](double value) { return !std::isfinite(value); };
+    for (const auto& [name, components, values] : lattice.attributes) {
+        const auto first = std::ranges::find_if(values, isNotFinite);
+        if (first == values.end()) continue;
+        const auto count = std::count_if(first, values.end(), isNotFinite);
+        const std::string text = fmt::format(
+            "{}: the attribute {} has {} {} not finite, the first at vertex {} ({}); values that "
+            "are refined from such are not finite either",
+            io::shownPath(path), inQuotes(name), count,
+            count == 1 ? "value that is" : "values that are", (first - values.begin()) / components,
+            *first);
+        printError(text.c_str());
+    }
+}
+
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
                        const Lattice& base) {
     Lattice refined = levelLattice(
@@ -102,6 +121,7 @@ Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const Com
             {attribute.name, attribute.components,
              stencils::refineValues(refiner, level, options.rules, attribute.values,
                                     attribute.components)});
+    refined.integers = levelIntegers(refiner, level, base.integers);
     return refined;
 }
 

@@ -59,6 +59,10 @@ auto ofFile(const std::filesystem::path& path, const Work& work) {
     }
 }
 
+/// Says on standard error, in one line per attribute, how many values of a lattice that was read
+/// from `path` are not finite, and where the first stands. To be called between stages.
+void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice);
+
 /// A level as a lattice of its own, with the positions and the attributes of a base lattice,
 /// refined.
 Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,

@@ -23,6 +23,7 @@ void run(const Options& options) {
     checkOutput(options.output, {options.lattice});
     Stages stages(options.common.quiet);
     const Lattice base = readInput(options, FileKind::Refinable, stages);
+    warnOfNonFinite(options.lattice, base);
     const int dimension = base.complex.dimension();
     io::checkRefinableTarget(options.output, dimension);
     const far::TopologyRefiner refiner = stages.run("refining", [&] {

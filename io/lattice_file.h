@@ -29,7 +29,8 @@ ESPALIER_API Lattice readLattice(const std::filesystem::path& path, std::string_
 
 /// Writes a lattice in the format that the extension names, so that readLattice() gives it back:
 /// the same vertices, cells and faces of cells, vertices and cells with their numbers, positions
-/// and attributes bit for bit (what is no number, as that), and the marks in canonical order.
+/// and attributes bit for bit (what is no number, as that), integers exactly, and the marks in
+/// canonical order.
 ///
 /// \throws FileError if the extension is none of these, the lattice is not of dimension 3 or
 ///         inconsistent, or the file cannot be written; TopologyError if a mark names what is not

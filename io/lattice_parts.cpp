@@ -3,6 +3,7 @@
 #include <espalier/io/file.h>
 #include <espalier/io/lattice_parts.h>
 #include <espalier/io/point_arrays.h>
+#include <espalier/io/vtk_numbers.h>
 
 #include <algorithm>
 #include <cmath>
@@ -79,13 +80,15 @@ Index checkedIndex(const std::filesystem::path& path, std::size_t count, const c
 
 Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuilder& builder,
                       std::vector<Point3> positions, const far::Marks& marks,
-                      std::vector<VertexAttribute> attributes) {
+                      std::vector<VertexAttribute> attributes,
+                      std::vector<VertexIntegers> integers) {
     checkFinite(path, positions);
     Lattice lattice;
     lattice.complex = naming(path, [&] { return builder.build(); });
     lattice.marks = naming(path, [&] { return canonicalMarks(lattice.complex, marks); });
     lattice.positions = std::move(positions);
     lattice.attributes = std::move(attributes);
+    lattice.integers = std::move(integers);
     return lattice;
 }
 
@@ -101,7 +104,7 @@ far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& l
                                   " vertices and " + std::to_string(lattice.positions.size()) +
                                   " positions");
     checkFinite(path, lattice.positions);
-    for (const VertexAttribute& attribute : lattice.attributes) {
+    const auto checkAttribute = [&](const auto& attribute) {
         if (attribute.name.empty())
             throw FileError(path, "cannot be written: an attribute has no name");
         if (attribute.name.starts_with(kReservedNames))
@@ -114,6 +117,16 @@ far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& l
                                       " values for " + std::to_string(vertexCount) +
                                       " vertices of " + std::to_string(attribute.components) +
                                       " components");
+    };
+    for (const VertexAttribute& attribute : lattice.attributes) checkAttribute(attribute);
+    for (const VertexIntegers& integers : lattice.integers) {
+        checkAttribute(integers);
+        for (const std::int64_t value : integers.values)
+            if (!canHold(numberOf(integers.type), value))
+                throw FileError(
+                    path, "cannot be written: the attribute " + inQuotes(integers.name) + " has " +
+                              std::to_string(value) + ", which is out of the range of " +
+                              integerTypeName(integers.type));
     }
     return naming(path, [&] { return canonicalMarks(lattice.complex, lattice.marks); });
 }

@@ -23,6 +23,10 @@ inline constexpr const char* kVertexSharpness = "espalier:vertex_sharpness";
 inline constexpr const char* kEdgeSharpness = "espalier:edge_sharpness";
 inline constexpr const char* kEdgeVertices = "espalier:edge_vertices";
 
+/// VTK's array of bits that hide points and cells. It is skipped when read: on the vertices of a
+/// refined lattice it would hide those that it has no bits for.
+inline constexpr std::string_view kVtkGhosts = "vtkGhostType";
+
 /// Stands for "no mark" where a file has a sharpness for every vertex or edge, marked or not. Not
 /// NaN: VTK does not read that from text.
 inline constexpr double kUnmarkedInFile = -1;
@@ -93,7 +97,8 @@ far::Index checkedIndex(const std::filesystem::path& path, std::size_t count, co
 ///         its message
 Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuilder& builder,
                       std::vector<Point3> positions, const far::Marks& marks,
-                      std::vector<VertexAttribute> attributes);
+                      std::vector<VertexAttribute> attributes,
+                      std::vector<VertexIntegers> integers);
 
 /// What is done first in writing: checks that a lattice is of this dimension, that its parts fit
 /// together, and that it would be read again. Returns its marks in canonical form.

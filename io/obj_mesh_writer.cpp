@@ -123,9 +123,10 @@ void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh) {
     const int dimension = mesh.complex.dimension() == 1 ? 1 : 2;
     const far::Marks marks = checkedForWriting(path, mesh, dimension);
     checkFinite(path, mesh.positions);
-    if (!mesh.attributes.empty())
+    if (!mesh.attributes.empty() || !mesh.integers.empty())
         throw FileError(path, "cannot be written: the mesh has the attribute " +
-                                  inQuotes(mesh.attributes[0].name) +
+                                  inQuotes(mesh.attributes.empty() ? mesh.integers[0].name
+                                                                   : mesh.attributes[0].name) +
                                   ", and an OBJ has no place for attributes");
     writeFile(path, [&](std::ostream& out) { ObjMeshWriter(out).write(mesh, marks); });
 }

@@ -26,8 +26,9 @@ namespace espalier::io {
 
 /// Reads a lattice. Keywords may be in upper or lower case; what follows "#" is a comment.
 ///
-/// Vertex properties of the types int, float, double, vec2f to vec4f, vec2d to vec4d, and of
-/// vector_double where all have one length, become attributes; all other properties are skipped.
+/// Vertex properties of the types float, double, vec2f to vec4f, vec2d to vec4d, and of
+/// vector_double where all have one length, become attributes, and those of short, int, uint,
+/// long and ulong Lattice::integers; all other properties are skipped.
 /// Vertices and polyhedra keep their numbers; edges and faces are numbered by their first
 /// appearance in the polyhedra.
 ///
@@ -41,12 +42,12 @@ ESPALIER_API Lattice readOvm(const std::filesystem::path& path);
 /// \param bytes the whole file
 ESPALIER_API Lattice readOvm(const std::filesystem::path& path, std::string_view bytes);
 
-/// Writes a lattice so that it reads back the same: positions and attributes bit for bit, marks in
-/// canonical order.
+/// Writes a lattice so that it reads back the same: positions, attributes and integers bit for bit,
+/// marks in canonical order. Integers of types that OpenVolumeMesh lacks get a wider one.
 ///
 /// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, an
-///         attribute has a name of more than one line, or the file cannot be written; TopologyError
-///         if a mark names what is not there
+///         attribute has a name of more than one line, integers have more than one component, or
+///         the file cannot be written; TopologyError if a mark names what is not there
 ESPALIER_API void writeOvm(const std::filesystem::path& path, const Lattice& lattice);
 
 }  // namespace espalier::io

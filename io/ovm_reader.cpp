@@ -29,7 +29,9 @@ struct PropertyType {
 };
 
 constexpr PropertyType kPropertyTypes[] = {
-    {"int", 1, VtkNumber::Float64},    {"float", 1, VtkNumber::Float32},
+    {"int", 1, VtkNumber::Int32},      {"short", 1, VtkNumber::Int16},
+    {"uint", 1, VtkNumber::UInt32},    {"long", 1, VtkNumber::Int64},
+    {"ulong", 1, VtkNumber::UInt64},   {"float", 1, VtkNumber::Float32},
     {"double", 1, VtkNumber::Float64}, {"vec2f", 2, VtkNumber::Float32},
     {"vec3f", 3, VtkNumber::Float32},  {"vec4f", 4, VtkNumber::Float32},
     {"vec2d", 2, VtkNumber::Float64},  {"vec3d", 3, VtkNumber::Float64},
@@ -63,7 +65,8 @@ public:
         far::ComplexBuilder builder(3, static_cast<Index>(positions_.size()));
         readPolyhedra(builder);
         while (!nextProperty_.empty() || !text_.atEnd()) readProperty();
-        return finishLattice(path_, builder, std::move(positions_), marks_, std::move(attributes_));
+        return finishLattice(path_, builder, std::move(positions_), marks_, std::move(attributes_),
+                             std::move(integers_));
     }
 
 private:
@@ -189,12 +192,20 @@ private:
         else if (isOfVertices && type == kVectorOfDoubles)
             readVectors(name);
         else if (const PropertyType* known = isOfVertices ? find(type) : nullptr)
-            attributes_.push_back(
-                {name, known->components,
-                 readValues(positions_.size(), static_cast<std::size_t>(known->components),
-                            known->number)});
+            readAttribute(name, *known);
         else
             skipProperty(kind, type);
+    }
+
+    void readAttribute(const std::string& name, const PropertyType& type) {
+        const auto components = static_cast<std::size_t>(type.components);
+        if (isInteger(type.number))
+            integers_.push_back(
+                {name, type.components, integerTypeOf(type.number),
+                 readValues<std::int64_t>(positions_.size(), components, type.number)});
+        else
+            attributes_.push_back(
+                {name, type.components, readValues(positions_.size(), components, type.number)});
     }
 
     static const PropertyType* find(std::string_view name) {
@@ -203,13 +214,14 @@ private:
         return nullptr;
     }
 
-    std::vector<double> readValues(std::size_t rows, std::size_t components, VtkNumber type) {
+    template <class Value = double>
+    std::vector<Value> readValues(std::size_t rows, std::size_t components, VtkNumber type) {
         const std::size_t count = saturatingProduct(rows, components);
         text_.checkRoom(count, 2, "the number of values of a property");
-        std::vector<double> values;
+        std::vector<Value> values;
         values.reserve(count);
         for (std::size_t i = 0; i < count; ++i)
-            values.push_back(readNumber<double>(text_, type, "a value of a property"));
+            values.push_back(readNumber<Value>(text_, type, "a value of a property"));
         return values;
     }
 
@@ -288,6 +300,7 @@ private:
     std::string nextProperty_;  ///< its first word, if that has been read already
     far::Marks marks_;
     std::vector<VertexAttribute> attributes_;
+    std::vector<VertexIntegers> integers_;
 };
 
 }  // namespace

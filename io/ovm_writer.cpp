@@ -16,6 +16,25 @@ using far::Index;
 
 namespace {
 
+/// The type of property that holds integers. OpenVolumeMesh writes its own types of one byte as
+/// characters, and has none of UInt16.
+const char* propertyType(IntegerType type) {
+    switch (type) {
+        case IntegerType::UInt32:
+            return "uint";
+        case IntegerType::Int64:
+            return "long";
+        case IntegerType::UInt64:
+            return "ulong";
+        case IntegerType::Int8:
+        case IntegerType::UInt8:
+        case IntegerType::Int16:
+            return "short";
+        default:
+            return "int";
+    }
+}
+
 class OvmWriter {
 public:
     explicit OvmWriter(std::ostream& out) : out_(out) {}
@@ -37,6 +56,7 @@ public:
         beginSection("Polyhedra", complex.count(3));
         writeHalves(complex.boundary(3), +1);
         for (const VertexAttribute& attribute : lattice.attributes) writeAttribute(attribute);
+        for (const VertexIntegers& integers : lattice.integers) writeIntegers(integers);
         writeMarks(complex, marks);
     }
 
@@ -86,6 +106,16 @@ private:
         }
     }
 
+    /// \param integers of one component
+    void writeIntegers(const VertexIntegers& integers) {
+        out_.text(std::string("VProp ") + propertyType(integers.type) + " \"" + integers.name +
+                  "\"\n");
+        if (integers.type == IntegerType::UInt64)
+            rows(std::vector<std::uint64_t>(integers.values.begin(), integers.values.end()), 1);
+        else
+            rows(integers.values, 1);
+    }
+
     void writeMarks(const far::CellComplex& complex, const far::Marks& marks) {
         if (!marks.vertices.empty())
             writeAttribute({kVertexSharpness, 1, vertexSharpnessForFile(complex, marks)});
@@ -111,10 +141,20 @@ private:
 
 void writeOvm(const std::filesystem::path& path, const Lattice& lattice) {
     const far::Marks marks = checkedForWriting(path, lattice);
-    for (const VertexAttribute& attribute : lattice.attributes)
-        if (attribute.name.find_first_of("\r\n") != std::string::npos)
-            throw FileError(path, "cannot be written: the name of the attribute " +
-                                      inQuotes(attribute.name) + " has more than one line");
+    const auto checkName = [&](const std::string& name) {
+        if (name.find_first_of("\r\n") != std::string::npos)
+            throw FileError(path, "cannot be written: the name of the attribute " + inQuotes(name) +
+                                      " has more than one line");
+    };
+    for (const VertexAttribute& attribute : lattice.attributes) checkName(attribute.name);
+    for (const VertexIntegers& integers : lattice.integers) {
+        checkName(integers.name);
+        if (integers.components > 1)
+            throw FileError(path, "cannot be written: the attribute " + inQuotes(integers.name) +
+                                      " has " + std::to_string(integers.components) +
+                                      " integers for each vertex, for which .ovm has no type; "
+                                      "expected .vtu or .vtk");
+    }
     writeFile(path, [&](std::ostream& out) { OvmWriter(out).write(lattice, marks); });
 }
 

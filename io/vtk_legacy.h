@@ -17,7 +17,8 @@ namespace espalier::io {
 /// 12, 13, 14 and 42.
 ///
 /// SCALARS, VECTORS, NORMALS, TEXTURE_COORDINATES, TENSORS and the arrays of FIELD in POINT_DATA
-/// become attributes. Arrays that are not of numbers, colours, ids, lookup tables, METADATA and all
+/// become attributes, or Lattice::integers if their type is one of integers. vtkGhostType, arrays
+/// that are not of numbers, colours, ids, lookup tables, METADATA and all
 /// of CELL_DATA are skipped. Vertices and cells keep their numbers.
 ///
 /// \throws FileError with the line, if the file is malformed or holds cells of other types;
@@ -29,8 +30,8 @@ ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path);
 /// \param bytes the whole file
 ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes);
 
-/// Writes a lattice as ASCII, version 3.0, so that it reads back the same: positions and attributes
-/// bit for bit, marks in canonical order.
+/// Writes a lattice as ASCII, version 3.0, so that it reads back the same: positions, attributes
+/// and integers bit for bit, integers with their type, marks in canonical order.
 ///
 /// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, or the
 ///         file cannot be written; TopologyError if a mark names what is not there

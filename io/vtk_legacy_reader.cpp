@@ -8,6 +8,7 @@
 #include <espalier/io/vtk_legacy_data.h>
 #include <espalier/io/words.h>
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -27,7 +28,7 @@ public:
         marks_.vertices = vertexMarksFromFile(path_, vertexSharpness_);
         addEdgeMarks();
         return finishLattice(path_, cells.builder(), std::move(positions_), marks_,
-                             std::move(attributes_));
+                             std::move(attributes_), std::move(integers_));
     }
 
 private:
@@ -208,6 +209,16 @@ private:
     void readArray(const std::string& name, const std::string& type, std::size_t components,
                    std::size_t tuples) {
         const std::size_t line = text().line();
+        const std::optional<VtkNumber> number = numberOfLegacyName(type);
+        if (owner_ == Owner::Points && number && isInteger(*number) && name != kVertexSharpness) {
+            auto integers = data_.numbers<std::int64_t>(type, saturatingProduct(components, tuples),
+                                                        "an integer");
+            checkTuples(line, name, components, tuples);
+            if (name != kVtkGhosts)
+                integers_.push_back({name, checkedIndex(path_, components, "components"),
+                                     integerTypeOf(*number), std::move(integers)});
+            return;
+        }
         auto values = data_.values(type, saturatingProduct(components, tuples), "a number");
         if (!values) return;
         if (owner_ == Owner::DataSet) {
@@ -216,17 +227,22 @@ private:
             else if (name == kEdgeSharpness && components == 1)
                 edgeSharpness_ = std::move(*values);
         } else if (owner_ == Owner::Points) {
-            if (tuples != positions_.size() || components == 0)
-                throw FileError(path_, line,
-                                "the array " + inQuotes(name) + " has " + std::to_string(tuples) +
-                                    " tuples of " + std::to_string(components) + " for " +
-                                    std::to_string(positions_.size()) + " points");
+            checkTuples(line, name, components, tuples);
             if (name == kVertexSharpness && components == 1)
                 vertexSharpness_ = std::move(*values);
             else
                 attributes_.push_back(
                     {name, checkedIndex(path_, components, "components"), std::move(*values)});
         }
+    }
+
+    void checkTuples(std::size_t line, const std::string& name, std::size_t components,
+                     std::size_t tuples) {
+        if (tuples != positions_.size() || components == 0)
+            throw FileError(path_, line,
+                            "the array " + inQuotes(name) + " has " + std::to_string(tuples) +
+                                " tuples of " + std::to_string(components) + " for " +
+                                std::to_string(positions_.size()) + " points");
     }
 
     void addCells(VtkCellReader& cells) {
@@ -278,6 +294,7 @@ private:
     std::vector<std::int64_t> connectivity_;
     std::vector<std::int64_t> types_;
     std::vector<VertexAttribute> attributes_;
+    std::vector<VertexIntegers> integers_;
     std::vector<double> vertexSharpness_;
     std::vector<double> edgeVertices_;
     std::vector<double> edgeSharpness_;

@@ -86,7 +86,8 @@ private:
     }
 
     void writePointData(const Lattice& lattice, const far::Marks& marks) {
-        const std::size_t arrayCount = lattice.attributes.size() + (marks.vertices.empty() ? 0 : 1);
+        const std::size_t arrayCount =
+            lattice.attributes.size() + lattice.integers.size() + (marks.vertices.empty() ? 0 : 1);
         if (arrayCount == 0) return;
         out_.text("POINT_DATA ");
         out_.number(lattice.positions.size());
@@ -95,8 +96,19 @@ private:
         for (const VertexAttribute& attribute : lattice.attributes)
             array(attribute.name, static_cast<std::size_t>(attribute.components), "double",
                   attribute.values);
+        for (const VertexIntegers& integers : lattice.integers) writeIntegers(integers);
         if (!marks.vertices.empty())
             array(kVertexSharpness, 1, "double", vertexSharpnessForFile(lattice.complex, marks));
+    }
+
+    void writeIntegers(const VertexIntegers& integers) {
+        const auto components = static_cast<std::size_t>(integers.components);
+        const char* const type = legacyName(numberOf(integers.type));
+        if (integers.type == IntegerType::UInt64)
+            array(integers.name, components, type,
+                  std::vector<std::uint64_t>(integers.values.begin(), integers.values.end()));
+        else
+            array(integers.name, components, type, integers.values);
     }
 
     /// One line a cell. A polyhedron is given by its face stream.

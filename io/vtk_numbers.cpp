@@ -4,7 +4,9 @@
 #include <espalier/io/vtk_numbers.h>
 
 #include <limits>
+#include <string>
 #include <type_traits>
+#include <utility>
 
 namespace espalier::io {
 namespace {
@@ -65,6 +67,17 @@ auto visitStored(VtkNumber type, F f) {
 template <class Value, class Stored>
 constexpr bool kFits = std::is_floating_point_v<Value> || std::is_integral_v<Stored>;
 
+/// The next token as an integer in the range of its type.
+std::int64_t readInteger(TextReader& text, VtkNumber type, const char* what) {
+    if (type == VtkNumber::UInt64)
+        return static_cast<std::int64_t>(text.number<std::uint64_t>(what));
+    const auto number = text.number<std::int64_t>(what);
+    if (!canHold(type, number))
+        text.fail(std::to_string(number) + " is out of the range of " + xmlName(type) +
+                  "; expected " + what);
+    return number;
+}
+
 /// Rounds to float; what is beyond the largest becomes infinite, as it does in VTK.
 float toFloat(double value) {
     constexpr double kLargest = std::numeric_limits<float>::max();
@@ -109,6 +122,35 @@ std::optional<VtkNumber> numberOfLegacyName(std::string_view name) {
     return std::nullopt;
 }
 
+const char* legacyName(VtkNumber type) {
+    constexpr const char* kNames[] = {
+        "signed_char",  "unsigned_char", "short",         "unsigned_short", "int",
+        "unsigned_int", "vtktypeint64",  "vtktypeuint64", "float",          "double"};
+    return kNames[static_cast<std::size_t>(type)];
+}
+
+static_assert(static_cast<int>(VtkNumber::Int8) == static_cast<int>(IntegerType::Int8) &&
+                  static_cast<int>(VtkNumber::UInt64) == static_cast<int>(IntegerType::UInt64),
+              "both types list the integers in the same order");
+
+VtkNumber numberOf(IntegerType type) {
+    return static_cast<VtkNumber>(type);
+}
+
+IntegerType integerTypeOf(VtkNumber type) {
+    return static_cast<IntegerType>(type);
+}
+
+bool canHold(VtkNumber type, std::int64_t value) {
+    return visitStored(type, [&](auto zero) {
+        using Stored = decltype(zero);
+        if constexpr (std::is_floating_point_v<Stored> || std::is_same_v<Stored, std::uint64_t>)
+            return true;
+        else
+            return std::in_range<Stored>(value);
+    });
+}
+
 template <class Value>
 std::vector<Value> decodeNumbers(std::string_view bytes, VtkNumber type, std::endian order) {
     return visitStored(type, [&](auto zero) {
@@ -139,7 +181,8 @@ std::string encodeNumbers(std::span<const Value> values, VtkNumber type, std::en
 
 template <class Value>
 Value readNumber(TextReader& text, VtkNumber type, const char* what) {
-    if (std::is_integral_v<Value> || type != VtkNumber::Float32) return text.number<Value>(what);
+    if constexpr (std::is_integral_v<Value>) return readInteger(text, type, what);
+    if (type != VtkNumber::Float32) return text.number<Value>(what);
     // Straight to float where that is in range, so that the text is rounded once.
     const std::string_view token = text.token(what);
     float number = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/io/text_reader.h>
+#include <espalier/shapes/vertex_integers.h>
 
 #include <bit>
 #include <cstddef>
@@ -35,6 +36,16 @@ std::optional<VtkNumber> numberOfXmlName(std::string_view name);
 /// \return nothing for a name that is not of a number ("bit", "string")
 std::optional<VtkNumber> numberOfLegacyName(std::string_view name);
 
+/// The name in legacy files: "vtktypeint64".
+const char* legacyName(VtkNumber type);
+
+/// The number type of integers on vertices, and the inverse, for types of integers.
+VtkNumber numberOf(IntegerType type);
+IntegerType integerTypeOf(VtkNumber type);
+
+/// Whether a type of integers can hold a value; UInt64 holds the bits of any.
+bool canHold(VtkNumber type, std::int64_t value);
+
 /// The numbers in binary data. Real numbers can only be read as double.
 ///
 /// \tparam Value double or std::int64_t; an UInt64 beyond the latter comes out negative
@@ -47,6 +58,8 @@ template <class Value>
 std::string encodeNumbers(std::span<const Value> values, VtkNumber type, std::endian order);
 
 /// The next token of a text as a number of this type; Float32 is rounded as VTK would.
+/// \tparam Value as in decodeNumbers(); an UInt64 too large for std::int64_t comes out negative
+/// \throws FileError also if an integer is out of the range of its type
 template <class Value>
 Value readNumber(TextReader& text, VtkNumber type, const char* what);
 

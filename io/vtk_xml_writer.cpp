@@ -31,6 +31,8 @@ std::string asciiLines(const VtkArrayHead& head, std::span<const Value> values,
             text += ' ';
         if (std::is_floating_point_v<Value> && head.type == VtkNumber::Float32)
             append(text, static_cast<float>(values[i]));
+        else if (std::is_integral_v<Value> && head.type == VtkNumber::UInt64)
+            append(text, static_cast<std::uint64_t>(values[i]));
         else
             append(text, values[i]);
     }

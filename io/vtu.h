@@ -12,7 +12,8 @@
 ///
 ///     Points                             positions
 ///     Cells                              the types 10, 11, 12, 13, 14 and 42
-///     PointData                          attributes; arrays that are not of numbers are skipped
+///     PointData                          attributes, and Lattice::integers; arrays that are
+///                                        not of numbers, and vtkGhostType, are skipped
 ///     PointData espalier:vertex_sharpness
 ///                                        marks: a sharpness a vertex, less than 0 for no mark
 ///     FieldData espalier:edge_vertices   marks: two vertices an edge
@@ -45,9 +46,9 @@ ESPALIER_API Lattice readVtu(const std::filesystem::path& path);
 /// \param bytes the whole file
 ESPALIER_API Lattice readVtu(const std::filesystem::path& path, std::string_view bytes);
 
-/// Writes a lattice so that it reads back the same: positions and attributes bit for bit, marks in
-/// canonical order. Files are little-endian, with 64-bit headers and the older layout of polyhedra,
-/// which every VTK reads.
+/// Writes a lattice so that it reads back the same: positions, attributes and integers bit for bit,
+/// integers with their type, marks in canonical order. Files are little-endian, with 64-bit headers
+/// and the older layout of polyhedra, which every VTK reads.
 ///
 /// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, XML
 ///         cannot hold the name of an attribute, or the file cannot be written; TopologyError if a

@@ -68,7 +68,7 @@ public:
         readEdgeMarks();
         marks_.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
         return finishLattice(file_.path(), cells.builder(), std::move(positions_), marks_,
-                             std::move(attributes_));
+                             std::move(attributes_), std::move(integers_));
     }
 
 private:
@@ -77,24 +77,28 @@ private:
         const std::size_t count = file_.count(piece, "NumberOfPoints");
         if (count == 0) return;
         const auto at = piece.sections.find("PointData");
-        std::size_t known = 0;
+        std::size_t attributeCount = 0;
+        std::size_t integersCount = 0;
         bool hasSharpness = false;
         if (at != piece.sections.end())
             for (const VtkDataArray& array : at->second.arrays) {
-                if (!array.type) continue;
-                const std::vector<double> values = file_.reals(array, count);
+                if (!array.type || array.name == kVtkGhosts) continue;
                 if (array.name == kVertexSharpness && array.components == 1) {
                     hasSharpness = true;
-                    append(vertexSharpness_, values);
+                    append(vertexSharpness_, file_.reals(array, count));
+                } else if (isInteger(*array.type)) {
+                    append(integersOf(array, integersCount++).values, file_.integers(array, count));
                 } else {
-                    append(attributeOf(array, known++).values, values);
+                    append(attributeOf(array, attributeCount++).values, file_.reals(array, count));
                 }
             }
         if (!hasSharpness) vertexSharpness_.resize(positions_.size(), kUnmarkedInFile);
-        if (known != attributes_.size())
+        const std::size_t known = attributeCount + integersCount;
+        const std::size_t expected = attributes_.size() + integers_.size();
+        if (known != expected)
             file_.fail(piece.line, "the piece has " + std::to_string(known) +
                                        " arrays of PointData; the first one has " +
-                                       std::to_string(attributes_.size()));
+                                       std::to_string(expected));
         isFirstPiece_ = false;
     }
 
@@ -103,14 +107,36 @@ private:
             const auto components = checkedIndex(file_.path(), array.components, "components");
             attributes_.push_back({array.name, components, {}});
         }
-        if (number >= attributes_.size() || attributes_[number].name != array.name ||
-            static_cast<std::size_t>(attributes_[number].components) != array.components)
-            file_.fail(array.line, "the array " + inQuotes(array.name) +
-                                       " is not in the PointData of the first piece");
+        requireSame(attributes_, array, number);
         return attributes_[number];
     }
 
-    static void append(std::vector<double>& values, const std::vector<double>& more) {
+    VertexIntegers& integersOf(const VtkDataArray& array, std::size_t number) {
+        const IntegerType type = integerTypeOf(*array.type);
+        if (isFirstPiece_) {
+            const auto components = checkedIndex(file_.path(), array.components, "components");
+            integers_.push_back({array.name, components, type, {}});
+        }
+        requireSame(integers_, array, number);
+        if (integers_[number].type != type)
+            file_.fail(array.line, "the array " + inQuotes(array.name) + " holds " +
+                                       xmlName(*array.type) + "; in the first piece it holds " +
+                                       integerTypeName(integers_[number].type));
+        return integers_[number];
+    }
+
+    /// That the array is the one of this number in the first piece.
+    template <class Attribute>
+    void requireSame(const std::vector<Attribute>& attributes, const VtkDataArray& array,
+                     std::size_t number) {
+        if (number >= attributes.size() || attributes[number].name != array.name ||
+            static_cast<std::size_t>(attributes[number].components) != array.components)
+            file_.fail(array.line, "the array " + inQuotes(array.name) +
+                                       " is not in the PointData of the first piece");
+    }
+
+    template <class Value>
+    static void append(std::vector<Value>& values, const std::vector<Value>& more) {
         values.insert(values.end(), more.begin(), more.end());
     }
 
@@ -220,6 +246,7 @@ private:
     VtkXmlFile file_;
     std::vector<Point3> positions_;
     std::vector<VertexAttribute> attributes_;
+    std::vector<VertexIntegers> integers_;
     std::vector<double> vertexSharpness_;
     far::Marks marks_;
     bool isFirstPiece_ = true;

@@ -78,6 +78,10 @@ private:
             for (const VertexAttribute& attribute : lattice.attributes)
                 array(attribute.name, static_cast<std::size_t>(attribute.components),
                       attribute.values);
+            for (const VertexIntegers& integers : lattice.integers)
+                element({integers.name, numberOf(integers.type),
+                         static_cast<std::size_t>(integers.components)},
+                        integers.values);
             if (!marks.vertices.empty())
                 array(kVertexSharpness, 1, vertexSharpnessForFile(lattice.complex, marks));
         });

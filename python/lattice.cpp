@@ -183,6 +183,20 @@ py::dict attributesIn(const py::object& self) {
     return arrays;
 }
 
+/// Owned by the lattice, which is `self`.
+py::dict integersIn(const py::object& self) {
+    const auto& lattice = self.cast<const Lattice&>();
+    py::dict arrays;
+    for (const VertexIntegers& integers : lattice.integers) {
+        const auto view =
+            viewOf(std::span<const std::int64_t>(integers.values),
+                   {static_cast<py::ssize_t>(lattice.positions.size()), integers.components}, self);
+        arrays[integers.name.c_str()] =
+            integers.type == IntegerType::UInt64 ? view.attr("view")("uint64") : py::object(view);
+    }
+    return arrays;
+}
+
 py::dict tagsOf(const Lattice& lattice) {
     py::dict tags;
     const RefinementTags& set = lattice.tags;
@@ -242,6 +256,10 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
         .def_property_readonly("attributes", &attributesIn,
                                "What vertices carry besides: dict from names to arrays (V, k) of "
                                "float64, read-only, not copies.")
+        .def_property_readonly("integers", &integersIn,
+                               "Integers of vertices that a file has, which are never averaged: "
+                               "dict from names to arrays (V, k) of int64, or of uint64 where the "
+                               "file has that, read-only, not copies.")
         .def_property_readonly("tags", &tagsOf,
                                "How the file asks to be refined, where it does: dict with any of "
                                "boundary, creasing and triangles.");

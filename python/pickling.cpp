@@ -160,16 +160,22 @@ py::tuple stateOfLattice(const py::object& self) {
         attributes.append(
             py::make_tuple(attribute.name, attribute.components,
                            viewOfAll(std::span<const double>(attribute.values), self)));
+    py::list integers;
+    for (const VertexIntegers& each : lattice.integers)
+        integers.append(
+            py::make_tuple(each.name, each.components, static_cast<int>(each.type),
+                           viewOfAll(std::span<const std::int64_t>(each.values), self)));
     const RefinementTags& tags = lattice.tags;
     return py::make_tuple(
         viewOf(lattice.positions, self), boundariesOf(lattice.complex, self),
         stateOfMarks(lattice.marks), attributes,
         py::make_tuple(wordOfAny(kBoundaries, tags.boundary), wordOfAny(kCreasings, tags.creasing),
-                       wordOfAny(kTriangles, tags.triangles)));
+                       wordOfAny(kTriangles, tags.triangles)),
+        integers);
 }
 
 std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
-    requireState(state.size() == 5);
+    requireState(state.size() == 6);
     Lattice lattice;
     lattice.positions = toPoints(state[0], "positions");
     const std::size_t count = lattice.positions.size();
@@ -190,6 +196,20 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
     requireState(tags.size() == 3);
     lattice.tags = {choiceOf(kBoundaries, tags[0]), choiceOf(kCreasings, tags[1]),
                     choiceOf(kTriangles, tags[2])};
+    for (const py::handle each : py::list(state[5])) {
+        const auto parts = py::reinterpret_borrow<py::tuple>(each);
+        requireState(py::isinstance<py::tuple>(each) && parts.size() == 4);
+        const int type = parts[2].cast<int>();
+        requireState(type >= static_cast<int>(IntegerType::Int8) &&
+                     type <= static_cast<int>(IntegerType::UInt64));
+        VertexIntegers integers{parts[0].cast<std::string>(), parts[1].cast<int>(),
+                                static_cast<IntegerType>(type),
+                                numbersOf<std::vector<std::int64_t>>(parts[3])};
+        requireState(integers.components > 0 &&
+                     integers.values.size() ==
+                         count * static_cast<std::size_t>(integers.components));
+        lattice.integers.push_back(std::move(integers));
+    }
     return std::make_shared<Lattice>(std::move(lattice));
 }
 

@@ -57,6 +57,7 @@ Lattice refinedLattice(const Refiner& refiner, int level) {
     for (const VertexAttribute& attribute : base.attributes)
         lattice.attributes.push_back({attribute.name, attribute.components,
                                       refined(attribute.values, attribute.components)});
+    lattice.integers = levelIntegers(*levels, level, base.integers);
     return lattice;
 }
 

@@ -29,6 +29,16 @@ Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices)
                 attribute.values.push_back(count > 0 ? total / count : 0);
             }
     }
+    for (auto& [name, components, type, values] : result.integers)
+        for (const NewVertex& vertex : newVertices)
+            for (int component = 0; component < components; ++component) {
+                if (vertex.attributesFrom.size() != 1) {
+                    values.push_back(noInteger(type));
+                    continue;
+                }
+                const far::Offset from = vertex.attributesFrom[0];
+                values.push_back(values[static_cast<std::size_t>(from * components + component)]);
+            }
     return result;
 }
 

@@ -23,8 +23,9 @@
 namespace espalier::shapes {
 
 /// Puts a prism on a face: its vertices, and as many new ones moved by an offset, in the order of
-/// the face's loop. Their attributes are those of the vertices they come from. The faces of the
-/// new cell are: the one it stands on, the one opposite, then one an edge, in loop order.
+/// the face's loop. Their attributes and integers are those of the vertices they come from. The
+/// faces of the new cell are: the one it stands on, the one opposite, then one an edge, in loop
+/// order.
 ///
 /// \param face a boundary face
 /// \param offset to the outside of the lattice
@@ -33,7 +34,8 @@ namespace espalier::shapes {
 ESPALIER_API Lattice attachPrism(const Lattice& lattice, far::FaceId face, const Point3& offset);
 
 /// Puts a pyramid on a face: a tetrahedron on a triangle. The attributes of the apex are the mean
-/// of those of the face. The faces of the new cell are: the one it stands on, then one an edge.
+/// of those of the face; it has no integers (noInteger()). The faces of the new cell are: the one
+/// it stands on, then one an edge.
 ///
 /// \param apex a new vertex, outside the lattice
 /// \throws Error as attachPrism does
@@ -42,7 +44,8 @@ ESPALIER_API Lattice attachPyramid(const Lattice& lattice, far::FaceId face, con
 /// A vertex that comes with a new cell.
 struct NewVertex {
     Point3 position = {0, 0, 0};
-    /// Vertices whose mean attributes it takes; with none, its attributes are 0.
+    /// Vertices whose mean attributes it takes; with none, its attributes are 0. It takes the
+    /// integers of one vertex; with none, or more than one, it has noInteger().
     std::vector<far::Index> attributesFrom = {};
 };
 

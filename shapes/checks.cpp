@@ -101,7 +101,7 @@ void requireConsistent(const std::string& who, const std::string& name, const La
         if (!isFinite(lattice.positions[vertex]))
             throw Error(who + ": vertex " + std::to_string(vertex) + " of " + name + " is at " +
                         textOf(lattice.positions[vertex]) + "; expected finite numbers");
-    for (const VertexAttribute& attribute : lattice.attributes) {
+    const auto checkAttribute = [&](const auto& attribute) {
         if (attribute.components < 1)
             throw Error(who + ": attribute " + inQuotes(attribute.name) + " of " + name + " has " +
                         std::to_string(attribute.components) + " components; expected 1 or more");
@@ -110,7 +110,9 @@ void requireConsistent(const std::string& who, const std::string& name, const La
             throw Error(who + ": attribute " + inQuotes(attribute.name) + " of " + name + " has " +
                         std::to_string(attribute.values.size()) + " values; expected " +
                         std::to_string(expected));
-    }
+    };
+    for (const VertexAttribute& attribute : lattice.attributes) checkAttribute(attribute);
+    for (const VertexIntegers& integers : lattice.integers) checkAttribute(integers);
     const auto checkMark = [&](far::Index vertex) {
         if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertexCount)
             throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {0, vertex},

@@ -53,15 +53,20 @@ public:
         return marks;
     }
 
-    std::vector<VertexAttribute> attributes() const {
-        std::vector<VertexAttribute> attributes = mesh_.attributes;
-        for (VertexAttribute& attribute : attributes) {
-            const std::vector<double> values = attribute.values;
+    /// Each layer has the values of the mesh.
+    /// \tparam Attribute VertexAttribute or VertexIntegers
+    template <class Attribute>
+    std::vector<Attribute> onLayers(std::vector<Attribute> attributes) const {
+        for (Attribute& attribute : attributes) {
+            const auto values = attribute.values;
             for (Index layer = 1; layer < layerCount_; ++layer)
                 attribute.values.insert(attribute.values.end(), values.begin(), values.end());
         }
         return attributes;
     }
+
+    std::vector<VertexAttribute> attributes() const { return onLayers(mesh_.attributes); }
+    std::vector<VertexIntegers> integers() const { return onLayers(mesh_.integers); }
 
 private:
     Index vertex(Index layer, Index meshVertex) const {
@@ -132,7 +137,8 @@ std::vector<Point3> joined(std::span<const std::vector<Point3>> layers) {
 
 Lattice assembled(const Sweep& sweep, const std::vector<bool>& reversed,
                   std::span<const std::vector<Point3>> layers) {
-    return {sweep.complex(reversed), joined(layers), sweep.marks(), sweep.attributes()};
+    return {sweep.complex(reversed), joined(layers), sweep.marks(), sweep.attributes(), {},
+            sweep.integers()};
 }
 
 std::vector<Point3> loopPositions(const Loop& loop, const std::vector<Point3>& positions) {

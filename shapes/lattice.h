@@ -4,6 +4,7 @@
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
+#include <espalier/shapes/vertex_integers.h>
 
 #include <optional>
 #include <string>
@@ -37,6 +38,7 @@ struct Lattice {
     far::Marks marks;
     std::vector<VertexAttribute> attributes;
     RefinementTags tags = {};
+    std::vector<VertexIntegers> integers = {};
 };
 
 }  // namespace espalier

@@ -44,4 +44,22 @@ Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
     return lattice;
 }
 
+std::vector<VertexIntegers> levelIntegers(const far::TopologyRefiner& refiner, int level,
+                                          std::span<const VertexIntegers> integers) {
+    const auto vertexCount = static_cast<std::size_t>(refiner.level(level).complex.count(0));
+    const auto baseCount = static_cast<std::size_t>(refiner.level(0).complex.count(0));
+    std::vector<VertexIntegers> result(integers.begin(), integers.end());
+    for (auto& [name, components, type, values] : result) {
+        const auto width = static_cast<std::size_t>(components);
+        if (components < 1 || values.size() != baseCount * width)
+            throw Error("the integers " + inQuotes(name) + " have " +
+                        std::to_string(values.size()) + " values; expected " +
+                        std::to_string(components) + " for each of the " +
+                        std::to_string(baseCount) + " vertices of level 0");
+        // The vertex points of a level keep the numbers of their vertices, and come first.
+        values.resize(vertexCount * width, noInteger(type));
+    }
+    return result;
+}
+
 }  // namespace espalier

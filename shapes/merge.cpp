@@ -19,22 +19,57 @@ std::string latticeName(std::size_t number) {
     return "lattice " + std::to_string(number);
 }
 
-const VertexAttribute* findAttribute(const Lattice& lattice, const std::string& name) {
-    for (const VertexAttribute& attribute : lattice.attributes)
+// In what follows an Attribute is a VertexAttribute or VertexIntegers.
+
+template <class Attribute>
+const Attribute* findAttribute(const std::vector<Attribute>& attributes, const std::string& name) {
+    for (const Attribute& attribute : attributes)
         if (attribute.name == name) return &attribute;
     return nullptr;
 }
 
-void requireAttribute(const VertexAttribute& wanted, std::size_t owner, const Lattice& lattice,
-                      std::size_t number) {
-    const VertexAttribute* found = findAttribute(lattice, wanted.name);
-    if (found == nullptr)
-        throw Error("merge: " + latticeName(number) + " lacks attribute " + inQuotes(wanted.name) +
-                    ", which " + latticeName(owner) + " has");
+std::string kindOf(const VertexAttribute&) {
+    return "attribute ";
+}
+
+std::string kindOf(const VertexIntegers& integers) {
+    return std::string("attribute of ") + integerTypeName(integers.type) + " ";
+}
+
+bool isSameType(const VertexAttribute&, const VertexAttribute&) {
+    return true;
+}
+
+bool isSameType(const VertexIntegers& a, const VertexIntegers& b) {
+    return a.type == b.type;
+}
+
+template <class Attribute>
+void requireAttribute(const Attribute& wanted, std::size_t owner,
+                      const std::vector<Attribute>& attributes, std::size_t number) {
+    const Attribute* found = findAttribute(attributes, wanted.name);
+    if (found == nullptr || !isSameType(*found, wanted))
+        throw Error("merge: " + latticeName(number) + " lacks " + kindOf(wanted) +
+                    inQuotes(wanted.name) + ", which " + latticeName(owner) + " has");
     if (found->components != wanted.components)
         throw Error("merge: attribute " + inQuotes(wanted.name) + " has " +
                     std::to_string(found->components) + " components in " + latticeName(number) +
                     ", but " + std::to_string(wanted.components) + " in " + latticeName(owner));
+}
+
+/// That the first lattice and another one have the same attributes.
+template <class Attribute>
+void requireSame(const std::vector<Attribute>& ofFirst, const std::vector<Attribute>& others,
+                 std::size_t number) {
+    for (const Attribute& attribute : ofFirst) requireAttribute(attribute, 0, others, number);
+    for (const Attribute& attribute : others) requireAttribute(attribute, number, ofFirst, 0);
+}
+
+/// The same attributes without values.
+template <class Attribute>
+std::vector<Attribute> withoutValues(std::vector<Attribute> attributes) {
+    for (Attribute& attribute : attributes) attribute.values.clear();
+    return attributes;
 }
 
 void check(std::span<const Lattice> lattices, const MergeOptions& options) {
@@ -45,10 +80,8 @@ void check(std::span<const Lattice> lattices, const MergeOptions& options) {
     for (std::size_t number = 0; number < lattices.size(); ++number) {
         requireConsistent("merge", latticeName(number), lattices[number],
                           lattices[0].complex.dimension());
-        for (const VertexAttribute& attribute : lattices[0].attributes)
-            requireAttribute(attribute, 0, lattices[number], number);
-        for (const VertexAttribute& attribute : lattices[number].attributes)
-            requireAttribute(attribute, number, lattices[0], 0);
+        requireSame(lattices[0].attributes, lattices[number].attributes, number);
+        requireSame(lattices[0].integers, lattices[number].integers, number);
     }
 }
 
@@ -86,8 +119,8 @@ void appendMarks(const far::Marks& from, std::span<const Index> newVertex, far::
 }
 
 /// Writes the values of vertices that first appear in `from`: those numbered `firstNew` and above.
-void appendValues(const VertexAttribute& from, std::span<const Index> newVertex,
-                  VertexAttribute& to) {
+template <class Attribute>
+void appendValues(const Attribute& from, std::span<const Index> newVertex, Attribute& to) {
     const auto components = static_cast<std::size_t>(to.components);
     for (std::size_t vertex = 0; vertex < newVertex.size(); ++vertex) {
         // Numbers are given in the order of appearance, so a new vertex is the next one.
@@ -109,10 +142,8 @@ Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
     Welding welding = weld(points, distance);
 
     Lattice result;
-    for (VertexAttribute attribute : lattices[0].attributes) {
-        attribute.values.clear();
-        result.attributes.push_back(std::move(attribute));
-    }
+    result.attributes = withoutValues(lattices[0].attributes);
+    result.integers = withoutValues(lattices[0].integers);
     far::ComplexBuilder builder(lattices[0].complex.dimension(),
                                 static_cast<Index>(welding.positions.size()));
     std::span<const Index> remaining = welding.newIndex;
@@ -124,7 +155,9 @@ Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
         addAll(lattice.complex, newVertex, builder);
         appendMarks(lattice.marks, newVertex, result.marks);
         for (VertexAttribute& attribute : result.attributes)
-            appendValues(*findAttribute(lattice, attribute.name), newVertex, attribute);
+            appendValues(*findAttribute(lattice.attributes, attribute.name), newVertex, attribute);
+        for (VertexIntegers& integers : result.integers)
+            appendValues(*findAttribute(lattice.integers, integers.name), newVertex, integers);
     }
     result.complex = builder.build();
     result.positions = std::move(welding.positions);

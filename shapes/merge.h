@@ -22,16 +22,18 @@ struct MergeOptions {
 /// welds its own vertices.
 ///
 /// Vertices, edges, faces and cells are numbered in the order of their first appearance, lattice by
-/// lattice. A welded vertex takes its position and its attributes from the first lattice that has
-/// it. Marks are carried over; of two on one edge or vertex the later one counts, as ever.
+/// lattice. A welded vertex takes its position, its attributes and its integers from the first
+/// lattice that has it. Marks are carried over; of two on one edge or vertex the later one counts,
+/// as ever.
 ///
 /// Only whole faces are shared: lattices that touch in faces of different shape stay apart there,
 /// joined at the vertices that they have in common.
 ///
 /// \param lattices at least one, all of one dimension and with the same attributes
 /// \throws Error for no lattice, a tolerance out of range, or an attribute that one lattice lacks
-///         or has with another number of components; far::TopologyError for a cell of which two
-///         vertices would become one, a cell that is in two lattices, or a face of three cells
+///         or has with another number of components or, of integers, another type;
+///         far::TopologyError for a cell of which two vertices would become one, a cell that is in
+///         two lattices, or a face of three cells
 /// \cost O(n log n) in the number of entries of the result; the search for coincident vertices is
 ///       linear while the vertices are spread out, as those of a lattice are
 /// \cite MacCracken & Joy 1996, section 5

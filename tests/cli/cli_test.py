@@ -213,6 +213,59 @@ class RefineAndStencils(CliTest):
         heights = [float(line) for line in lines[at + 1:at + 1 + 125]]
         self.assertEqual(heights, [p[2] for p in self.read_ovm_positions("r.ovm")])
 
+    def test_integers_are_carried_and_never_averaged(self):
+        # Identifiers beyond 2^53, which no double holds, and types that have no −1.
+        gids = [2**53 + 1 + 2 * i for i in range(8)]
+        large = [2**64 - 2 - i for i in range(8)]
+        self.run_program("shape", "box", "-o", "b.vtk")
+        with open(self.path / "b.vtk", "a") as file:
+            file.write("POINT_DATA 8\nSCALARS material unsigned_char 1\nLOOKUP_TABLE default\n" +
+                       "1 2 3 4 5 6 7 8\nFIELD f 3\n" +
+                       "gid 1 8 vtktypeint64\n" + " ".join(map(str, gids)) + "\n" +
+                       "heat 1 8 float\n1 2 3 4 5 6 7 8\n" +
+                       "large 1 8 vtktypeuint64\n" + " ".join(map(str, large)) + "\n")
+        self.run_program("refine", "b.vtk", "-n", 0, "-o", "b.vtu")
+        for source in ("b.vtk", "b.vtu"):
+            self.run_program("refine", source, "-n", 1, "-o", "r.vtk")
+            text = (self.path / "r.vtk").read_text()
+            for name, type_, values, none in (
+                    ("gid", "vtktypeint64", gids, -1),
+                    ("large", "vtktypeuint64", large, 2**64 - 1),
+                    ("material", "unsigned_char", list(range(1, 9)), 255)):
+                head = f"\n{name} 1 27 {type_}\n"
+                self.assertIn(head, text)
+                got = list(map(int, text.split(head)[1].split()[:27]))
+                self.assertEqual(got, values + [none] * 19)
+            self.assertIn("\nheat 1 27 double\n", text)
+            self.assertEqual(self.info(source, "-n", 0)["attributes"],
+                             ["heat", "material", "gid", "large"])
+        self.run_program("refine", "b.vtu", "-n", 2, "-o", "r.ovm")
+        text = (self.path / "r.ovm").read_text()
+        self.assertEqual(list(map(int, text.split('VProp long "gid"\n')[1].split()[:125])),
+                         gids + [-1] * 117)
+
+    def test_attributes_that_are_not_finite_are_named(self):
+        self.run_program("shape", "box", "-o", "b.vtk")
+        plain = (self.path / "b.vtk").read_text()
+        (self.path / "b.vtk").write_text(
+            plain + "POINT_DATA 8\nFIELD f 4\n"
+            "fine 1 8 double\n1 2 3 4 5 6 7 8\n"
+            "heat 1 8 double\n1 2 3 nan 5 6 -inf 8\n"
+            "uv 2 8 double\n0 0 0 0 0 0 0 0 0 0 0 inf 0 0 0 0\n"
+            "%1B[2Jbad 1 8 float\nnan 2 3 4 5 6 7 8\n")
+        for quiet in ([], ["--quiet"]):
+            lines = self.run_program("refine", "b.vtk", "-n", 1, "-o", "r.vtu",
+                                     *quiet).stderr.splitlines()
+            self.assertEqual(len(lines), 3, lines)
+            self.assertIn("b.vtk: the attribute 'heat' has 2 values that are not finite, the first "
+                          "at vertex 3 (nan)", lines[0])
+            self.assertIn("'uv' has 1 value that is not finite, the first at vertex 5 (inf)",
+                          lines[1])
+            self.assertIn("at vertex 0 (nan)", lines[2])
+            self.assertNotIn("\x1b", lines[2])
+        (self.path / "b.vtk").write_text(plain.replace("double\n0", "double\nnan", 1))
+        self.assertIn("b.vtk: ", self.error_of("refine", "b.vtk", "-n", 1, "-o", "r.vtu"))
+
     def test_marks_keep_the_strata_of_a_refined_lattice(self):
         self.run_program("shape", "cylinder", "-o", "c.vtu")
         self.run_program("refine", "c.vtu", "-n", 1, "--sharp-edges", "literal", "-o", "r.vtu")

@@ -41,6 +41,13 @@ inline void requireSame(const Lattice& got, const Lattice& expected) {
                     bitsInText(one.values) == bitsInText(other.values),
                 "an attribute comes back bit for bit", other.name);
     }
+    require(got.integers.size() == expected.integers.size(), "integers come back");
+    for (std::size_t i = 0; i < got.integers.size(); ++i) {
+        const VertexIntegers &one = got.integers[i], &other = expected.integers[i];
+        require(one.name == other.name && one.components == other.components &&
+                    one.values == other.values,
+                "integers come back", other.name);
+    }
 }
 
 /// That a file of a curve, a mesh or a lattice is refused, or gives one that is whole and that

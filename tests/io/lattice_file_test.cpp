@@ -173,9 +173,10 @@ TEST(LatticeFiles, OfVtkAreRead) {
     expected.positions = {{0, 0, 0},     {1, 0, 0},     {1, 1, 0},      {0, 1, 0},
                           {0, 0, 1},     {1, 0, 1},     {1, 1, 1},      {0, 1, 1},
                           {0.5, 0, 1.7}, {0.5, 1, 1.7}, {2.3, 0.1, 0.1}};
-    expected.attributes = {{"uv", 2, {}}, {"heat of day", 1, {}}};
+    expected.attributes = {{"uv", 2, {}}};
+    expected.integers = {{"heat of day", 1, IntegerType::Int16, {}}};
     for (int i = 0; i < 22; ++i) expected.attributes[0].values.push_back(i / 8.0);
-    for (int i = 0; i < 11; ++i) expected.attributes[1].values.push_back(100 * i);
+    for (int i = 0; i < 11; ++i) expected.integers[0].values.push_back(100 * i);
 
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -140,6 +140,13 @@ inline void expectSameLattice(const Lattice& got, const Lattice& expected) {
         EXPECT_EQ(got.attributes[i].components, expected.attributes[i].components);
         EXPECT_EQ(bitsOf(got.attributes[i].values), bitsOf(expected.attributes[i].values));
     }
+    ASSERT_EQ(got.integers.size(), expected.integers.size());
+    for (std::size_t i = 0; i < got.integers.size(); ++i) {
+        EXPECT_EQ(got.integers[i].name, expected.integers[i].name);
+        EXPECT_EQ(got.integers[i].components, expected.integers[i].components);
+        EXPECT_EQ(got.integers[i].type, expected.integers[i].type);
+        EXPECT_EQ(got.integers[i].values, expected.integers[i].values);
+    }
 }
 
 }  // namespace espalier::test

@@ -79,13 +79,15 @@ TEST(Ovm, VertexPropertiesBecomeAttributes) {
              "VProp vector_double \"odd\"\n1\n1\n0\n2\n5\n6\n1\n7\n");
     std::vector<std::string> names;
     for (const auto& attribute : lattice.attributes) names.push_back(attribute.name);
-    EXPECT_THAT(names, ElementsAre("level", "heat", "a \"quoted\" name", "uv", "n", "q", "even"));
-    EXPECT_THAT(lattice.attributes[0].values, ElementsAre(1, -2, 3, 4));
-    EXPECT_THAT(lattice.attributes[1].values, ElementsAre(double{0.1f}, 2, 3, 4));
-    EXPECT_THAT(lattice.attributes[2].values, ElementsAre(0.1, 2, 3, 4));
-    EXPECT_THAT(lattice.attributes[3].values, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
-    EXPECT_EQ(lattice.attributes[5].components, 4);
-    EXPECT_THAT(lattice.attributes[6].values, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
+    EXPECT_THAT(names, ElementsAre("heat", "a \"quoted\" name", "uv", "n", "q", "even"));
+    EXPECT_EQ(lattice.integers.at(0).name, "level");
+    EXPECT_EQ(lattice.integers[0].type, IntegerType::Int32);
+    EXPECT_THAT(lattice.integers[0].values, ElementsAre(1, -2, 3, 4));
+    EXPECT_THAT(lattice.attributes[0].values, ElementsAre(double{0.1f}, 2, 3, 4));
+    EXPECT_THAT(lattice.attributes[1].values, ElementsAre(0.1, 2, 3, 4));
+    EXPECT_THAT(lattice.attributes[2].values, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
+    EXPECT_EQ(lattice.attributes[4].components, 4);
+    EXPECT_THAT(lattice.attributes[5].values, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
 }
 
 TEST(Ovm, OtherPropertiesAreSkipped) {

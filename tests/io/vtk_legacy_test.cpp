@@ -55,15 +55,18 @@ TEST(VtkLegacy, PointArraysBecomeAttributes) {
                                  "METADATA\nCOMPONENT_NAMES\nX\n\n"
                                  "NULL_ARRAY\n"
                                  "last 1 4 unsigned_char\n1 2 3 255\n");
-    ASSERT_EQ(lattice.attributes.size(), 6u);
+    ASSERT_EQ(lattice.attributes.size(), 5u);
     std::vector<std::string> names;
     for (const auto& attribute : lattice.attributes) names.push_back(attribute.name);
-    EXPECT_THAT(names, ElementsAre("heat", "pair", "flow", "n x", "uv", "last"));
+    EXPECT_THAT(names, ElementsAre("heat", "pair", "flow", "n x", "uv"));
     EXPECT_THAT(lattice.attributes[0].values, ElementsAre(double{0.1f}, 2, 3, 4));
     EXPECT_EQ(lattice.attributes[1].components, 2);
     EXPECT_EQ(lattice.attributes[2].components, 3);
     EXPECT_THAT(lattice.attributes[4].values, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
-    EXPECT_THAT(lattice.attributes[5].values, ElementsAre(1, 2, 3, 255));
+    ASSERT_EQ(lattice.integers.size(), 1u);
+    EXPECT_EQ(lattice.integers[0].name, "last");
+    EXPECT_EQ(lattice.integers[0].type, IntegerType::UInt8);
+    EXPECT_THAT(lattice.integers[0].values, ElementsAre(1, 2, 3, 255));
 }
 
 /// Strings of all lengths of a length: 1 byte (up to 63), 2, 4 and 8 bytes.
@@ -85,9 +88,9 @@ TEST(VtkLegacy, BinaryStringsAreSkipped) {
     data += std::string("\nbits 1 4 bit\n\xa0\nlast 1 4 short\n\0\1\0\2\0\3\xff\xff\n", 40);
     const Lattice lattice = read(head + points + cells + data);
     EXPECT_EQ(lattice.positions[1], (Point3{1, 0, 0}));
-    ASSERT_EQ(lattice.attributes.size(), 1u);
-    EXPECT_EQ(lattice.attributes[0].name, "last");
-    EXPECT_THAT(lattice.attributes[0].values, ElementsAre(1, 2, 3, -1));
+    ASSERT_EQ(lattice.integers.size(), 1u);
+    EXPECT_EQ(lattice.integers[0].name, "last");
+    EXPECT_THAT(lattice.integers[0].values, ElementsAre(1, 2, 3, -1));
     // A string that claims more than there is.
     data.replace(data.find("\xc3"
                            "abc"),

@@ -138,6 +138,13 @@ TEST(Vtu, PiecesMustHaveTheSamePointData) {
                 HasSubstr("the piece has 0 arrays of PointData; the first one has 1"));
     other.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(), Vtu::array("cold", "1 2 3 4"));
     EXPECT_THAT(other.refusal(), HasSubstr("'cold' is not in the PointData of the first piece"));
+    Vtu narrow = tetrahedron();
+    narrow.pieces = "";
+    narrow.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(), Vtu::array("heat", "1 2 3 4"));
+    narrow.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
+                 Vtu::array("heat", "1 2 3 4", "Int8"));
+    EXPECT_THAT(narrow.refusal(),
+                HasSubstr("'heat' holds Int8; in the first piece it holds Int64"));
 }
 
 /// All codings of one array, by the encoder whose agreement with VTK other tests show.
@@ -160,8 +167,9 @@ TEST(Vtu, ArraysOfAllCodingsAreRead) {
                     vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),
                               io::dataArrayElement<std::int64_t>(
                                   {"ids", type}, values, io::VtkArrayForm::Base64, coding, ""));
-                    EXPECT_EQ(vtu.read().attributes.at(0).values,
-                              (std::vector<double>{7, 0, 99, 1}));
+                    const VertexIntegers got = vtu.read().integers.at(0);
+                    EXPECT_EQ(got.values, values);
+                    EXPECT_STREQ(integerTypeName(got.type), io::xmlName(type));
                 }
             }
 }
@@ -332,7 +340,7 @@ TEST(Vtu, AppendedDataAreChecked) {
     // A 32-bit header, 4, and four bytes, of which the last two look like the end of the element.
     vtu.tail = std::string("<AppendedData encoding=\"raw\">\n _1234\4\0\0\0\1\2</", 45) +
                "\n</AppendedData>\n";
-    EXPECT_EQ(vtu.read().attributes.at(0).values, (std::vector<double>{1, 2, '<', '/'}));
+    EXPECT_EQ(vtu.read().integers.at(0).values, (Integers{1, 2, '<', '/'}));
     vtu.tail = "<AppendedData encoding=\"raw\">1234</AppendedData>";
     EXPECT_THAT(vtu.refusal(), HasSubstr("do not begin with '_'"));
     vtu.tail = "<AppendedData encoding=\"hex\">_1234</AppendedData>";
@@ -340,7 +348,7 @@ TEST(Vtu, AppendedDataAreChecked) {
     vtu.tail = "<AppendedData encoding=\"raw\">_1234";
     EXPECT_THAT(vtu.refusal(), HasSubstr("the file ends inside the appended data"));
     vtu.tail = "<AppendedData encoding=\"base64\">_1234BAAAAAECPC8=</AppendedData>";
-    EXPECT_EQ(vtu.read().attributes.at(0).values, (std::vector<double>{1, 2, '<', '/'}));
+    EXPECT_EQ(vtu.read().integers.at(0).values, (Integers{1, 2, '<', '/'}));
 }
 
 TEST(Vtu, ClaimsAreCheckedBeforeMemoryIsTaken) {

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
+import pickle
+
 import numpy as np
 import pytest
 
@@ -106,6 +108,24 @@ def test_files_give_the_lattice_back(tmp_path, extension):
     np.testing.assert_array_equal(again.positions, cube.positions)
     np.testing.assert_array_equal(again.attributes["height"], cube.attributes["height"])
     assert again.edge_sharpness == cube.edge_sharpness
+
+
+def test_integers_of_a_file_are_carried_and_not_averaged(tmp_path):
+    path = tmp_path / "cube.vtk"
+    espalier.Lattice(CUBE, [range(8)]).write(path)
+    gids = [2**53 + 1 + 2 * i for i in range(8)]
+    large = [2**64 - 2 - i for i in range(8)]
+    with open(path, "a") as file:
+        file.write("POINT_DATA 8\nFIELD f 2\ngid 1 8 vtktypeint64\n" + " ".join(map(str, gids)) +
+                   "\nlarge 1 8 vtktypeuint64\n" + " ".join(map(str, large)) + "\n")
+    cube = espalier.read(path)
+    assert cube.attributes == {}
+    for lattice in (cube, pickle.loads(pickle.dumps(cube)), espalier.refine(cube, 2)):
+        rest = len(lattice.positions) - 8
+        assert lattice.integers["gid"].dtype == np.int64
+        assert lattice.integers["gid"][:, 0].tolist() == gids + [-1] * rest
+        assert lattice.integers["large"].dtype == np.uint64
+        assert lattice.integers["large"][:, 0].tolist() == large + [2**64 - 1] * rest
 
 
 def test_meshes_and_curves(tmp_path):

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/vector3.h>
 #include <espalier/shapes/attach.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
@@ -124,6 +125,29 @@ TEST(Attach, givesNewVerticesTheAttributesTheyComeFrom) {
         EXPECT_EQ(onTop.attributes[0].values[v], onTop.positions[v][0]);
     const Lattice pointed = attachPyramid(lattice, top, {0.5, 0.5, 2});
     EXPECT_EQ(pointed.attributes[0].values[8], 0.5);
+}
+
+TEST(Attach, averagesNoIntegers) {
+    Lattice lattice = box();
+    lattice.integers.push_back({"material", 1, IntegerType::UInt8, {1, 2, 3, 4, 5, 6, 7, 8}});
+    const FaceId top = lattice.complex.faces(far::CellId(0))[1];
+    const Lattice onTop = attachPrism(lattice, top, {0, 0, 1});
+    ASSERT_EQ(onTop.integers[0].values.size(), 12U);
+    std::size_t copies = 0;
+    for (std::size_t v = 8; v < 12; ++v)
+        for (std::size_t below = 0; below < 8; ++below) {
+            if (onTop.positions[v] != sum(onTop.positions[below], {0, 0, 1})) continue;
+            EXPECT_EQ(onTop.integers[0].values[v], onTop.integers[0].values[below]);
+            ++copies;
+        }
+    EXPECT_EQ(copies, 4U);
+    const Lattice pointed = attachPyramid(lattice, top, {0.5, 0.5, 2});
+    EXPECT_EQ(pointed.integers[0].values[8], 255);
+    lattice.integers[0].values.pop_back();
+    EXPECT_EQ(errorOf([&] {
+                  attachPyramid(lattice, top, {0.5, 0.5, 2});
+              }),
+              "attachPyramid: attribute 'material' of the lattice has 7 values; expected 8");
 }
 
 TEST(Attach, carriesMarks) {

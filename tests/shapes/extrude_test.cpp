@@ -168,7 +168,11 @@ TEST(Extrude, refusesWhatIsNoMesh) {
 TEST(Extrude, copiesAttributesToEachLayer) {
     Lattice flat = mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
     flat.attributes.push_back({"uv", 2, {1, 2, 3, 4, 5, 6}});
+    flat.integers.push_back({"material", 1, IntegerType::Int8, {1, 2, 3}});
     const Lattice lattice = extrude(flat, {{0, 0, 1}, 2});
+    ASSERT_EQ(lattice.integers.size(), 1U);
+    EXPECT_EQ(lattice.integers[0].type, IntegerType::Int8);
+    EXPECT_EQ(lattice.integers[0].values, (std::vector<std::int64_t>{1, 2, 3, 1, 2, 3, 1, 2, 3}));
     ASSERT_EQ(lattice.attributes.size(), 1U);
     EXPECT_EQ(lattice.attributes[0].name, "uv");
     EXPECT_EQ(lattice.attributes[0].components, 2);
