@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "memory_option.h"
+#include "run.h"
 #include "standard_streams.h"
 #include "worker_signals.h"
 
@@ -54,6 +55,8 @@ int main(int argumentCount, char** arguments) {
         const int code = run(argumentCount, arguments);
         flushOutput();
         return code;
+    } catch (const OutOfMemory& error) {
+        printPrintableError(error.what());
     } catch (const std::bad_alloc&) {
         printError("out of memory");
     } catch (const std::length_error&) {
