@@ -140,6 +140,24 @@ std::vector<far::Index> carriedTargets(const Options& options, const BoundPoints
     return carried;
 }
 
+/// Fits the lattice. Errors in a target name its point and where the target was read.
+solve::LatticeFit fitNamingTargets(const Options& options, const FitRows& rows,
+                                   const Wishes& wishes, const Lattice& lattice,
+                                   const solve::FitOptions& fitOptions) {
+    try {
+        return solve::fitLattice(rows.ofTargets, wishes.misses, lattice.complex, fitOptions);
+    } catch (const solve::TargetError& error) {
+        const auto row = static_cast<std::size_t>(error.row());
+        const io::Target& target = wishes.targets[row];
+        const std::string cause = fmt::format(
+            "the target of point {} is too far from the point for the square of the distance to "
+            "be a number",
+            target.point);
+        throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
+                              : io::FileError(options.targets, cause);
+    }
+}
+
 /// A held point that has a target too is bound once. Takes from `wishes` the targets that
 /// carriedTargets() leaves out.
 FitRows bindAll(const Options& options, const BindOptions& bind, Wishes& wishes,
@@ -253,9 +271,8 @@ void run(const Options& options) {
     const auto held = heldVertices(part, options.hold, bind, points, rows.ofHeld, lattice, stages);
     solve::FitOptions fitOptions = options.fit;
     fitOptions.frozen = frozenVertices(options, held, lattice);
-    const auto fit = stages.run("solving", [&] {
-        return solve::fitLattice(rows.ofTargets, wishes.misses, lattice.complex, fitOptions);
-    });
+    const auto fit = stages.run(
+        "solving", [&] { return fitNamingTargets(options, rows, wishes, lattice, fitOptions); });
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) lattice.positions[v][c] += fit.displacements[v][c];
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });

@@ -14,7 +14,7 @@
 namespace {
 
 /// Exit codes of the program.
-enum Exit { kSuccess = 0, kBadInput = 1, kUsage = 2 };
+enum Exit { kSuccess = 0, kBadInput = 1, kUsage = 2, kFinding = 3 };
 
 int run(int argumentCount, char** arguments) {
     using namespace espalier::cli;
@@ -55,6 +55,9 @@ int main(int argumentCount, char** arguments) {
         const int code = run(argumentCount, arguments);
         flushOutput();
         return code;
+    } catch (const Finding& finding) {
+        printError(finding.what());
+        return kFinding;
     } catch (const OutOfMemory& error) {
         printPrintableError(error.what());
     } catch (const std::bad_alloc&) {

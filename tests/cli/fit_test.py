@@ -220,7 +220,10 @@ class Fit(CliTest):
                           ("7 0 x 0\n", "t.txt:1:"),
                           ("0 5 5\n0 2 5\n5 0 3\n5 5 0\n", "t.txt:1: expected the number of a"),
                           ("7 0 0 0 8 1 1 1\n", "t.txt:1: expected one target a line"),
-                          ("7 1e308 -1e308 0\n8 1e308 0 0\n", "too far")]:
+                          ("7 1e308 -1e308 0\n8 1e308 0 0\n",
+                           "t.txt:1: the target of point 7 is too far from the point"),
+                          ("8 1 0 0\n7 1e308 -1e308 0\n",
+                           "t.txt:2: the target of point 7 is too far from the point")]:
             (self.path / "t.txt").write_text(text)
             self.assertIn(why, self.error_of_fit("t.txt"))
         (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
@@ -243,6 +246,9 @@ class Fit(CliTest):
         self.write_model(self.points[:-1], "fewer.obj")
         self.assertIn("fewer.obj: has 399 points; model.obj has 400",
                       self.error_of_fit("fewer.obj"))
+        self.write_model(self.points[:7] + [(9, 1e200, 9)] + self.points[8:], "far.obj")
+        self.assertIn("far.obj: the target of point 7 is too far from the point",
+                      self.error_of_fit("far.obj"))
         self.write_model(self.points[:7] + [(9, 9, 9)] + self.points[8:])
         self.assertIn("t.txt:1: point 7 lies outside the lattice", self.error_of_fit("t.txt"))
         self.assertIn("t.txt:1: point 7 lies outside",
