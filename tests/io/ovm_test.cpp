@@ -118,6 +118,12 @@ TEST(Ovm, MarksAreProperties) {
               (std::vector<far::Marks::Vertex>{{0, far::kInfinitelySharp}, {3, 0}}));
 }
 
+TEST(Ovm, RefusesAttributesWhoseNamesAreKeptForMarks) {
+    EXPECT_THAT(refusal(kTetrahedron + "VProp double \"espalier:colour\"\n1\n2\n3\n4\n"),
+                StartsWith(": the attribute 'espalier:colour' has 1 components and is no known "
+                           "mark; names that begin with 'espalier:' are kept for marks"));
+}
+
 TEST(Ovm, RefusalsNameTheOffender) {
     EXPECT_THAT(refusal("OVM BINARY\n"), StartsWith(":1: is an OVM file of kind 'binary'; only"));
     EXPECT_THAT(refusal("solid\n"), StartsWith(":1: is not an OVM file: expected Vertices"));
