@@ -51,7 +51,7 @@ BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3
                               const Lattice& lattice, Stages& stages) {
     auto bound = refineAndBind(stencils::bindPoints<double>, options, points, lattice, stages);
     const BindingReport report = reportOf(bound, bound.largestResidual);
-    return {std::move(bound.binding), report, {}};
+    return {std::move(bound.binding), report, std::move(bound.statuses)};
 }
 
 BoundPoints bindToLimit(const BindOptions& options, std::span<const Point3> points,
@@ -64,7 +64,7 @@ BoundPoints bindToLimit(const BindOptions& options, std::span<const Point3> poin
                                              progressOf(stages, points.size()));
     const BindingReport report = reportOf(bound, bound.largestResidual);
     auto gradientTables = std::move(bound.binding.table.gradients);
-    return {stencils::withoutGradients(std::move(bound.binding)), report,
+    return {stencils::withoutGradients(std::move(bound.binding)), report, std::move(bound.statuses),
             std::move(gradientTables)};
 }
 
@@ -85,9 +85,11 @@ BoundPoints bindToTensorProduct(const BindOptions& options, std::span<const Poin
     const stencils::TensorLattice tensor = tensorLattice(options, lattice);
     const auto embedding = stencils::embedPoints(tensor, points, options.common.embedding,
                                                  progressOf(stages, points.size()));
+    std::vector<PointStatus> statuses;
+    statuses.reserve(embedding.points.size());
+    for (const auto& point : embedding.points) statuses.push_back(point.status);
     return {stencils::makeBinding<double>(tensor, embedding, points),
-            reportOf(embedding, embedding.largestResidual()),
-            {}};
+            reportOf(embedding, embedding.largestResidual()), std::move(statuses)};
 }
 
 }  // namespace

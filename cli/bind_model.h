@@ -53,6 +53,7 @@ struct BindingReport {
 struct BoundPoints {
     stencils::Binding<double> binding;
     BindingReport report;
+    std::vector<stencils::PointStatus> statuses;  ///< one per point
     /// stencils::LimitTable::gradients; 0 × 0 if they were not asked for, or bound to a level.
     std::array<stencils::StencilTable<double>, 3> gradients = {};
 };

@@ -234,10 +234,9 @@ void run(const Options& options) {
     }
     const auto& inverted = checked.validity.inverted;
     if (!inverted.empty())
-        throw io::FileError(
-            options.pose,
-            fmt::format("{} of {} {} are inverted, first {}", inverted.size(), checked.count(),
-                        title(checked), name(checked, inverted.front())));
+        throw Finding(fmt::format("{}: {} of {} {} are inverted, first {}",
+                                  io::shownPath(options.pose), inverted.size(), checked.count(),
+                                  title(checked), name(checked, inverted.front())));
 }
 
 }  // namespace
@@ -247,7 +246,7 @@ void addCheckCommand(CLI::App& program) {
     CLI::App& command = *program.add_subcommand(
         "check",
         "Find the cells that a pose of a lattice turns inside out, and the largest step towards "
-        "the pose that turns none; exit code 1 if there are such cells, as for bad input");
+        "the pose that turns none; exit code 3 if there are such cells, 1 for bad input");
     command.add_option("LATTICE", options->pose, "The pose: .ovm, .vtu or .vtk")->required();
     command.add_option("--rest", options->rest, "The lattice at rest: same topology")->required();
     addLevelOption(command, options->level, 1);

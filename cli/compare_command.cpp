@@ -83,7 +83,7 @@ std::string offence(const compare::ReportedShape& shape, const compare::Report& 
     return {};
 }
 
-/// Throws if anything is wrong, naming the first.
+/// Throws if anything is wrong, naming the first: Finding, if all shapes could be compared.
 void checkAll(const compare::Report& report) {
     std::string first;
     std::size_t count = 0;
@@ -94,7 +94,10 @@ void checkAll(const compare::Report& report) {
     }
     if (count > 1)
         first += fmt::format(" (and {} more of {} files)", count - 1, report.shapes.size());
-    if (count > 0) throw Error(first);
+    if (count == 0) return;
+    if (std::ranges::all_of(report.shapes, [](const auto& shape) { return shape.failure.empty(); }))
+        throw Finding(first);
+    throw Error(first);
 }
 
 void run(const Options& options) {
@@ -134,7 +137,7 @@ void addCompareCommand(CLI::App& program) {
     CLI::App& command = *program.add_subcommand(
         "compare",
         "Compare meshes, and the boundaries of lattices, with OpenSubdiv's refinement of them, "
-        "level by level");
+        "level by level; exit code 3 if they differ, 1 for bad input");
     command.add_option("FILE", options->files, "Meshes: .obj; lattices: .ovm, .vtu or .vtk")
         ->required();
     addLevelOption(command, options->level, 1);

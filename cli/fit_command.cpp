@@ -14,7 +14,6 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <unordered_map>
 
 #include "bind_model.h"
@@ -55,6 +54,17 @@ struct Wishes {
                           target.position[2] - point[2]});
         targets.push_back(target);
     }
+
+    Wishes select(std::span<const far::Index> rows) const {
+        Wishes selected;
+        for (const far::Index row : rows) {
+            const auto at = static_cast<std::size_t>(row);
+            selected.points.push_back(points[at]);
+            selected.misses.push_back(misses[at]);
+            selected.targets.push_back(targets[at]);
+        }
+        return selected;
+    }
 };
 
 /// Whether a file is a list of targets; otherwise it is the whole model as it is wanted.
@@ -89,16 +99,68 @@ struct FitRows {
     stencils::StencilTable<double> ofTargets, ofHeld;  ///< D
 };
 
-[[noreturn]] void refuseOutside(const Options& options, const io::Target& target) {
-    const std::string cause =
-        fmt::format("point {} lies outside the lattice {}, which cannot carry it there",
-                    target.point, printable(options.rest));
+/// The end of a message: why a point has no row of D.
+std::string whyNotCarried(const Options& options, stencils::PointStatus status) {
+    return status == stencils::PointStatus::Outside
+               ? fmt::format("lies outside the lattice {}", printable(options.rest))
+               : fmt::format(
+                     "has no place in the lattice {}: the search for it did not converge, "
+                     "as in a degenerate cell or very far away",
+                     printable(options.rest));
+}
+
+[[noreturn]] void refuseTarget(const Options& options, const io::Target& target,
+                               stencils::PointStatus status) {
+    const std::string cause = fmt::format("point {} {}; the lattice cannot carry it to its target",
+                                          target.point, whyNotCarried(options, status));
     throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
                           : io::FileError(options.model, cause);
 }
 
-/// A held point that has a target too is bound once.
-FitRows bindAll(const Options& options, const BindOptions& bind, const Wishes& wishes,
+/// The targets that the lattice carries its points to, by their rows. Leaves out points that the
+/// lattice does not carry but that are wanted where they are, unless points outside are errors.
+/// \throws FileError for other points that it does not carry, and if no target is left
+std::vector<far::Index> carriedTargets(const Options& options, const BoundPoints& bound,
+                                       const Wishes& wishes) {
+    const bool isOutsideRefused =
+        options.common.embedding.outside == stencils::OutsidePolicy::Error;
+    std::vector<far::Index> carried;
+    for (std::size_t i = 0; i < wishes.targets.size(); ++i) {
+        const auto row = static_cast<far::Index>(i);
+        if (!bound.binding.table.columns(row).empty())
+            carried.push_back(row);
+        else if (isOutsideRefused || wishes.misses[i] != Point3{})
+            refuseTarget(options, wishes.targets[i], bound.statuses[i]);
+    }
+    if (carried.empty())
+        throw io::FileError(options.targets,
+                            fmt::format("no target is left: all {} points lie outside the lattice "
+                                        "{} and are wanted where they are",
+                                        wishes.targets.size(), printable(options.rest)));
+    return carried;
+}
+
+/// Fits the lattice. Errors in a target name its point and where the target was read.
+solve::LatticeFit fitNamingTargets(const Options& options, const FitRows& rows,
+                                   const Wishes& wishes, const Lattice& lattice,
+                                   const solve::FitOptions& fitOptions) {
+    try {
+        return solve::fitLattice(rows.ofTargets, wishes.misses, lattice.complex, fitOptions);
+    } catch (const solve::TargetError& error) {
+        const auto row = static_cast<std::size_t>(error.row());
+        const io::Target& target = wishes.targets[row];
+        const std::string cause = fmt::format(
+            "the target of point {} is too far from the point for the square of the distance to "
+            "be a number",
+            target.point);
+        throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
+                              : io::FileError(options.targets, cause);
+    }
+}
+
+/// A held point that has a target too is bound once. Takes from `wishes` the targets that
+/// carriedTargets() leaves out.
+FitRows bindAll(const Options& options, const BindOptions& bind, Wishes& wishes,
                 const HeldPart& part, std::span<const Point3> modelPoints, const Lattice& lattice,
                 Stages& stages) {
     std::vector<Point3> points = wishes.points;
@@ -113,26 +175,22 @@ FitRows bindAll(const Options& options, const BindOptions& bind, const Wishes& w
             heldRows.push_back(row->second);
         }
     }
-    stencils::Binding<double> binding = bindPoints(bind, points, lattice, stages).binding;
-    if (!binding.kept.empty())
-        if (const auto row = static_cast<std::size_t>(binding.kept.front());
-            row < wishes.targets.size())
-            refuseOutside(options, wishes.targets[row]);
-    FitRows rows{{}, stencils::selectRows<double>(binding.table, heldRows)};
+    BoundPoints bound = bindPoints(bind, points, lattice, stages);
+    const auto carried = carriedTargets(options, bound, wishes);
+    stencils::StencilTable<double>& table = bound.binding.table;
+    FitRows rows{{}, stencils::selectRows<double>(table, heldRows)};
     if (options.common.embedding.outside == stencils::OutsidePolicy::Error)
         for (std::size_t i = 0; i < part.points.size(); ++i)
             if (rows.ofHeld.columns(static_cast<far::Index>(i)).empty())
-                throw io::FileError(options.model,
-                                    fmt::format("point {}, in the box of --hold, lies outside the "
-                                                "lattice {}",
-                                                part.points[i], printable(options.rest)));
-    if (points.size() == wishes.points.size()) {
-        rows.ofTargets = std::move(binding.table);
-        return rows;
-    }
-    std::vector<far::Index> targetRows(wishes.points.size());
-    std::iota(targetRows.begin(), targetRows.end(), far::Index{0});
-    rows.ofTargets = stencils::selectRows<double>(binding.table, targetRows);
+                throw io::FileError(
+                    options.model,
+                    fmt::format(
+                        "point {}, in the box of --hold, {}", part.points[i],
+                        whyNotCarried(options,
+                                      bound.statuses[static_cast<std::size_t>(heldRows[i])])));
+    rows.ofTargets = carried.size() == points.size() ? std::move(table)
+                                                     : stencils::selectRows<double>(table, carried);
+    if (carried.size() < wishes.targets.size()) wishes = wishes.select(carried);
     return rows;
 }
 
@@ -160,14 +218,16 @@ std::vector<far::Index> frozenVertices(const Options& options, const std::vector
                             all, printable(options.rest)));
 }
 
-void printFit(const Options& options, const Wishes& wishes, std::size_t heldCount,
-              const solve::LatticeFit& fit) {
+/// \param leftOut targets that carriedTargets() leaves out
+void printFit(const Options& options, const Wishes& wishes, std::size_t leftOut,
+              std::size_t heldCount, const solve::LatticeFit& fit) {
     double largest = 0;
     for (const Point3& displacement : fit.displacements)
         largest = std::max(largest, std::hypot(displacement[0], displacement[1], displacement[2]));
     if (options.report == ReportFormat::Json) {
         const nlohmann::ordered_json json = {
             {"targets", wishes.targets.size()},
+            {"left_out", leftOut},
             {"held_vertices", heldCount},
             {"largest_miss", fit.largestMiss},
             {"rms_miss", fit.meanMiss},
@@ -179,6 +239,7 @@ void printFit(const Options& options, const Wishes& wishes, std::size_t heldCoun
         return;
     }
     fmt::print("targets               {}\n", wishes.targets.size());
+    if (leftOut > 0) fmt::print("left out              {}, outside and not moved\n", leftOut);
     if (options.hold.box) fmt::print("held vertices         {}\n", heldCount);
     fmt::print("largest miss          {:.3g}\n", fit.largestMiss);
     fmt::print("root mean square miss {:.3g}\n", fit.meanMiss);
@@ -198,7 +259,8 @@ void run(const Options& options) {
     Stages stages(options.common.quiet);
     const auto model = readModel(options.model, stages);
     Lattice lattice = readLattice(options.rest, stages);
-    const Wishes wishes = readWishes(options, *model, stages);
+    Wishes wishes = readWishes(options, *model, stages);
+    const std::size_t wishCount = wishes.targets.size();
     const auto points = model->positions();
     const HeldPart part = findHeldPart(options.hold, options, points, lattice);
     // A point outside is named by bindAll(), by its number in the model.
@@ -209,13 +271,13 @@ void run(const Options& options) {
     const auto held = heldVertices(part, options.hold, bind, points, rows.ofHeld, lattice, stages);
     solve::FitOptions fitOptions = options.fit;
     fitOptions.frozen = frozenVertices(options, held, lattice);
-    const auto fit = stages.run("solving", [&] {
-        return solve::fitLattice(rows.ofTargets, wishes.misses, lattice.complex, fitOptions);
-    });
+    const auto fit = stages.run(
+        "solving", [&] { return fitNamingTargets(options, rows, wishes, lattice, fitOptions); });
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) lattice.positions[v][c] += fit.displacements[v][c];
     stages.run("writing", [&] { io::writeLattice(options.output, lattice); });
-    if (!options.common.quiet) printFit(options, wishes, held.size(), fit);
+    if (!options.common.quiet)
+        printFit(options, wishes, wishCount - wishes.targets.size(), held.size(), fit);
 }
 
 }  // namespace

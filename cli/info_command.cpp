@@ -162,13 +162,19 @@ void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
     const auto [lattice, refiner] = readAndRefine(options, FileKind::Lattice, stages);
-    std::vector<std::vector<Point3>> positions;
-    for (int level = 0; level <= options.level; ++level)
-        positions.push_back(
-            stencils::refinePositions(refiner, level, options.common.rules, lattice.positions));
-    const LatticeReport report = reportLattice(lattice, refiner, positions);
+    const LatticeReport report =
+        stages.run("measuring", [&, &lattice = lattice, &refiner = refiner] {
+            std::vector<std::vector<Point3>> positions;
+            for (int level = 0; level <= options.level; ++level)
+                positions.push_back(stencils::refinePositions(refiner, level, options.common.rules,
+                                                              lattice.positions));
+            return reportLattice(lattice, refiner, positions);
+        });
     std::vector<Smoothness> smoothness;
-    if (options.smoothness) smoothness = reportSmoothness(refiner, options.common.rules);
+    if (options.smoothness)
+        smoothness = stages.run("finding eigenvalues", [&, &refiner = refiner] {
+            return reportSmoothness(refiner, options.common.rules);
+        });
     if (options.json) {
         nlohmann::json object = toJson(report, options.lattice);
         if (options.smoothness) object["smoothness"] = toJson(smoothness);

@@ -7,13 +7,14 @@
 
 #include "commands.h"
 #include "memory_option.h"
+#include "run.h"
 #include "standard_streams.h"
 #include "worker_signals.h"
 
 namespace {
 
 /// Exit codes of the program.
-enum Exit { kSuccess = 0, kBadInput = 1, kUsage = 2 };
+enum Exit { kSuccess = 0, kBadInput = 1, kUsage = 2, kFinding = 3 };
 
 int run(int argumentCount, char** arguments) {
     using namespace espalier::cli;
@@ -54,6 +55,11 @@ int main(int argumentCount, char** arguments) {
         const int code = run(argumentCount, arguments);
         flushOutput();
         return code;
+    } catch (const Finding& finding) {
+        printError(finding.what());
+        return kFinding;
+    } catch (const OutOfMemory& error) {
+        printPrintableError(error.what());
     } catch (const std::bad_alloc&) {
         printError("out of memory");
     } catch (const std::length_error&) {

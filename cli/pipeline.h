@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/memory.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/file.h>
 #include <espalier/io/model.h>
@@ -54,6 +55,8 @@ auto ofFile(const std::filesystem::path& path, const Work& work) {
         return work();
     } catch (const io::FileError&) {
         throw;
+    } catch (const far::MemoryError& error) {
+        throw far::MemoryError(io::shownPath(path) + ": " + error.what());
     } catch (const Error& error) {
         throw io::FileError(path, error.what());
     }

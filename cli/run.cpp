@@ -52,6 +52,11 @@ LineOnTerminal::~LineOnTerminal() {
     exchangeHandlers(clearLineAndEnd, SIG_DFL);
 }
 
+OutOfMemory::OutOfMemory(std::string_view stage) noexcept {
+    std::snprintf(text_.data(), text_.size(), "out of memory while %.*s",
+                  static_cast<int>(stage.size()), stage.data());
+}
+
 // What is shown goes to the terminal by functions that throw nothing: stages end in destructors.
 
 Stages::Stages(bool quiet) : isShown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
@@ -62,14 +67,14 @@ Stages::~Stages() {
     clearLine();
 }
 
-void Stages::begin(const std::string& name) {
+void Stages::begin(std::string_view name) {
     const auto same = std::find_if(finished_.begin(), finished_.end(),
                                    [&](const Finished& stage) { return stage.name == name; });
     current_ = static_cast<std::size_t>(same - finished_.begin());
-    if (same == finished_.end()) finished_.push_back({name, 0, 0});
+    if (same == finished_.end()) finished_.push_back({std::string(name), 0, 0});
     bytes_.reset();
     start_ = std::chrono::steady_clock::now();
-    if (isShown_) std::fprintf(stderr, "%s%s ...", kClearLine, name.c_str());
+    if (isShown_) std::fprintf(stderr, "%s%s ...", kClearLine, finished_[current_].name.c_str());
 }
 
 void Stages::end() noexcept {

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/memory.h>
+
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +24,17 @@ public:
     ~LineOnTerminal();
     LineOnTerminal(const LineOnTerminal&) = delete;
     LineOnTerminal& operator=(const LineOnTerminal&) = delete;
+};
+
+/// No memory was left in a stage of the run. what() is "out of memory while binding". An object
+/// takes no memory of its own.
+class OutOfMemory : public std::bad_alloc {
+public:
+    explicit OutOfMemory(std::string_view stage) noexcept;
+    const char* what() const noexcept override { return text_.data(); }
+
+private:
+    std::array<char, 80> text_ = {};
 };
 
 /// The stages of a run: times each, and shows on a terminal which one is at work and how far it is.
@@ -39,15 +56,28 @@ public:
         std::optional<std::size_t> bytes;
     };
 
-    /// Runs one stage.
+    /// Runs one stage, unless the process holds more memory than far::MemoryLimit allows already.
+    /// \throws OutOfMemory in place of std::bad_alloc and std::length_error; far::MemoryError, with
+    /// the stage in its message; what else `work` throws
     template <class Work>
-    auto run(const std::string& name, Work work) {
-        begin(name);
-        struct End {
-            Stages* stages;
-            ~End() { stages->end(); }
-        } end{this};
-        return work();
+    auto run(std::string_view name, Work work) {
+        try {
+            begin(name);
+            struct End {
+                Stages* stages;
+                ~End() { stages->end(); }
+            } end{this};
+            far::checkMemory();
+            return work();
+        } catch (const far::MemoryError& error) {
+            throw far::MemoryError(std::string(error.what()) + " (while " + std::string(name) +
+                                   ")");
+        } catch (const std::bad_alloc&) {
+            throw OutOfMemory(name);
+        } catch (const std::length_error&) {
+            // A container would hold more than memory could.
+            throw OutOfMemory(name);
+        }
     }
 
     /// Says, from within the work of a stage, that it has read or made so many bytes more.
@@ -63,7 +93,7 @@ public:
     const std::vector<Finished>& finished() const { return finished_; }
 
 private:
-    void begin(const std::string& name);
+    void begin(std::string_view name);
     void end() noexcept;
     void clearLine() const noexcept;
 

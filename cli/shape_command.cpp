@@ -38,8 +38,9 @@ void addShape(CLI::App& parent, const std::string& name, const std::string& help
     command.add_flag("--quiet", state->common.quiet, "Print nothing but errors");
     command.callback([state, make] {
         io::checkLatticeTarget(state->output);
-        const Lattice lattice = make(state->shape);
-        io::writeLattice(state->output, lattice);
+        Stages stages(state->common.quiet);
+        const Lattice lattice = stages.run("making", [&] { return make(state->shape); });
+        stages.run("writing", [&] { io::writeLattice(state->output, lattice); });
         if (!state->common.quiet)
             fmt::print("{}: {} vertices, {} cells\n", printable(state->output),
                        lattice.complex.count(0), lattice.complex.count(3));

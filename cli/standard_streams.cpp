@@ -67,6 +67,10 @@ void printError(const char* cause) noexcept {
     } catch (const std::bad_alloc&) {
         cause = "out of memory";
     }
+    printPrintableError(cause);
+}
+
+void printPrintableError(const char* cause) noexcept {
     std::fprintf(stderr, "espalier: %s\n", cause);
 }
 

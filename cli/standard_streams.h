@@ -17,6 +17,9 @@ void flushOutput();
 /// for a long line it says that instead. Does nothing if that stream cannot be written either.
 void printError(const char* cause) noexcept;
 
+/// The same of a cause that is printable as it is. Takes no memory.
+void printPrintableError(const char* cause) noexcept;
+
 /// The same of an error of the system: of standard output, if that is what has failed.
 void printError(const std::system_error& error) noexcept;
 

@@ -5,6 +5,7 @@
 #include <espalier/compare/open_subdiv_refiner.h>
 #include <espalier/compare/open_subdiv_tables.h>
 #include <espalier/far/error.h>
+#include <espalier/far/memory.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <espalier/stencils/composition.h>
 #include <opensubdiv/far/primvarRefiner.h>
@@ -70,6 +71,7 @@ Comparison::Comparison(const far::TopologyRefiner& refiner) {
     auto data = std::make_unique<Data>(Data{refiner, surfaceOf(base), {}, {}, {}, nullptr});
     data->theirs = makeOpenSubdivRefiner(refiner, data->base);
     for (int level = 0; level <= refiner.maxLevel(); ++level) {
+        far::checkMemory();
         data->matches.push_back(
             level == 0 ? matchBase(base, data->base, data->theirLevel(0))
                        : matchChildren(refiner.level(level - 1).complex, data->matches.back(),
@@ -82,6 +84,7 @@ Comparison::Comparison(const far::TopologyRefiner& refiner) {
         Factory::Options options;
         options.maxLevel = static_cast<unsigned>(refiner.maxLevel()) & 15U;
         data->table.reset(Factory::Create(*data->theirs.refiner, options));
+        far::checkMemory();
     }
     data_ = std::move(data);
 }
@@ -279,9 +282,12 @@ Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> 
             "nothing to compare");
     Agreement agreement;
     for (int level = 1; level <= data_->maxLevel(); ++level) {
+        far::checkMemory();
         const StencilTable<double> table =
             stencils::buildStencils(data_->ours, level, rules, vertices(level));
+        far::checkMemory();
         agreement.levels.push_back(compare(level, table));
+        far::checkMemory();
         const bool isMatched = std::isfinite(agreement.levels.back().positionDifference);
         const Surface& region = data_->regions[at(level)];
         if (isMatched && !region.faces.empty() && region.faces.size() <= kMostFaces)

@@ -83,6 +83,12 @@ Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuild
                       std::vector<VertexAttribute> attributes,
                       std::vector<VertexIntegers> integers) {
     checkFinite(path, positions);
+    for (const VertexAttribute& attribute : attributes)
+        if (attribute.name.starts_with(kReservedNames))
+            throw FileError(path, "the attribute " + inQuotes(attribute.name) + " has " +
+                                      std::to_string(attribute.components) +
+                                      " components and is no known mark; names that begin with " +
+                                      inQuotes(kReservedNames) + " are kept for marks");
     Lattice lattice;
     lattice.complex = naming(path, [&] { return builder.build(); });
     lattice.marks = naming(path, [&] { return canonicalMarks(lattice.complex, marks); });

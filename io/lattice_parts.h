@@ -93,7 +93,8 @@ far::Index checkedIndex(const std::filesystem::path& path, std::size_t count, co
 
 /// What is done last in reading: builds the complex, makes the marks canonical and checks all.
 ///
-/// \throws FileError naming a point that is not finite; TopologyError, with the path in
+/// \throws FileError naming a point that is not finite, or an attribute whose name is kept for
+///         marks; TopologyError, with the path in
 ///         its message
 Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuilder& builder,
                       std::vector<Point3> positions, const far::Marks& marks,

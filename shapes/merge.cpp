@@ -7,6 +7,7 @@
 #include <espalier/shapes/weld.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -130,6 +131,48 @@ void appendValues(const Attribute& from, std::span<const Index> newVertex, Attri
     }
 }
 
+/// The faces of the lattices that become one face of more than two cells: "face 1 of lattice 0,
+/// face 4 of lattice 1". Empty if there is none.
+std::string crowdedFace(std::span<const Lattice> lattices, std::span<const Index> newIndex) {
+    struct Faces {
+        std::size_t cellCount = 0;
+        std::string names;
+    };
+    std::map<std::vector<Index>, Faces> merged;  // by the new vertices, ascending
+    for (std::size_t number = 0; number < lattices.size(); ++number) {
+        const far::CellComplex& complex = lattices[number].complex;
+        const auto newVertex = newIndex.first(lattices[number].positions.size());
+        newIndex = newIndex.subspan(newVertex.size());
+        for (Index face = 0; face < complex.count(2); ++face) {
+            std::vector<Index> vertices;
+            for (const Index vertex : complex.relation(2, 0)[face])
+                vertices.push_back(newVertex[static_cast<std::size_t>(vertex)]);
+            std::sort(vertices.begin(), vertices.end());
+            Faces& faces = merged[std::move(vertices)];
+            faces.cellCount += complex.relation(2, 3)[face].size();
+            faces.names += (faces.names.empty() ? "face " : ", face ") + std::to_string(face) +
+                           " of " + latticeName(number);
+            if (faces.cellCount > 2) return faces.names;
+        }
+    }
+    return {};
+}
+
+/// Builds the merged complex. Errors name faces of the lattices, not of the result.
+far::CellComplex buildMerged(const far::ComplexBuilder& builder, std::span<const Lattice> lattices,
+                             std::span<const Index> newIndex) {
+    try {
+        return builder.build();
+    } catch (const far::TopologyError& error) {
+        if (error.cause() != far::TopologyCause::CrowdedFace) throw;
+        const std::string names = crowdedFace(lattices, newIndex);
+        if (names.empty()) throw;
+        throw far::TopologyError(
+            error.cause(), error.entity(),
+            "merge: " + names + " would become one face of more than two cells");
+    }
+}
+
 }  // namespace
 
 Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
@@ -159,7 +202,7 @@ Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
         for (VertexIntegers& integers : result.integers)
             appendValues(*findAttribute(lattice.integers, integers.name), newVertex, integers);
     }
-    result.complex = builder.build();
+    result.complex = buildMerged(builder, lattices, welding.newIndex);
     result.positions = std::move(welding.positions);
     return result;
 }

@@ -17,8 +17,8 @@ using Matrix = Eigen::SparseMatrix<double>;
 using Columns = Eigen::MatrixX3d;
 using stencils::StencilTable;
 
-/// The matrix that an expression stands for. Not by a constructor: Eigen's lose memory if they throw
-/// for want of it, and copy what could be moved.
+/// The matrix that an expression stands for. Not by a constructor: Eigen's lose memory if they
+/// throw for want of it, and copy what could be moved.
 template <class Expression>
 Matrix evaluated(const Expression& expression) {
     Matrix result;
@@ -45,7 +45,8 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
     for (std::size_t i = 0; i < misses.size(); ++i) {
         for (const double coordinate : misses[i])
             if (!std::isfinite(coordinate))
-                throw Error("the target of point " + std::to_string(i) + " is not finite");
+                throw TargetError(static_cast<Index>(i),
+                                  "the target of point " + std::to_string(i) + " is not finite");
         for (const double weight : deformation.weights(static_cast<Index>(i)))
             if (!std::isfinite(weight))
                 throw Error("point " + std::to_string(i) + " has a weight that is not finite");
@@ -61,6 +62,19 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
     if (!(options.strength >= kLeast && options.strength <= kMost))
         throw Error("a strength of " + std::to_string(options.strength) +
                     "; expected 0.0001 to 10000");
+}
+
+/// Names the target that is farthest from its point.
+[[noreturn]] void refuseFarTargets(std::span<const Point3> misses) {
+    const auto size = [](const Point3& miss) {
+        // Halved, since the distance itself may be no double.
+        return std::hypot(miss[0] / 2, miss[1] / 2, miss[2] / 2);
+    };
+    const auto farthest = std::ranges::max_element(misses, {}, size);
+    const auto row = static_cast<Index>(farthest - misses.begin());
+    throw TargetError(row, "the target of point " + std::to_string(row) +
+                               " is too far from the point for the square of the distance to be "
+                               "a number");
 }
 
 /// Which vertices may move.
@@ -223,8 +237,7 @@ LatticeFit fitLattice(const StencilTable<double>& deformation, std::span<const P
     const Eigen::VectorXd distances = (view.matrix() * all - wanted).rowwise().norm();
     fit.largestMiss = distances.maxCoeff();
     fit.meanMiss = distances.norm() / std::sqrt(static_cast<double>(distances.size()));
-    if (!all.allFinite() || !std::isfinite(fit.meanMiss))
-        throw Error("the targets are too far from the points for their squares to be numbers");
+    if (!all.allFinite() || !std::isfinite(fit.meanMiss)) refuseFarTargets(misses);
     return fit;
 }
 

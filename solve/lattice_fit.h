@@ -3,10 +3,12 @@
 
 #include <espalier/far/api.h>
 #include <espalier/far/cell_complex.h>
+#include <espalier/far/error.h>
 #include <espalier/far/point.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
+#include <string>
 #include <vector>
 
 namespace espalier::solve {
@@ -49,6 +51,18 @@ struct LatticeFit {
     double condition = 1;
 };
 
+/// A target that cannot be fitted.
+class ESPALIER_API TargetError : public Error {
+public:
+    TargetError(Index row, const std::string& what) : Error(what), row_(row) {}
+
+    /// The row of the target's point in the matrix D.
+    Index row() const { return row_; }
+
+private:
+    Index row_;
+};
+
 /// Finds the displacements d of the lattice vertices that carry points to where they are wanted
 /// (direct manipulation), in the sense of least squares: of |D d − m|² + s² |R d|², the least, and
 /// of all such d the smallest. R is nothing, the identity or the Laplacian of the edges; s is the
@@ -63,8 +77,9 @@ struct LatticeFit {
 /// \throws Error naming the offender: sizes that do not match, misses and weights that are not
 ///         finite, no points, a frozen vertex that is not there, all vertices frozen, a point whose
 ///         row is empty (it lies outside), a strength out of range, targets so far away that a
-///         double does not hold the sums; and under Undetermined::Refuse displacements that are
-///         left open, naming a vertex
+///         double does not hold the squares; and under Undetermined::Refuse displacements that are
+///         left open, naming a vertex. TargetError for a miss that is not finite, and for targets
+///         so far away, of which it names the farthest
 /// \cost O(Σ entries² of the rows + a sparse Cholesky factor of the vertices)
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p'
 ESPALIER_API LatticeFit fitLattice(const stencils::StencilTable<double>& deformation,

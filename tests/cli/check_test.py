@@ -57,7 +57,7 @@ class Check(CliTest):
     def test_the_way_back_from_a_mirror_image_ends_half_way(self):
         # The volume ratio is 1 − 2t.
         self.write_pose(lambda x, y, z: (-x, y, z))
-        report, _ = self.check("-n", 1, "--list", 100, code=1)
+        report, _ = self.check("-n", 1, "--list", 100, code=3)
         self.assertEqual(report["inverted"]["count"], 64)
         self.assertEqual([cell["cell"] for cell in report["inverted"]["first"]], list(range(64)))
         self.assertAlmostEqual(report["largest_step"]["length"], 0.5, delta=1e-6)
@@ -75,7 +75,7 @@ class Check(CliTest):
 
     def test_a_folded_pose(self):
         self.write_folded()
-        report, error = self.check("-n", 2, "--list", 512, code=1)
+        report, error = self.check("-n", 2, "--list", 512, code=3)
         inverted = report["inverted"]["first"]
         self.assertEqual(report["inverted"]["count"], len(inverted))
         self.assertGreater(len(inverted), 0)
@@ -91,27 +91,27 @@ class Check(CliTest):
         # Up to the step there is no such cell, and a little past it there is the one that it names.
         step = report["largest_step"]
         self.assertTrue(0 < step["length"] < 1)
-        for part, code in [(1, 0), (1.001, 1)]:
+        for part, code in [(1, 0), (1.001, 3)]:
             t = part * step["length"]
             self.write_pose(lambda x, y, z, t=t: (1 - 3 * t,) * 3
                             if (x, y, z) == (1, 1, 1) else (x, y, z))
             found, _ = self.check("-n", 2, "--list", 512, code=code)
             self.assertEqual(step["limiting_cell"]["cell"]
-                             in [cell["cell"] for cell in found["inverted"]["first"]], code == 1)
+                             in [cell["cell"] for cell in found["inverted"]["first"]], code == 3)
 
     def test_text_names_the_first_few(self):
         self.write_folded()
-        out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 2, code=1).stdout
+        out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 2, code=3).stdout
         self.assertRegex(out, r"  cell \d+ of base cell \d at \(.*\): volume ratio -")
         self.assertRegex(out, r"  and \d+ more\n")
         self.assertEqual(out.count("  cell "), 5)
-        self.assertEqual(len(self.check("-n", 2, "--list", 2, code=1)[0]["inverted"]["first"]), 2)
+        self.assertEqual(len(self.check("-n", 2, "--list", 2, code=3)[0]["inverted"]["first"]), 2)
         self.assertRegex(out, r"largest valid step    0\.\d+ of the way, for cell \d+ of base cell")
 
     def test_the_refined_pose_with_its_ratios(self):
         self.write_folded()
         for name in ["cells.vtu", "cells.ovm"]:
-            self.check("-n", 1, "-o", name, code=1)
+            self.check("-n", 1, "-o", name, code=3)
             self.assertEqual(self.info(name, "-n", 0)["attributes"],
                              ["volume_ratio", "bad_at_rest"])
 
@@ -131,20 +131,20 @@ class Check(CliTest):
         # The pinched bar of tests/solve/limit_validity_test.cpp: 1 - 5a/4 in the middle.
         self.run_program("shape", "box", "--cells", 3, 1, 1, "--max", 3, 1, 1, "-o", "rest.ovm")
         self.write_pose(lambda x, y, z: ({1: 2, 2: 1}.get(x, x), y, z))
-        report, error = self.check("--limit", code=1)
+        report, error = self.check("--limit", code=3)
         self.assertEqual((report["level"], report["limit_level"], report["cells"]), (0, 3, 3))
         self.assertEqual(report["inverted"]["first"][0]["cell"], 1)
         self.assertAlmostEqual(report["smallest_volume_ratio"]["volume_ratio"], -0.25, delta=1e-3)
         self.assertAlmostEqual(report["largest_step"]["length"], 0.8, delta=1e-5)
         self.assertIn("1 of 3 cells in the limit are inverted, first base cell 1", error)
         out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "--limit", "-o",
-                               "cells.vtu", code=1).stdout
+                               "cells.vtu", code=3).stdout
         self.assertIn("cells in the limit    3\n", out)
         self.assertRegex(out, r"largest valid step    0\.\d+ of the way, for base cell 1")
         self.assertEqual(self.info("cells.vtu", "-n", 0)["attributes"],
                          ["volume_ratio", "bad_at_rest"])
         # Level by level the cells come to it from below: they fold earlier.
-        self.assertIsNone(self.check("-n", 1, code=1)[0]["limit_level"])
+        self.assertIsNone(self.check("-n", 1, code=3)[0]["limit_level"])
         self.run_program("shape", "box", "-o", "rest.ovm")
         self.assertIn("it has no interior vertex", self.error_of(
             "check", "rest.ovm", "--rest", "rest.ovm", "--limit", "--boundary", "open"))
@@ -183,7 +183,7 @@ class Check(CliTest):
         self.assertIn("far.ovm: the rest of vertex",
                       self.error_of("check", "far.ovm", "--rest", "far.ovm"))
         self.error_of("check", "pose.ovm", code=2)
-        self.assertIn("exit code 1", " ".join(self.run_program("check", "--help").stdout.split()))
+        self.assertIn("exit code 3", " ".join(self.run_program("check", "--help").stdout.split()))
 
 
 if __name__ == "__main__":

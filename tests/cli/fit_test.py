@@ -143,6 +143,45 @@ class Fit(CliTest):
             self.assertEqual(len({r["held_vertices"] for r in reports}), 1)
             self.assertGreater(reports[0]["held_vertices"], 0)
 
+    def test_points_outside_that_did_not_move_are_left_out(self):
+        known = self.write_pose(lambda p: (p[0] + 0.1 * p[2], p[1], 1.2 * p[2]))
+        self.points[7] = (9, 9, 9)
+        self.points[8] = (9, -9, 9)
+        self.write_model(self.points)
+        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "known.ovm", "-n", 2,
+                         "-o", "moved.obj")
+        report = self.fit("moved.obj", "--undetermined", "refuse")
+        self.assertEqual((report["targets"], report["left_out"]), (398, 2))
+        self.assert_close(self.read_ovm_positions("pose.ovm"), known, 1e-10)
+        text = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets", "moved.obj",
+                                "-o", "pose.ovm").stdout
+        self.assertIn("left out              2, outside and not moved\n", text)
+        (self.path / "pose.ovm").unlink()
+        self.assertIn("model.obj: point 7 lies outside the lattice rest.ovm",
+                      self.error_of_fit("moved.obj", "--outside", "error"))
+        (self.path / "t.txt").write_text("7 9 9 9\n8 9 -9 9\n")
+        self.assertIn("t.txt: no target is left: all 2 points lie outside",
+                      self.error_of_fit("t.txt"))
+        (self.path / "t.txt").write_text("7 9 9 9\n8 9 -9 9.5\n3 0.5 0.5 0.5\n")
+        self.assertIn("t.txt:2: point 8 lies outside", self.error_of_fit("t.txt"))
+        # What is held does not change with them.
+        self.make_tall_lattice()
+        (self.path / "t.txt").write_text("30 0.5 0.5 1.1\n")
+        held = [self.fit(targets, "--hold", 0, 0, 0, 9, 9, 0.3) for targets in ["t.txt", "model.obj"]]
+        self.assertEqual([report["left_out"] for report in held], [0, 2])
+        self.assertEqual(held[0]["held_vertices"], held[1]["held_vertices"])
+
+    def test_points_that_did_not_converge_are_not_called_outside(self):
+        self.points[7] = (1e12, 2e12, -1e12)
+        self.write_model(self.points)
+        (self.path / "t.txt").write_text("3 0.5 0.5 0.5\n7 0.5 0.5 1.1\n")
+        for options in [["--outside", "nearest"], ["--outside", "nearest", "--limit"]]:
+            error = self.error_of("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
+                                  *options, "-o", "pose.ovm")
+            self.assertIn("t.txt:2: point 7 has no place in the lattice rest.ovm: the search for "
+                          "it did not converge", error)
+            self.assertNotIn("outside", error)
+
     def test_terminal_shows_that_it_holds(self):
         self.make_tall_lattice()
         (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
@@ -181,7 +220,10 @@ class Fit(CliTest):
                           ("7 0 x 0\n", "t.txt:1:"),
                           ("0 5 5\n0 2 5\n5 0 3\n5 5 0\n", "t.txt:1: expected the number of a"),
                           ("7 0 0 0 8 1 1 1\n", "t.txt:1: expected one target a line"),
-                          ("7 1e308 -1e308 0\n8 1e308 0 0\n", "too far")]:
+                          ("7 1e308 -1e308 0\n8 1e308 0 0\n",
+                           "t.txt:1: the target of point 7 is too far from the point"),
+                          ("8 1 0 0\n7 1e308 -1e308 0\n",
+                           "t.txt:2: the target of point 7 is too far from the point")]:
             (self.path / "t.txt").write_text(text)
             self.assertIn(why, self.error_of_fit("t.txt"))
         (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
@@ -204,6 +246,9 @@ class Fit(CliTest):
         self.write_model(self.points[:-1], "fewer.obj")
         self.assertIn("fewer.obj: has 399 points; model.obj has 400",
                       self.error_of_fit("fewer.obj"))
+        self.write_model(self.points[:7] + [(9, 1e200, 9)] + self.points[8:], "far.obj")
+        self.assertIn("far.obj: the target of point 7 is too far from the point",
+                      self.error_of_fit("far.obj"))
         self.write_model(self.points[:7] + [(9, 9, 9)] + self.points[8:])
         self.assertIn("t.txt:1: point 7 lies outside the lattice", self.error_of_fit("t.txt"))
         self.assertIn("t.txt:1: point 7 lies outside",

@@ -39,7 +39,8 @@ class MemoryTest(CliTest):
                          r"^espalier: box.ovm: level 15 would have more than 2147483647 entities")
         self.assertRegex(
             self.error_of("refine", "box.ovm", "-n", 7, "-o", "out.ovm", "--max-memory", "1GB"),
-            r"^espalier: box.ovm: level 7 takes some 2.\d GB of memory; the limit is 1.0 GB")
+            r"^espalier: box.ovm: level 7 takes some 2.\d GB of memory; the limit is 1.0 GB, of which "
+            r"\S+ MB are in use \(while refining\)\n$")
         self.assertFalse((self.path / "out.ovm").exists())
 
     def test_the_option_is_of_every_command_and_takes_units(self):
@@ -106,8 +107,16 @@ class MemoryTest(CliTest):
         points = self.points(1000)
         error = self.error_of("bind", points, "--rest", "box.ovm", "-n", 9, "--tolerance", 1,
                               "-o", "out.espb", "--max-memory", "200MB")
-        self.assertRegex(error, r"memory")
+        self.assertRegex(error, r"out of memory.*\bwhile binding\)?\n$")
         self.assertFalse((self.path / "out.espb").exists())
+
+    def test_comparing_is_stopped(self):
+        # Refining takes about 50 MB, comparing 155 MB.
+        self.lattice(cells=(4, 4, 4))
+        self.run_program("compare", "box.ovm", "-n", 4, "--max-memory", "400MB")
+        self.assertRegex(self.error_of("compare", "box.ovm", "-n", 4, "--max-memory", "80MB",
+                                       "--quiet"),
+                         r"^espalier: box.ovm: out of memory.*\bwhile comparing\)?\n$")
 
     def test_a_file_larger_than_memory_is_not_read(self):
         self.lattice()

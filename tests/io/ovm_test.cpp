@@ -129,6 +129,12 @@ TEST(Ovm, MarksThatAreNaNAreRefused) {
                 HasSubstr("value 1 of 'espalier:edge_sharpness', counted from 0, is NaN"));
 }
 
+TEST(Ovm, RefusesAttributesWhoseNamesAreKeptForMarks) {
+    EXPECT_THAT(refusal(kTetrahedron + "VProp double \"espalier:colour\"\n1\n2\n3\n4\n"),
+                StartsWith(": the attribute 'espalier:colour' has 1 components and is no known "
+                           "mark; names that begin with 'espalier:' are kept for marks"));
+}
+
 TEST(Ovm, RefusalsNameTheOffender) {
     EXPECT_THAT(refusal("OVM BINARY\n"), StartsWith(":1: is an OVM file of kind 'binary'; only"));
     EXPECT_THAT(refusal("solid\n"), StartsWith(":1: is not an OVM file: expected Vertices"));

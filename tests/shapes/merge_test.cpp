@@ -5,6 +5,7 @@
 #include <espalier/shapes/transform.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -116,6 +117,21 @@ TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
         other.positions[static_cast<std::size_t>(vertex)][0] = 0.5;
     const Lattice all[] = {box(), box({{1, 1, 1}, {1, 0, 0}, {2, 1, 1}}), other};
     EXPECT_EQ(causeOf([&] { merge(all); }), far::TopologyCause::CrowdedFace);
+    // The faces by their numbers in the lattices that have them, where x = 1.
+    const auto faceAtOne = [&](std::size_t number) {
+        const Lattice& lattice = all[number];
+        for (Index face = 0; face < lattice.complex.count(2); ++face) {
+            const auto vertices = lattice.complex.relation(2, 0)[face];
+            if (std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
+                    return lattice.positions[static_cast<std::size_t>(vertex)][0] == 1;
+                }))
+                return "face " + std::to_string(face) + " of lattice " + std::to_string(number);
+        }
+        return std::string("none");
+    };
+    EXPECT_EQ(errorOf([&] { merge(all); }), "merge: " + faceAtOne(0) + ", " + faceAtOne(1) + ", " +
+                                                faceAtOne(2) +
+                                                " would become one face of more than two cells");
 }
 
 TEST(Merge, refusesNothingAndMixedDimensions) {

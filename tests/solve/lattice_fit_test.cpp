@@ -17,7 +17,10 @@ namespace {
 
 using stencils::Rules;
 using stencils::StencilTable;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Property;
+using ::testing::Throws;
 using ::testing::ThrowsMessage;
 
 /// Points bound to a lattice at level 2.
@@ -210,11 +213,14 @@ TEST(LatticeFit, RefusesBadInputByName) {
             model.fit(misses, {.frozen = {0, 1, 2, 3, 4, 5, 6, 7}});
         },
         "all vertices are frozen");
-    expectRefused(
+    EXPECT_THAT([&] { model.fit(bad); }, Throws<TargetError>(Property(&TargetError::row, 1)));
+    EXPECT_THAT(
         [&] {
-            model.fit({{1e200, 0, 0}, {0, 0, 0}, {0, 1e200, 0}});
+            model.fit({{1e200, 0, 0}, {0, 0, 0}, {0, 1.1e200, 0}});
         },
-        "the targets are too far");
+        AllOf(Throws<TargetError>(Property(&TargetError::row, 2)),
+              ThrowsMessage<TargetError>(
+                  HasSubstr("the target of point 2 is too far from the point"))));
     const StencilTable<double> broken(8, {0, 1}, {0}, {std::numeric_limits<double>::infinity()});
     expectRefused([&] { fitLattice(broken, std::vector<Point3>(1), model.lattice.complex); },
                   "point 0 has a weight that is not finite");
