@@ -69,7 +69,7 @@ class Check(CliTest):
         self.write_pose(lambda x, y, z: (-1e80 * x, 1e80 * y, 1e80 * z))
         report = json.loads(self.run_program(
             "check", "pose.ovm", "--rest", "tiny.ovm", "-n", 1, "--report", "json", "-o",
-            "ratios.vtk", code=1).stdout)
+            "ratios.vtk", code=3).stdout)
         self.assertEqual(report["smallest_volume_ratio"]["volume_ratio"], -sys.float_info.max)
         self.assertNotIn("inf", (self.path / "ratios.vtk").read_text())
 

@@ -254,7 +254,7 @@ class RefineAndStencils(CliTest):
             "uv 2 8 double\n0 0 0 0 0 0 0 0 0 0 0 inf 0 0 0 0\n"
             "%1B[2Jbad 1 8 float\nnan 2 3 4 5 6 7 8\n")
         for quiet in ([], ["--quiet"]):
-            lines = self.run_program("refine", "b.vtk", "-n", 1, "-o", "r.vtu",
+            lines = self.run_program("refine", "b.vtk", "-n", 1, "-o", "r.vtk",
                                      *quiet).stderr.splitlines()
             self.assertEqual(len(lines), 3, lines)
             self.assertIn("b.vtk: the attribute 'heat' has 2 values that are not finite, the first "
