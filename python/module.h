@@ -21,8 +21,8 @@ void addValidity(py::module_& module);
 void addHolding(py::module_& module);
 void addLimits(py::module_& module);
 
-/// Lets no object of the classes of a module be used before it has a value, and pickle raise where it
-/// would end the interpreter. After all classes were added.
+/// Lets no object of the classes of a module be used before it has a value, and pickle raise where
+/// it would end the interpreter. After all classes were added.
 void protectClasses(const py::module_& module);
 
 /// Makes ValueError of Error, with the same text, in what this shared object throws.

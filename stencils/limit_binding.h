@@ -34,9 +34,10 @@ struct LimitOptions {
 /// cofactor matrix of F, tangents with F. Rows of gradients sum to 0. They are empty where that of
 /// the point is, or where the lattice at rest has no volume at the point.
 ///
-/// For an affine pose F is its matrix to some 1e-12, at any tolerance. For any other pose F is exact
-/// in regular cells of all levels, and at the features themselves, by the eigenvectors of their
-/// rings. Where it changes faster than points are rounded, near irregular edges, it is good to 1e-6.
+/// For an affine pose F is its matrix to some 1e-12, at any tolerance. For any other pose F is
+/// exact in regular cells of all levels, and at the features themselves, by the eigenvectors of
+/// their rings. Where it changes faster than points are rounded, near irregular edges, it is good
+/// to 1e-6.
 template <class Real>
 struct LimitTable {
     StencilTable<Real> points;  ///< D: points × base vertices
@@ -63,7 +64,8 @@ struct LimitTable {
 /// \param positions of its vertices, at rest
 /// \param progress called now and then with the number of points done, from any thread, or empty
 /// \throws Error as bindPoints(); for a cell, a face or a vertex of more than 1,000 faces or edges,
-///         around which the levels would take all memory; for a tolerance that is out of range; and under Rules::Rats
+///         around which the levels would take all memory; for a tolerance that is out of range; and
+///         under Rules::Rats
 /// \cost O(points · entries of D a point); near an irregular feature also its distance's logarithm,
 ///       some 0.2 ms a level. In parallel; the result does not depend on the number of threads
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (whose trilinear cells this goes past)

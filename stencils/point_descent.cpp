@@ -159,8 +159,7 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
     descent.tables.push_back(buildLevelTable(descent.refiner, level, rules_));
     descent.positions = applyLevelTable(descent.tables.back(), descent.positions);
 
-    CellBounds bounds(descent.refiner.level(level), descent.positions,
-                            base_.options().creasing);
+    CellBounds bounds(descent.refiner.level(level), descent.positions, base_.options().creasing);
     const auto mayHold = [&](const Bound& bound, const AffineHull& hull, Index point) {
         return !bound || (!(bound->box.exteriorDistance(at(points, point)) > descent.margin) &&
                           hull.contains(at(points, point)));

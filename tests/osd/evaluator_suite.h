@@ -344,7 +344,8 @@ TYPED_TEST_P(EvaluatorTest, LayoutsOfCornerValues) {
     const StencilTable<R> withoutRows(3, {0}, {}, {});
     const auto fits = [](const BufferDescriptor& layout, std::size_t size, Index entries) {
         if (layout.offset < 0 || layout.length < 1 || layout.stride < layout.length) return false;
-        if (layout.length > kIndexMax || static_cast<Wide>(layout.offset) > Wide{size}) return false;
+        if (layout.length > kIndexMax || static_cast<Wide>(layout.offset) > Wide{size})
+            return false;
         return entries == 0 ||
                Wide{layout.offset} + Wide{entries - 1} * layout.stride + layout.length <=
                    Wide{size};
