@@ -38,11 +38,12 @@ espalier_status espalier_lattice_fit(const espalier_table* deformation,
         const auto& complex = c::deref(lattice, "lattice").lattice.complex;
         c::checkCount(vertex_count, complex.count(0), "vertices of room for the result");
         c::array(displacements, vertex_count, "displacements", 3);
-        const auto wanted = c::positions(misses, target_count, "misses");
         const auto chosen = c::fitOptions(c::optionsOr(options, espalier_default_fit_options(),
                                                        sizeof(espalier_fit_options),
                                                        "espalier_default_fit_options"));
         const auto fit = c::withRows(table, target_count, rows, "targets", [&](const auto& some) {
+            // As many as there are rows, before they are read.
+            const auto wanted = c::positions(misses, some.rowCount(), "misses");
             return solve::fitLattice(some, wanted, complex, chosen);
         });
         std::memcpy(displacements, fit.displacements.data(),

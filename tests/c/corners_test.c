@@ -46,10 +46,12 @@ static const int64_t int64s[] = {INT64_MIN,
 static const double doubles[] = {NAN,     -INFINITY, INFINITY, -DBL_MAX, DBL_MAX, -1, -DBL_MIN, 0,
                                  DBL_MIN, 1e-300,    1e-14,    0.1,      1,       10, 1e300};
 
-static double positions[3 * BOX_VERTICES], values[3 * BOX_VERTICES];
-static float singles[3 * BOX_VERTICES], single_results[3 * BOX_VERTICES];
-static int32_t cells[8 * BOX_CELLS];
-static const double point[3] = {0.5, 0.5, 0.5};
+/* Counts that are right or nearly so are read before they are found to be wrong. */
+#define ROOM 4096
+static double positions[ROOM], values[ROOM];
+static float singles[ROOM], single_results[ROOM];
+static int32_t cells[ROOM];
+static const double point[ROOM] = {0.5, 0.5, 0.5};
 static espalier_lattice* lattice;
 static espalier_refiner* refiner;
 static espalier_binding* binding;
@@ -472,7 +474,7 @@ static void test_nested(void) {
 
 static void try_fit(int32_t targets, const int32_t* rows, const espalier_fit_options* options,
                     int32_t vertices) {
-    const double miss[3] = {0.1, 0, 0};
+    static const double miss[ROOM] = {0.1, 0, 0};
     took(
         espalier_lattice_fit(table, lattice, targets, rows, miss, options, vertices, values, NULL));
 }
@@ -575,7 +577,8 @@ static void evaluate_all(const buffers* b, const buffers* a) {
 }
 
 static void test_hold(void) {
-    int32_t held[BOX_VERTICES], count = 0;
+    static int32_t held[ROOM];
+    int32_t count = 0;
     const int32_t zero = 0;
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t n = int32s[i];
@@ -609,7 +612,7 @@ static void test_validity(void) {
     espalier_validity *own = NULL, *v = NULL;
     espalier_pose_validity result;
     espalier_largest_step step;
-    double ratios[8 * BOX_CELLS];
+    static double ratios[ROOM];
     int32_t base;
     espalier_validity_options options = espalier_default_validity_options();
     options.level = 1;
