@@ -9,8 +9,8 @@
 /// has no vertex twice, and cells of positive volume. The topology depends on the integer fields
 /// alone: two calls that differ in lengths and positions only give two poses of one lattice.
 ///
-/// What espalier.h says of errors, ownership and threads holds here, too. Each function that makes
-/// a lattice fails with ESPALIER_ERROR_INPUT, and names the first field out of range.
+/// The rules of espalier.h on errors, ownership and threads hold here, too. Each function that
+/// makes a lattice fails with ESPALIER_ERROR_INPUT, and names the first field out of range.
 
 #ifdef __cplusplus
 extern "C" {
@@ -25,7 +25,7 @@ ESPALIER_C_API espalier_status espalier_lattice_create_box(const int32_t cells[3
                                                            const double min[3], const double max[3],
                                                            espalier_lattice** lattice);
 
-/// What is in the middle of a disk (shapes/section.h).
+/// The cells in the middle of a disk (shapes/section.h).
 enum {
     ESPALIER_CORE_WEDGES = 0,  ///< a vertex, with triangles round it: wedges once swept
     ESPALIER_CORE_POLYGON = 1  ///< one face with as many sides as the disk: a prism once swept

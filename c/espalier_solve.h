@@ -8,7 +8,7 @@
 /// Lattices from wishes, from C (solve/): the displacements that carry points to targets, the
 /// vertices to freeze so that a part stays, and the poses that turn no cell inside out.
 ///
-/// What espalier.h says of errors, ownership and threads holds here, too.
+/// The rules of espalier.h on errors, ownership and threads hold here, too.
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,14 +16,14 @@ extern "C" {
 
 // ---- Fitting --------------------------------------------------------------------------------
 
-/// What is asked of displacements besides that they reach the targets (solve/lattice_fit.h).
+/// Further wishes for displacements, besides that they reach the targets (solve/lattice_fit.h).
 enum {
     ESPALIER_SMOOTHING_NONE = 0,
     ESPALIER_SMOOTHING_TIKHONOV = 1,  ///< that they are small
     ESPALIER_SMOOTHING_LAPLACIAN = 2  ///< that each is like those of the neighbours
 };
 
-/// What is done where the targets leave some displacements open.
+/// The rule for displacements that the targets leave open.
 enum {
     ESPALIER_UNDETERMINED_SMALLEST = 0,  ///< of all that fit as well, the smallest
     ESPALIER_UNDETERMINED_REFUSE = 1
@@ -138,7 +138,7 @@ ESPALIER_C_API espalier_status espalier_hold_rows(const espalier_table* deformat
 
 // ---- Validity -------------------------------------------------------------------------------
 
-/// What is checked. Begin with espalier_default_validity_options(), as with those of espalier.h.
+/// Options of a check. Begin with espalier_default_validity_options(), as with those of espalier.h.
 typedef struct espalier_validity_options {
     size_t size;       ///< of this struct: sizeof(espalier_validity_options)
     int32_t level;     ///< 1 or more; default 3: whose cells are checked; of the limit, how far
@@ -187,7 +187,7 @@ ESPALIER_C_API espalier_status espalier_validity_bad_at_rest(const espalier_vali
 ESPALIER_C_API espalier_status espalier_validity_base_cell(const espalier_validity* validity,
                                                            int32_t cell, int32_t* base_cell);
 
-/// What a pose does to the cells.
+/// The result of a check: how a pose changes the cells.
 typedef struct espalier_pose_validity {
     int32_t inverted_count;  ///< cells that the pose turns inside out, wholly or in part
     int32_t smallest_cell;   ///< the lowest cell of the smallest ratio; −1 if no cell has a ratio

@@ -61,7 +61,7 @@ nlohmann::json toJson(const LatticeReport& report, const std::string& name) {
             {"levels", levels}};
 }
 
-/// Of a ring that is too large to be looked at.
+/// The line of a ring that is too large for its eigenvalues.
 std::string noteOf(const Smoothness& entry) {
     return fmt::format(
         "ring of {} points: eigenvalues are not computed beyond {}, nor in cells of more vertices",

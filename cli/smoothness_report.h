@@ -16,8 +16,7 @@ struct Smoothness {
     far::Entity entity;  ///< of level 0: a vertex or an edge
     int stratum;
     far::Index ringPoints;  ///< points of the ring, the point itself among them
-    /// Whether the ring was looked at: rings of more than kMaxRingPoints are left out, and have no
-    /// eigenvalues and no mask.
+    /// False for rings of more than kMaxRingPoints: they have no eigenvalues and no mask here.
     bool isKnown = false;
     /// Of the matrix from ring to ring, without the first one, 1; by descending modulus, six at
     /// most. Where the lattice is regular inside they are 1/2 three times, then 1/4.

@@ -64,7 +64,7 @@ std::vector<std::filesystem::path> outputPaths(const Options& options) {
     return paths;
 }
 
-/// What D weighs: "D at level 3".
+/// The name of D in comments of files: "D at level 3".
 std::string nameOfD(const BindOptions& bind) {
     if (bind.basis == Basis::Bezier) return "D of the Bézier volume";
     if (bind.basis == Basis::BSpline) return "D of the uniform cubic B-splines";

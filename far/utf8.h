@@ -19,7 +19,7 @@ struct CodePoint {
 /// Decodes the first code point of a text that is not empty (Unicode 15, table 3-7).
 ESPALIER_API CodePoint firstCodePoint(std::string_view text);
 
-/// Whether a byte is the second, third or fourth of a code point.
+/// True for the second, third and fourth byte of a code point.
 inline bool isContinuation(char byte) {
     return (static_cast<unsigned char>(byte) & 0xC0) == 0x80;
 }

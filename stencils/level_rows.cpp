@@ -15,11 +15,6 @@
 namespace espalier::stencils {
 namespace {
 
-Index placeIn(std::span<const Index> ascending, Index value) {
-    return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
-                              ascending.begin());
-}
-
 /// A table over some of its columns, which hold all of its entries.
 /// \param columns ascending
 StencilTable<double> overColumns(const StencilTable<double>& table,

@@ -23,7 +23,7 @@ struct LimitOptions {
     double tolerance = kLimitTolerance;
 
     /// Whether to make LimitTable::gradients. Points are then placed with a tolerance of 1e-12 at
-    /// most, whatever `tolerance` is: at irregular features that takes twice the time of 1e-6.
+    /// most, whatever `tolerance` is: at irregular features that takes more levels.
     bool gradients = false;
 };
 

@@ -75,11 +75,6 @@ double spreadOf(const StencilTable<double>& rows, Index a, Index b) {
     return sum / 2;
 }
 
-Index placeIn(const std::vector<Index>& ascending, Index value) {
-    return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
-                              ascending.begin());
-}
-
 /// The factor of a corner of the unit interval in a derivative of the blend along it.
 double blendFactor(std::size_t bit, double at, int order) {
     if (order == 0) return bit != 0 ? at : 1 - at;

@@ -4,6 +4,7 @@
 #include <espalier/far/index.h>
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 namespace espalier::stencils {
@@ -12,6 +13,12 @@ namespace espalier::stencils {
 inline void sortUnique(std::vector<far::Index>& numbers) {
     std::sort(numbers.begin(), numbers.end());
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+/// Where a value is among ascending ones, which hold it.
+inline far::Index placeIn(std::span<const far::Index> ascending, far::Index value) {
+    return static_cast<far::Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
+                                   ascending.begin());
 }
 
 }  // namespace espalier::stencils

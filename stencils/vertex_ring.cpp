@@ -24,11 +24,6 @@ std::vector<far::Entity> entitiesAt(const far::CellComplex& complex, Index verte
     return entities;
 }
 
-Index placeIn(const std::vector<Index>& ascending, Index value) {
-    return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), value) -
-                              ascending.begin());
-}
-
 bool hasSemiSharp(const far::Level& level, Index vertex) {
     const auto edges = level.complex.relation(0, 1)[vertex];
     return far::isSemiSharp(level.strata.sharpness({0, vertex})) ||

@@ -61,7 +61,7 @@ ESPALIER_API VertexRing ringOf(const far::Level& level, const far::RefinerOption
 /// \cost O(entries of M), some hundred times
 ESPALIER_API Eigen::VectorXd limitMask(const VertexRing& ring);
 
-/// Rings of more points are refused by eigenvalues(): 2,000 take half a minute.
+/// Rings of more points are refused by eigenvalues(), whose time grows with their cube.
 inline constexpr Index kMaxEigenvalues = 2000;
 
 /// The eigenvalues of M by descending modulus; the first is 1.
