@@ -161,12 +161,12 @@ private:
     }
 
     void placeCell(const PlacedCell& placed, const GridPoint& low) {
-        isPlaced_[static_cast<std::size_t>(placed.cell.value)] = 1;
+        isPlaced_[placed.cell.value] = 1;
         for (std::size_t i = 0; i < 8; ++i) {
             GridPoint point = low;
             for (std::size_t axis = 0; axis < 3; ++axis)
                 if (i & kAxisBits[axis]) ++point[axis];
-            auto& known = points_[static_cast<std::size_t>(placed.corners[i])];
+            auto& known = points_[placed.corners[i]];
             if (known && *known != point)
                 refuse(VertexId(placed.corners[i]), "vertex " + std::to_string(placed.corners[i]) +
                                                         " would be both at " + inBrackets(*known) +
@@ -186,7 +186,7 @@ private:
 
     void checkCells() const {
         for (Index cell = 0; cell < complex_.count(3); ++cell)
-            if (!isPlaced_[static_cast<std::size_t>(cell)])
+            if (!isPlaced_[cell])
                 refuse(CellId(cell), "cell " + std::to_string(cell) + " is not one of the " +
                                          sizes() + " from vertex " +
                                          std::to_string(first_.corners[0]) + " on");
@@ -197,7 +197,7 @@ private:
     void placeVertices() {
         std::vector<std::optional<Index>> vertices(grid_.indexOf(grid_.cells) + 1);
         for (Index vertex = 0; vertex < complex_.count(0); ++vertex) {
-            const auto& point = points_[static_cast<std::size_t>(vertex)];
+            const auto& point = points_[vertex];
             if (!point)
                 refuse(VertexId(vertex), "vertex " + std::to_string(vertex) + " is in no cell");
             auto& there = vertices[grid_.indexOf(*point)];
@@ -218,7 +218,7 @@ private:
             GridPoint low = grid_.cells, high = {};
             for (const Index vertex : complex_.relation(2, 0)[face])
                 for (std::size_t axis = 0; axis < 3; ++axis) {
-                    const Index at = (*points_[static_cast<std::size_t>(vertex)])[axis];
+                    const Index at = (*points_[vertex])[axis];
                     low[axis] = std::min(low[axis], at);
                     high[axis] = std::max(high[axis], at);
                 }

@@ -79,7 +79,7 @@ Index CellComplex::eulerCharacteristic() const {
 
 const SignedIncidence& CellComplex::boundary(int dimension) const {
     assert(dimension >= 1 && dimension <= kMaxDimension);
-    return data_->boundaries[static_cast<std::size_t>(dimension) - 1];
+    return data_->boundaries[dimension - 1];
 }
 
 namespace {
@@ -127,8 +127,7 @@ Incidence deriveRelation(const CellComplex& complex, int from, int to) {
 const Incidence& CellComplex::relation(int from, int to) const {
     assert(0 <= from && from <= data_->dimension && 0 <= to && to <= data_->dimension);
     if (from == to + 1) return boundary(from).unsignedRows();
-    return data_->derived[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)].get(
-        [&] { return deriveRelation(*this, from, to); });
+    return data_->derived[from][to].get([&] { return deriveRelation(*this, from, to); });
 }
 
 }  // namespace espalier::far

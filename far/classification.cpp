@@ -11,15 +11,11 @@
 namespace espalier::far {
 namespace {
 
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
 /// A number for every entity of a complex.
 Strata::ByEntity filled(const CellComplex& complex, int value) {
     Strata::ByEntity values;
     for (int d = 0; d <= complex.dimension(); ++d)
-        values[at(d)].assign(at(complex.count(d)), static_cast<std::uint8_t>(value));
+        values[d].assign(complex.count(d), static_cast<std::uint8_t>(value));
     return values;
 }
 
@@ -27,7 +23,7 @@ Strata::ByEntity filled(const CellComplex& complex, int value) {
 void setClosure(const CellComplex& complex, Entity entity, int value, Strata::ByEntity& values) {
     for (int d = 0; d <= entity.dimension; ++d)
         for (const Index part : complex.relation(entity.dimension, d)[entity.index])
-            values[at(d)][at(part)] = static_cast<std::uint8_t>(value);
+            values[d][part] = static_cast<std::uint8_t>(value);
 }
 
 /// The strata without sharpness: all of the complex's own dimension, but for the boundary faces of
@@ -46,7 +42,7 @@ Strata::ByEntity classifyOpen(const CellComplex& complex, const SharpnessValues&
     const int side = complex.dimension() - 1;
     const auto isSharp = [&](Index index) {
         if (side == 2) return false;
-        return (side == 1 ? sharpness.edges : sharpness.vertices)[at(index)] == kInfinitelySharp;
+        return (side == 1 ? sharpness.edges : sharpness.vertices)[index] == kInfinitelySharp;
     };
     for (Index index = 0; index < complex.count(side); ++index) {
         const auto wholes = complex.relation(side, side + 1)[index].size();
@@ -59,17 +55,17 @@ Strata::ByEntity classifyOpen(const CellComplex& complex, const SharpnessValues&
         for (Index index = 0; index < complex.count(d); ++index) {
             const auto vertices = complex.relation(d, 0)[index];
             if (std::all_of(vertices.begin(), vertices.end(),
-                            [&](Index vertex) { return isOpen[0][at(vertex)] != 0; }))
-                isOpen[at(d)][at(index)] = 1;
+                            [&](Index vertex) { return isOpen[0][vertex] != 0; }))
+                isOpen[d][index] = 1;
         }
     return isOpen;
 }
 
 SharpnessValues markedSharpness(const CellComplex& complex, const MarkedSharpness& marked) {
-    SharpnessValues sharpness{std::vector<float>(at(complex.count(0)), kSmooth),
-                              std::vector<float>(at(complex.count(1)), kSmooth)};
-    for (const auto& [edge, value] : marked.edges) sharpness.edges[at(edge)] = value;
-    for (const auto& [vertex, value] : marked.vertices) sharpness.vertices[at(vertex)] = value;
+    SharpnessValues sharpness{std::vector<float>(complex.count(0), kSmooth),
+                              std::vector<float>(complex.count(1), kSmooth)};
+    for (const auto& [edge, value] : marked.edges) sharpness.edges[edge] = value;
+    for (const auto& [vertex, value] : marked.vertices) sharpness.vertices[vertex] = value;
     return sharpness;
 }
 
@@ -90,8 +86,7 @@ void force(const MarkedSharpness& marked, Entity entity, const std::string& why,
         throw TopologyError(TopologyCause::BadMark, entity,
                             std::string(dimensionName(entity.dimension)) + " " +
                                 std::to_string(entity.index) + " is marked smooth, but " + why);
-    (entity.dimension == 0 ? sharpness.vertices : sharpness.edges)[at(entity.index)] =
-        kInfinitelySharp;
+    (entity.dimension == 0 ? sharpness.vertices : sharpness.edges)[entity.index] = kInfinitelySharp;
 }
 
 void sharpenEdges(const CellComplex& complex, const SurfaceFans& fans, Boundary boundary,
@@ -109,7 +104,7 @@ void sharpenEdges(const CellComplex& complex, const SurfaceFans& fans, Boundary 
                   sharpness);
         } else if (complex.dimension() == 3 && boundary != Boundary::Open &&
                    marked.edges.count(edge) == 0 && isSharpByRule(complex, rule, edge)) {
-            sharpness.edges[at(edge)] = kInfinitelySharp;
+            sharpness.edges[edge] = kInfinitelySharp;
         }
     }
 }
@@ -121,14 +116,14 @@ void sharpenVertices(const CellComplex& complex, const SurfaceFans& fans, Bounda
         const bool isAlone = complex.relation(0, dimension)[vertex].size() == 1;
         const SurfaceFans::VertexKind kind = fans.vertex(vertex);
         if (kind == SurfaceFans::VertexKind::None && dimension == 2)
-            sharpness.vertices[at(vertex)] = kInfinitelySharp;
+            sharpness.vertices[vertex] = kInfinitelySharp;
         else if (kind == SurfaceFans::VertexKind::NonManifold)
             force(marked, {0, vertex}, "its surface faces do not form one fan", sharpness);
         else if (isAlone && boundary == Boundary::Sharp && dimension == 2)
             force(marked, {0, vertex},
                   "it belongs to one face, and the corners of the boundary are sharp", sharpness);
         else if (isAlone && boundary == Boundary::Sharp && marked.vertices.count(vertex) == 0)
-            sharpness.vertices[at(vertex)] = kInfinitelySharp;
+            sharpness.vertices[vertex] = kInfinitelySharp;
     }
 }
 
@@ -163,14 +158,14 @@ Strata refineStrata(const CellComplex& parent, const Strata& strata, const Refin
                     Boundary boundary, Creasing creasing) {
     const CellComplex& child = refinement.child();
     Strata::ByEntity smooth = refinement.inherit(strata.smoothStrata()), isOpen;
-    SharpnessValues sharpness{std::vector<float>(at(child.count(0)), kSmooth),
-                              std::vector<float>(at(child.count(1)), kSmooth)};
+    SharpnessValues sharpness{std::vector<float>(child.count(0), kSmooth),
+                              std::vector<float>(child.count(1), kSmooth)};
     refinement.forEachChild(0, 0, [&](Entity entity, const Interval& interval) {
-        sharpness.vertices[at(entity.index)] = subdivideSharpness(strata.sharpness(interval.upper));
+        sharpness.vertices[entity.index] = subdivideSharpness(strata.sharpness(interval.upper));
     });
     refinement.forEachChild(0, 1, [&](Entity entity, const Interval& interval) {
         if (strata.sharpness(interval.upper) > kSmooth)
-            sharpness.edges[at(entity.index)] =
+            sharpness.edges[entity.index] =
                 childSharpness(parent, strata, creasing, interval.upper, interval.lower.index);
     });
     if (boundary == Boundary::Open) isOpen = classifyOpen(child, sharpness);

@@ -70,7 +70,7 @@ Index ComplexBuilder::addCell(StandardCell cell, std::span<const Index> vertices
                                 std::to_string(vertexCount(cell)));
     std::vector<std::vector<Index>> loops = faceLoops(cell);
     for (auto& loop : loops)
-        for (Index& vertex : loop) vertex = vertices[static_cast<std::size_t>(vertex)];
+        for (Index& vertex : loop) vertex = vertices[vertex];
     return addCell(loops);
 }
 
@@ -110,8 +110,7 @@ Classes classify(std::size_t count, Less less) {
     std::vector<Index> first(count);
     for (std::size_t i = 0; i < count; ++i) {
         const bool opens = i == 0 || less(order[i - 1], order[i]);
-        first[static_cast<std::size_t>(order[i])] =
-            opens ? order[i] : first[static_cast<std::size_t>(order[i - 1])];
+        first[order[i]] = opens ? order[i] : first[order[i - 1]];
     }
     Classes classes;
     classes.classOf.resize(count);
@@ -159,34 +158,30 @@ struct Steps {
             for (std::size_t i = 0; i < sorted.size(); ++i) {
                 const auto& [low, high, step] = sorted[i];
                 if (low == high || (i > 0 && sorted[i - 1][0] == low && sorted[i - 1][1] == high))
-                    repeats[static_cast<std::size_t>(step)] = step + 1;
+                    repeats[step] = step + 1;
             }
         }
         const auto key = [&](Index step) {
-            const auto [low, high] = std::minmax(at(step)[0], at(step)[1]);
-            return std::array{low, high, repeats[static_cast<std::size_t>(step)]};
+            const auto [low, high] = std::minmax(ends[step][0], ends[step][1]);
+            return std::array{low, high, repeats[step]};
         };
         edges = classify(ends.size(), [&](Index a, Index b) { return key(a) < key(b); });
     }
 
-    const std::array<Index, 2>& at(Index step) const {
-        return ends[static_cast<std::size_t>(step)];
-    }
-    Index edge(Offset step) const { return edges.classOf[static_cast<std::size_t>(step)]; }
+    Index edge(Offset step) const { return edges.classOf[step]; }
 
     /// +1 if the step runs along its edge, from tail to head.
     std::int8_t sign(Offset step) const {
-        const auto leader = edges.representative[static_cast<std::size_t>(edge(step))];
-        return ends[static_cast<std::size_t>(step)] == at(leader) ? std::int8_t{1}
-                                                                  : std::int8_t{-1};
+        const auto leader = edges.representative[edge(step)];
+        return ends[step] == ends[leader] ? std::int8_t{1} : std::int8_t{-1};
     }
 
     /// Edge → (tail, head): the direction of its first step.
     SignedIncidence edgeEnds() const {
         Rows<Signed> rows;
         for (const Index step : edges.representative) {
-            rows.values.push_back({at(step)[0], -1});
-            rows.values.push_back({at(step)[1], +1});
+            rows.values.push_back({ends[step][0], -1});
+            rows.values.push_back({ends[step][1], +1});
             rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
         }
         return SignedIncidence(rows);
@@ -213,8 +208,8 @@ public:
     explicit LoopOrientation(std::size_t loopCount) : links_(loopCount) {}
 
     void tie(Index a, Index b, bool sameTurn) {
-        links_[static_cast<std::size_t>(a)].push_back({b, sameTurn});
-        links_[static_cast<std::size_t>(b)].push_back({a, sameTurn});
+        links_[a].push_back({b, sameTurn});
+        links_[b].push_back({a, sameTurn});
     }
 
     /// Per loop: −1 if it is to be turned, else +1.
@@ -260,9 +255,9 @@ CellComplex latticeOf(Index vertexCount, const Incidence& loops,
                                                 canonical[b].begin(), canonical[b].end());
         });
     const Steps steps(loops);
-    const auto faceOf = [&](Offset loop) { return faces.classOf[static_cast<std::size_t>(loop)]; };
+    const auto faceOf = [&](Offset loop) { return faces.classOf[loop]; };
     const auto directionInFace = [&](Offset loop) {
-        const Index leader = faces.representative[static_cast<std::size_t>(faceOf(loop))];
+        const Index leader = faces.representative[faceOf(loop)];
         return relativeDirection(loops[static_cast<Index>(loop)], loops[leader]);
     };
 
@@ -289,7 +284,7 @@ CellComplex latticeOf(Index vertexCount, const Incidence& loops,
                                 sides[i].sign != sides[i + 1].sign);
     }
     for (Index loop = 0; loop < loops.rowCount(); ++loop) {
-        const Index leader = faces.representative[static_cast<std::size_t>(faceOf(loop))];
+        const Index leader = faces.representative[faceOf(loop)];
         if (leader != loop) orientation.tie(leader, loop, directionInFace(loop) < 0);
     }
     const std::vector<int> turn = orientation.solve();
@@ -298,8 +293,7 @@ CellComplex latticeOf(Index vertexCount, const Incidence& loops,
     for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
         for (Offset loop = cellOffsets[cell]; loop < cellOffsets[cell + 1]; ++loop)
             cellFaces.values.push_back(
-                {faceOf(loop), static_cast<std::int8_t>(turn[static_cast<std::size_t>(loop)] *
-                                                        directionInFace(loop))});
+                {faceOf(loop), static_cast<std::int8_t>(turn[loop] * directionInFace(loop))});
         cellFaces.offsets.push_back(static_cast<Offset>(cellFaces.values.size()));
     }
     return CellComplex(3, vertexCount,

@@ -67,7 +67,7 @@ std::optional<Fading> fadingOfVertex(const CellComplex& complex, const Strata& s
         if (subdivideEdgeSharpness(creasing, around[i], around) == kSmooth)
             fade(around[i]);
         else if (sharpCount++ < 2)
-            staySharp[static_cast<std::size_t>(sharpCount) - 1] = edges[i];
+            staySharp[sharpCount - 1] = edges[i];
     }
     fading.next = ownChild > kSmooth || sharpCount > 2 ? 0
                   : sharpCount == 2                    ? 1

@@ -20,15 +20,14 @@ Index Incidence::rowOf(Offset position) const {
 Incidence Incidence::transposed(Index columnCount) const {
     Rows<Index> result;
     result.offsets.assign(static_cast<std::size_t>(columnCount) + 1, 0);
-    for (const Index column : rows_.values) ++result.offsets[static_cast<std::size_t>(column) + 1];
+    for (const Index column : rows_.values) ++result.offsets[column + 1];
     for (std::size_t column = 1; column < result.offsets.size(); ++column)
         result.offsets[column] += result.offsets[column - 1];
 
     result.values.resize(rows_.values.size());
     std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
     for (Index row = 0; row < rowCount(); ++row)
-        for (const Index column : (*this)[row])
-            result.values[static_cast<std::size_t>(next[static_cast<std::size_t>(column)]++)] = row;
+        for (const Index column : (*this)[row]) result.values[next[column]++] = row;
     return Incidence(std::move(result));
 }
 

@@ -36,8 +36,7 @@ double LevelSize::bytes() const {
 
 LevelSize levelSize(const CellComplex& complex, int levels) {
     LevelSize size;
-    for (int d = 0; d <= complex.dimension(); ++d)
-        size.counts[static_cast<std::size_t>(d)] = complex.count(d);
+    for (int d = 0; d <= complex.dimension(); ++d) size.counts[d] = complex.count(d);
     size.faceEdges = pairCount(complex, 2, 1);
     size.cellFaces = pairCount(complex, 3, 2);
     size.cellEdges = pairCount(complex, 3, 1);

@@ -28,9 +28,9 @@ LoopContext& loopContext() {
 namespace {
 
 /// A loop of several ranges, while it runs.
-class Loop {
+class ParallelLoop {
 public:
-    Loop(Offset count, Offset grain, FunctionRef<void(Offset, Offset)> body)
+    ParallelLoop(Offset count, Offset grain, FunctionRef<void(Offset, Offset)> body)
         : count_(count),
           grain_(grain),
           rangeCount_((count + grain - 1) / grain),
@@ -40,11 +40,11 @@ public:
           failedRange_(rangeCount_) {
         if (isStage_) outer_.progress->beginStage(count);
     }
-    ~Loop() {
+    ~ParallelLoop() {
         if (isStage_) outer_.progress->endStage();
     }
-    Loop(const Loop&) = delete;
-    Loop& operator=(const Loop&) = delete;
+    ParallelLoop(const ParallelLoop&) = delete;
+    ParallelLoop& operator=(const ParallelLoop&) = delete;
 
     Offset rangeCount() const { return rangeCount_; }
 
@@ -89,7 +89,7 @@ private:
 /// Ranges are taken in ascending order, whatever the order of the calls.
 class SharedRanges {
 public:
-    explicit SharedRanges(Loop& loop) : loop_(loop) {}
+    explicit SharedRanges(ParallelLoop& loop) : loop_(loop) {}
 
     void runNext() {
         const Offset range = next_.fetch_add(1, std::memory_order_relaxed);
@@ -102,11 +102,11 @@ public:
     }
 
 private:
-    Loop& loop_;
+    ParallelLoop& loop_;
     std::atomic<Offset> next_ = 0;
 };
 
-void runOn(Executor& executor, Loop& loop) {
+void runOn(Executor& executor, ParallelLoop& loop) {
     SharedRanges ranges(loop);
     // A thread that waits for another loop may hold a lock that this one wants.
     const auto task = [&](Offset) {
@@ -123,7 +123,7 @@ void runOn(Executor& executor, Loop& loop) {
 }
 
 #ifdef ESPALIER_WITH_TBB
-void runInArena(Loop& loop) {
+void runInArena(ParallelLoop& loop) {
     // Isolated: the caller may hold a lock that other work of the arena wants.
     tbb::this_task_arena::isolate([&] {
         // Of its own: a loop that ended when a group of the host's is cancelled would leave ranges
@@ -134,7 +134,7 @@ void runInArena(Loop& loop) {
     });
 }
 #else
-void runInArena(Loop& loop) {
+void runInArena(ParallelLoop& loop) {
     for (Offset range = 0; range < loop.rangeCount(); ++range) loop.runRange(range);
 }
 #endif
@@ -150,7 +150,7 @@ void parallelFor(Offset count, Offset grain, FunctionRef<void(Offset, Offset)> b
         if (context.progress != nullptr) context.progress->report();
         return;
     }
-    Loop loop(count, grain, body);
+    ParallelLoop loop(count, grain, body);
     if (context.executor != nullptr)
         runOn(*context.executor, loop);
     else

@@ -80,7 +80,7 @@ SignedIncidence join(const std::vector<SignedRows>& chunks) {
 Refinement::Refinement(const CellComplex& parent, const Kept* kept)
     : parent_(parent), dimension_(parent.dimension()) {
     numberChildren(kept);
-    if (childCounts_[static_cast<std::size_t>(dimension_)] == 0)
+    if (childCounts_[dimension_] == 0)
         throw TopologyError(TopologyCause::EmptyComplex, {dimension_, 0},
                             std::string("refined without boundary control, the complex has no ") +
                                 dimensionName(dimension_) + " left: it has no interior vertex");
@@ -103,12 +103,9 @@ void Refinement::numberChildren(const Kept* kept) {
     for (int d = 0; d <= dimension_; ++d) {
         Offset count = 0;
         for (int lower = 0; lower + d <= dimension_; ++lower) {
-            Family& family =
-                families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(lower + d)];
+            Family& family = families_[lower][lower + d];
             family.parts = &parent_.relation(lower + d, lower);
-            if (kept != nullptr)
-                family.drop(kept->lower[static_cast<std::size_t>(lower)],
-                            kept->upper[static_cast<std::size_t>(lower + d)]);
+            if (kept != nullptr) family.drop(kept->lower[lower], kept->upper[lower + d]);
             const Offset familyCount = family.isWhole ? std::ssize(family.parts->values())
                                                       : std::ssize(family.entryOfChild);
             // Numbered before they are made.
@@ -120,7 +117,7 @@ void Refinement::numberChildren(const Kept* kept) {
             family.childCount = static_cast<Index>(familyCount);
             count += familyCount;
         }
-        childCounts_[static_cast<std::size_t>(d)] = static_cast<Index>(count);
+        childCounts_[d] = static_cast<Index>(count);
     }
 }
 
@@ -137,10 +134,10 @@ void Refinement::Family::drop(const std::vector<std::uint8_t>& lower,
     const auto entryCount = parts->values().size();
     childOfEntry.assign(entryCount, kMaxIndex);
     for (Index row = 0; row < parts->rowCount(); ++row) {
-        if (upper[static_cast<std::size_t>(row)] == 0) continue;
+        if (upper[row] == 0) continue;
         for (Offset entry = parts->offset(row); entry < parts->offset(row + 1); ++entry) {
-            if (lower[static_cast<std::size_t>(part(entry))] == 0) continue;
-            childOfEntry[static_cast<std::size_t>(entry)] = static_cast<Index>(entryOfChild.size());
+            if (lower[part(entry)] == 0) continue;
+            childOfEntry[entry] = static_cast<Index>(entryOfChild.size());
             entryOfChild.push_back(entry);
         }
     }
@@ -163,7 +160,7 @@ SignedIncidence Refinement::childEdges() const {
                     if (!f.isKept(entry)) continue;
                     Index tail = pointOf({upper - 1, f.part(entry)});
                     Index head = pointOf({upper, whole});
-                    if (sides[static_cast<std::size_t>(entry)] > 0) std::swap(tail, head);
+                    if (sides[entry] > 0) std::swap(tail, head);
                     const std::size_t at = 2 * static_cast<std::size_t>(f.child(entry));
                     ends[at] = tail;
                     ends[at + 1] = head;
@@ -191,8 +188,8 @@ void Refinement::addCorners(Quadrilaterals& quadrilaterals) const {
             for (Offset at = begin; at < end; ++at) {
                 if (!corners.isKept(at)) continue;
                 const Offset before = at == begin ? end - 1 : at - 1;
-                const std::int8_t leaving = signs[static_cast<std::size_t>(at)];
-                const std::int8_t entering = signs[static_cast<std::size_t>(before)];
+                const std::int8_t leaving = signs[at];
+                const std::int8_t entering = signs[before];
                 // The vertex is the tail of the edge that it leaves along, if that runs its way.
                 const Offset tail = ends.parts->offset(sides.part(at)) + (leaving > 0 ? 0 : 1);
                 const Offset head = ends.parts->offset(sides.part(before)) + (entering > 0 ? 1 : 0);
@@ -218,7 +215,7 @@ SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
     const Index cellCount = parent_.count(3);
     std::vector<SignedRows> chunks(static_cast<std::size_t>((cellCount + kGrain - 1) / kGrain));
     parallelFor(cellCount, kGrain, [&](Offset firstCell, Offset lastCell) {
-        SignedRows& chunk = chunks[static_cast<std::size_t>(firstCell / kGrain)];
+        SignedRows& chunk = chunks[firstCell / kGrain];
         CellCorners cell(parent_);
         for (Offset index = firstCell; index < lastCell; ++index) {
             cell.visit(static_cast<Index>(index));
@@ -258,7 +255,7 @@ Interval Refinement::parentOf(Entity child) const {
     while (!isIn(family(lower, lower + child.dimension))) ++lower;
     const Family& f = family(lower, lower + child.dimension);
     const auto at = child.index - f.firstChild;
-    const Offset entry = f.isWhole ? Offset{at} : f.entryOfChild[static_cast<std::size_t>(at)];
+    const Offset entry = f.isWhole ? Offset{at} : f.entryOfChild[at];
     return {{lower, f.part(entry)}, {lower + child.dimension, f.parts->rowOf(entry)}};
 }
 

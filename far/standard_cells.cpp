@@ -6,9 +6,9 @@
 
 namespace espalier::far {
 
-using Loop = std::vector<Index>;
-
 namespace {
+
+using Loop = std::vector<Index>;
 
 /// The vertex that follows b in the loop that steps from a to b.
 std::optional<Index> follower(const std::vector<Loop>& loops, Index a, Index b) {
@@ -56,9 +56,7 @@ public:
     }
 
 private:
-    std::optional<Index>& at(Index position) {
-        return vertexAt_[static_cast<std::size_t>(position)];
-    }
+    std::optional<Index>& at(Index position) { return vertexAt_[position]; }
 
     /// Goes on from two known positions of a loop to the third.
     bool step() {
@@ -85,7 +83,7 @@ private:
         std::sort(sorted.begin(), sorted.end());
         if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) return false;
         return std::all_of(pattern_.begin(), pattern_.end(), [&](Loop loop) {
-            for (Index& vertex : loop) vertex = vertices[static_cast<std::size_t>(vertex)];
+            for (Index& vertex : loop) vertex = vertices[vertex];
             return std::any_of(loops_.begin(), loops_.end(),
                                [&](const Loop& other) { return isRotation(loop, other); });
         });
@@ -99,21 +97,21 @@ private:
 using Quadrilateral = std::array<Index, 4>;
 
 /// A quadrilateral that stands on an edge of another one, its base.
-struct Side {
+struct BaseSide {
     std::size_t edge = 0;   ///< from corner `edge` of the base to the next
     Index aboveFirst = 0;   ///< what is above the one
     Index aboveSecond = 0;  ///< and above the other
 };
 
 /// The first edge of the base that a face has, if any: in either direction.
-std::optional<Side> sideOn(const Quadrilateral& base, std::span<const Index> face) {
+std::optional<BaseSide> sideOn(const Quadrilateral& base, std::span<const Index> face) {
     for (std::size_t edge = 0; edge < 4; ++edge)
         for (std::size_t i = 0; i < 4; ++i) {
             if (face[i] != base[edge]) continue;
             const Index after = face[(i + 1) % 4], across = face[(i + 2) % 4],
                         before = face[(i + 3) % 4];
-            if (after == base[(edge + 1) % 4]) return Side{edge, before, across};
-            if (before == base[(edge + 1) % 4]) return Side{edge, after, across};
+            if (after == base[(edge + 1) % 4]) return BaseSide{edge, before, across};
+            if (before == base[(edge + 1) % 4]) return BaseSide{edge, after, across};
         }
     return std::nullopt;
 }
@@ -134,10 +132,10 @@ const std::vector<std::vector<Index>>& faceLoops(StandardCell cell) {
     return kLoops[static_cast<std::size_t>(cell)];
 }
 
-std::vector<Loop> outwardLoops(const CellComplex& complex, CellId cell) {
+std::vector<std::vector<Index>> outwardLoops(const CellComplex& complex, CellId cell) {
     const auto faces = complex.relation(3, 2)[cell.value];
     const auto signs = complex.boundary(3).signs(cell.value);
-    std::vector<Loop> loops;
+    std::vector<std::vector<Index>> loops;
     loops.reserve(faces.size());
     for (std::size_t i = 0; i < faces.size(); ++i) {
         const auto loop = complex.relation(2, 0)[faces[i]];
@@ -174,7 +172,7 @@ std::optional<std::array<Index, 8>> hexahedronVertices(const CellComplex& comple
     // From inside, the loop must run anticlockwise.
     if (complex.boundary(3).signs(cell.value)[0] > 0) std::swap(base[1], base[3]);
     // Of the five other faces one stands on each edge of the base, and one on none.
-    std::array<std::optional<Side>, 4> sides;
+    std::array<std::optional<BaseSide>, 4> sides;
     std::optional<Index> opposite;
     for (const Index face : faces.subspan(1)) {
         const auto side = sideOn(base, loops[face]);

@@ -21,7 +21,7 @@ ByEntity<Index> entitiesAround(const CellComplex& complex, std::span<const Index
             for (const Index entity : complex.relation(0, upper)[vertex])
                 for (int d = 0; d <= upper; ++d) {
                     const auto parts = complex.relation(upper, d)[entity];
-                    auto& of = entities[static_cast<std::size_t>(d)];
+                    auto& of = entities[d];
                     of.insert(of.end(), parts.begin(), parts.end());
                 }
     for (auto& of : entities) sortUnique(of);
@@ -37,15 +37,15 @@ CellComplex complexOf(const CellComplex& complex, const ByEntity<Index>& entitie
     CellComplex::Boundaries boundaries;
     for (int d = 1; d <= complex.dimension(); ++d) {
         const SignedIncidence& boundary = complex.boundary(d);
-        const auto& parts = entities[static_cast<std::size_t>(d) - 1];
+        const auto& parts = entities[d - 1];
         Rows<Signed> rows;
-        for (const Index entity : entities[static_cast<std::size_t>(d)]) {
+        for (const Index entity : entities[d]) {
             for (std::size_t i = 0; i < boundary[entity].size(); ++i)
                 rows.values.push_back(
                     {placeOf(parts, boundary[entity][i]), boundary.signs(entity)[i]});
             rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
         }
-        boundaries[static_cast<std::size_t>(d) - 1] = SignedIncidence(rows);
+        boundaries[d - 1] = SignedIncidence(rows);
     }
     return {complex.dimension(), static_cast<Index>(entities[0].size()), std::move(boundaries)};
 }
@@ -54,11 +54,10 @@ Strata strataOf(const CellComplex& complex, const Strata& strata, const ByEntity
     Strata::ByEntity smooth, isOpen;
     SharpnessValues sharpness;
     for (int d = 0; d <= complex.dimension(); ++d)
-        for (const Index index : entities[static_cast<std::size_t>(d)]) {
+        for (const Index index : entities[d]) {
             const Entity entity{d, index};
-            smooth[static_cast<std::size_t>(d)].push_back(
-                static_cast<std::uint8_t>(strata.smoothStratum(entity)));
-            isOpen[static_cast<std::size_t>(d)].push_back(strata.isOpen(entity));
+            smooth[d].push_back(static_cast<std::uint8_t>(strata.smoothStratum(entity)));
+            isOpen[d].push_back(strata.isOpen(entity));
             if (d == 0) sharpness.vertices.push_back(strata.sharpness(entity));
             if (d == 1) sharpness.edges.push_back(strata.sharpness(entity));
         }

@@ -4,14 +4,6 @@
 #include <algorithm>
 
 namespace espalier::far {
-namespace {
-
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
-}  // namespace
-
 Strata::Strata(const CellComplex& complex, ByEntity smoothStrata, ByEntity isOpen,
                SharpnessValues sharpness)
     : smoothStrata_(std::move(smoothStrata)),
@@ -21,10 +13,10 @@ Strata::Strata(const CellComplex& complex, ByEntity smoothStrata, ByEntity isOpe
     // Sharp edges at each vertex, of the surface if the vertex lies on it.
     std::vector<Index> sharpEdges(sharpness_.vertices.size(), 0);
     for (Index edge = 0; edge < complex.count(1); ++edge) {
-        if (sharpness_.edges[at(edge)] == kSmooth) continue;
-        strata_[1][at(edge)] = 1;
+        if (sharpness_.edges[edge] == kSmooth) continue;
+        strata_[1][edge] = 1;
         for (const Index vertex : complex.relation(1, 0)[edge])
-            if (inSubcomplex({0, vertex}, 1, {1, edge})) ++sharpEdges[at(vertex)];
+            if (inSubcomplex({0, vertex}, 1, {1, edge})) ++sharpEdges[vertex];
     }
     for (std::size_t vertex = 0; vertex < sharpEdges.size(); ++vertex) {
         if (sharpness_.vertices[vertex] > kSmooth || sharpEdges[vertex] > 2)
@@ -39,7 +31,7 @@ Strata::Strata(const CellComplex& complex, ByEntity smoothStrata, ByEntity isOpe
 }
 
 Index Strata::count(int dimension, int stratum) const {
-    const auto& strata = strata_[at(dimension)];
+    const auto& strata = strata_[dimension];
     return static_cast<Index>(
         std::count(strata.begin(), strata.end(), static_cast<std::uint8_t>(stratum)));
 }

@@ -6,28 +6,20 @@
 #include <utility>
 
 namespace espalier::far {
-namespace {
-
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
-}  // namespace
-
 SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> isSurfaceFace)
     : complex_(complex), isSurfaceFace_(std::move(isSurfaceFace)) {
     // How often faces run along each edge from tail to head, less how often the other way. The
     // boundary of a lattice is oriented by its cells, however its faces are wound.
-    std::vector<int> turns(at(complex.count(1)), 0);
+    std::vector<int> turns(complex.count(1), 0);
     if (complex.dimension() == 2)
         for (Index face = 0; face < complex.count(2); ++face)
             for (std::size_t i = 0; i < complex.boundary(2)[face].size(); ++i)
-                turns[at(complex.boundary(2)[face][i])] += complex.boundary(2).signs(face)[i];
+                turns[complex.boundary(2)[face][i]] += complex.boundary(2).signs(face)[i];
 
-    edgeKinds_.reserve(at(complex.count(1)));
+    edgeKinds_.reserve(complex.count(1));
     for (Index edge = 0; edge < complex.count(1); ++edge) {
         const std::vector<Index> faces = surfaceFaces(edge);
-        const bool isManifold = faces.size() == 2 && turns[at(edge)] == 0;
+        const bool isManifold = faces.size() == 2 && turns[edge] == 0;
         edgeKinds_.push_back(faces.empty()       ? EdgeKind::None
                              : faces.size() == 1 ? EdgeKind::Boundary
                              : isManifold        ? EdgeKind::Manifold
@@ -39,27 +31,25 @@ SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> i
     // The corners of the surface, vertex by vertex.
     const auto forEachCorner = [&](auto visit) {
         for (Index face = 0; face < complex.count(2); ++face) {
-            if (isSurfaceFace_[at(face)] == 0) continue;
+            if (isSurfaceFace_[face] == 0) continue;
             const auto vertices = complex.relation(2, 0)[face];
             const auto edges = complex.relation(2, 1)[face];
             for (std::size_t i = 0; i < vertices.size(); ++i)
                 visit(vertices[i], Corner{edges[(i + edges.size() - 1) % edges.size()], edges[i]});
         }
     };
-    cornerOffsets_.assign(at(complex.count(0)) + 1, 0);
-    forEachCorner([&](Index vertex, const Corner&) { ++cornerOffsets_[at(vertex) + 1]; });
+    cornerOffsets_.assign(complex.count(0) + 1, 0);
+    forEachCorner([&](Index vertex, const Corner&) { ++cornerOffsets_[vertex + 1]; });
     std::partial_sum(cornerOffsets_.begin(), cornerOffsets_.end(), cornerOffsets_.begin());
     corners_.resize(static_cast<std::size_t>(cornerOffsets_.back()));
     std::vector<Offset> next = cornerOffsets_;
-    forEachCorner([&](Index vertex, const Corner& corner) {
-        corners_[static_cast<std::size_t>(next[at(vertex)]++)] = corner;
-    });
+    forEachCorner([&](Index vertex, const Corner& corner) { corners_[next[vertex]++] = corner; });
 }
 
 std::vector<Index> SurfaceFans::surfaceFaces(Index edge) const {
     std::vector<Index> faces;
     for (const Index face : complex_.relation(1, 2)[edge])
-        if (isSurfaceFace_[at(face)] != 0) faces.push_back(face);
+        if (isSurfaceFace_[face] != 0) faces.push_back(face);
     return faces;
 }
 
@@ -83,14 +73,14 @@ void SurfaceFans::markDegenerate() {
             };
             if (sides[i][0] == sides[i][1] || (i > 0 && isSame(i - 1)) ||
                 (i + 1 < sides.size() && isSame(i + 1)))
-                edgeKinds_[at(sides[i][2])] = EdgeKind::NonManifold;
+                edgeKinds_[sides[i][2]] = EdgeKind::NonManifold;
         }
     }
 }
 
 SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
-    const auto first = static_cast<std::size_t>(cornerOffsets_[at(vertex)]);
-    const std::size_t count = static_cast<std::size_t>(cornerOffsets_[at(vertex) + 1]) - first;
+    const auto first = static_cast<std::size_t>(cornerOffsets_[vertex]);
+    const std::size_t count = static_cast<std::size_t>(cornerOffsets_[vertex + 1]) - first;
     if (count == 0) return VertexKind::None;
 
     // Each edge at the vertex with the corners that it bounds; a manifold edge has two.

@@ -26,7 +26,7 @@ namespace {
 ByEntity<std::uint8_t> marksOf(const CellComplex& complex, std::uint8_t mark) {
     ByEntity<std::uint8_t> marks;
     for (int d = 0; d <= complex.dimension(); ++d)
-        marks[static_cast<std::size_t>(d)].assign(static_cast<std::size_t>(complex.count(d)), mark);
+        marks[d].assign(static_cast<std::size_t>(complex.count(d)), mark);
     return marks;
 }
 
@@ -35,8 +35,7 @@ ByEntity<std::uint8_t> closedEntities(const Level& parent) {
     ByEntity<std::uint8_t> closed = marksOf(parent.complex, 1);
     for (int d = 0; d <= parent.complex.dimension(); ++d)
         for (Index index = 0; index < parent.complex.count(d); ++index)
-            if (parent.strata.isOpen({d, index}))
-                closed[static_cast<std::size_t>(d)][static_cast<std::size_t>(index)] = 0;
+            if (parent.strata.isOpen({d, index})) closed[d][index] = 0;
     return closed;
 }
 
@@ -74,7 +73,7 @@ void checkSize(const CellComplex& complex, int levels, int level) {
     const LevelSize size = levelSize(complex, levels);
     const std::string name = "level " + std::to_string(level);
     for (int d = 0; d <= complex.dimension(); ++d)
-        if (size.counts[static_cast<std::size_t>(d)] > kMaxIndex)
+        if (size.counts[d] > kMaxIndex)
             throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
                                 name + " would have more than " + std::to_string(kMaxIndex) +
                                     " entities of one dimension");
@@ -110,7 +109,7 @@ std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cell
     for (const Index cell : cells)
         for (const Index vertex : complex.relation(complex.dimension(), 0)[cell])
             for (const Index other : complex.relation(0, complex.dimension())[vertex])
-                isIn[static_cast<std::size_t>(other)] = 1;
+                isIn[other] = 1;
     std::vector<Index> result;
     for (std::size_t cell = 0; cell < isIn.size(); ++cell)
         if (isIn[cell] != 0) result.push_back(static_cast<Index>(cell));
@@ -123,15 +122,14 @@ void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
     std::vector<std::uint8_t> isCorner(static_cast<std::size_t>(complex.count(0)), 0);
     for (const Index cell : cells)
         for (const Index vertex : complex.relation(complex.dimension(), 0)[cell])
-            isCorner[static_cast<std::size_t>(vertex)] = 1;
+            isCorner[vertex] = 1;
     for (int d = 0; d <= complex.dimension(); ++d) {
         const Incidence& vertices = complex.relation(d, 0);
         for (Index index = 0; index < complex.count(d); ++index) {
             const auto row = vertices[index];
-            if (std::none_of(row.begin(), row.end(), [&](Index vertex) {
-                    return isCorner[static_cast<std::size_t>(vertex)] != 0;
-                }))
-                marks[static_cast<std::size_t>(d)][static_cast<std::size_t>(index)] = 0;
+            if (std::none_of(row.begin(), row.end(),
+                             [&](Index vertex) { return isCorner[vertex] != 0; }))
+                marks[d][index] = 0;
         }
     }
 }
@@ -142,7 +140,7 @@ ByEntity<std::uint8_t> marksIn(const CellComplex& complex, std::span<const Index
     for (int d = 0; d <= complex.dimension(); ++d)
         for (const Index cell : cells)
             for (const Index part : complex.relation(complex.dimension(), d)[cell])
-                marks[static_cast<std::size_t>(d)][static_cast<std::size_t>(part)] = 1;
+                marks[d][part] = 1;
     return marks;
 }
 
@@ -192,12 +190,12 @@ void checkLevel(int level, int least, int most) {
 
 const Level& TopologyRefiner::level(int level) const {
     checkLevel(level, 0, maxLevel());
-    return levels_[static_cast<std::size_t>(level)];
+    return levels_[level];
 }
 
 const Refinement& TopologyRefiner::refinement(int level) const {
     checkLevel(level, 1, maxLevel());
-    return refinements_[static_cast<std::size_t>(level) - 1];
+    return refinements_[level - 1];
 }
 
 }  // namespace espalier::far

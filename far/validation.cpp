@@ -74,7 +74,7 @@ void checkFace(const CellComplex& complex, Index face) {
 }
 
 /// One edge of one face of a cell, seen from the cell.
-struct Side {
+struct FaceSide {
     Index edge;
     std::size_t face;    ///< position among the faces of the cell
     std::size_t corner;  ///< position of the edge in the face's loop
@@ -96,7 +96,7 @@ void checkCell(const CellComplex& complex, Index cell) {
 
     // The corners of all faces, numbered through; firstCorner[f] is the first of face f.
     std::vector<std::size_t> firstCorner(faces.size() + 1, 0);
-    std::vector<Side> sides;
+    std::vector<FaceSide> sides;
     for (std::size_t f = 0; f < faces.size(); ++f) {
         const auto edges = complex.relation(2, 1)[faces[f]];
         const auto edgeSigns = complex.boundary(2).signs(faces[f]);
@@ -104,14 +104,14 @@ void checkCell(const CellComplex& complex, Index cell) {
         for (std::size_t i = 0; i < edges.size(); ++i)
             sides.push_back({edges[i], f, i, cellSigns[f] * edgeSigns[i]});
     }
-    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    std::sort(sides.begin(), sides.end(), [](const FaceSide& a, const FaceSide& b) {
         return std::pair(a.edge, a.face) < std::pair(b.edge, b.face);
     });
 
     // Each edge joins two faces, and at both of its ends one corner of each.
     DisjointSets pieces(faces.size());
     DisjointSets fans(firstCorner.back());
-    const auto cornerAt = [&](const Side& side, Index vertex) {
+    const auto cornerAt = [&](const FaceSide& side, Index vertex) {
         const auto loop = complex.relation(2, 0)[faces[side.face]];
         const std::size_t i =
             loop[side.corner] == vertex ? side.corner : (side.corner + 1) % loop.size();
@@ -179,7 +179,7 @@ void checkCellsOfFace(const CellComplex& complex, Index face) {
     const auto signIn = [&](Index cell) {
         const auto faces = complex.relation(3, 2)[cell];
         const auto at = std::find(faces.begin(), faces.end(), face) - faces.begin();
-        return complex.boundary(3).signs(cell)[static_cast<std::size_t>(at)];
+        return complex.boundary(3).signs(cell)[at];
     };
     if (signIn(cells[0]) == signIn(cells[1]))
         refuse(TopologyCause::NotOrientable, {2, face},
