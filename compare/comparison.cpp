@@ -213,7 +213,7 @@ LevelAgreement Comparison::compare(int level, const StencilTable<double>& table)
 namespace {
 
 /// A level of more faces is not drawn: its picture would be too fine to see, and its file large.
-constexpr std::size_t kMostFaces = 8000;
+constexpr std::size_t kMaxFaces = 8000;
 
 double sizeOf(std::span<const Point3> positions) {
     Point3 least = positions.front(), most = positions.front();
@@ -290,7 +290,7 @@ Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> 
         far::checkMemory();
         const bool isMatched = std::isfinite(agreement.levels.back().positionDifference);
         const Surface& region = data_->regions[at(level)];
-        if (isMatched && !region.faces.empty() && region.faces.size() <= kMostFaces)
+        if (isMatched && !region.faces.empty() && region.faces.size() <= kMaxFaces)
             agreement.picture =
                 drawError(data_->ours, level, region, positions,
                           evaluate<osd::ReferenceEvaluator, double>(table, positions),

@@ -11,7 +11,7 @@ namespace espalier::compare {
 namespace {
 
 constexpr int kLeastExponent = -18;
-constexpr int kMostExponent = -6;
+constexpr int kMaxExponent = -6;
 
 // Anchors at equal distances. CIE lightness falls all the way, in about equal steps: 93, 83, 70, 56
 // and 42, then 42, 33 and 23. Neighbours are 19 to 27 apart in L*a*b*, the two sides of the bound
@@ -46,7 +46,7 @@ Colour shaded(const Colour& colour, double shade) {
 
 ErrorScale::ErrorScale(double bound)
     : logBound_(std::clamp(bound > 0 ? std::log10(bound) : kLeastExponent, kLeastExponent + 1.0,
-                           kMostExponent - 1.0)) {}
+                           kMaxExponent - 1.0)) {}
 
 double ErrorScale::place(double error) const {
     const double size = std::abs(error);
@@ -56,7 +56,7 @@ double ErrorScale::place(double error) const {
     // The bracket makes it kBoundPlace, to the last bit, at the bound.
     if (log <= logBound_)
         return kBoundPlace * ((log - kLeastExponent) / (logBound_ - kLeastExponent));
-    return kBoundPlace + (1 - kBoundPlace) * (log - logBound_) / (kMostExponent - logBound_);
+    return kBoundPlace + (1 - kBoundPlace) * (log - logBound_) / (kMaxExponent - logBound_);
 }
 
 Colour ErrorScale::colour(double error) const {
@@ -71,11 +71,11 @@ Colour ErrorScale::colourAt(double at) const {
 std::vector<ErrorScale::Tick> ErrorScale::ticks(double spacing) const {
     std::vector<Tick> ticks;
     double lastLabel = 0;
-    for (int exponent = kLeastExponent; exponent <= kMostExponent; ++exponent) {
+    for (int exponent = kLeastExponent; exponent <= kMaxExponent; ++exponent) {
         // The places are taken from the text, as those of errors are from what is read.
         const std::string label = fmt::format("1e{}", exponent);
         const double at = place(std::stod(label));
-        const bool isEnd = exponent == kLeastExponent || exponent == kMostExponent;
+        const bool isEnd = exponent == kLeastExponent || exponent == kMaxExponent;
         const bool fits = at - lastLabel >= spacing && 1 - at >= spacing;
         ticks.push_back({at, isEnd || fits ? label : ""});
         if (!ticks.back().label.empty()) lastLabel = at;

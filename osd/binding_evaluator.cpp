@@ -42,7 +42,7 @@ std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& bindin
     for (std::size_t i = 0; i < points.size(); ++i)
         points[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
     for (std::size_t i = 0; i < binding.kept.size(); ++i)
-        points[static_cast<std::size_t>(binding.kept[i])] = binding.keptAt[i];
+        points[binding.kept[i]] = binding.keptAt[i];
     return points;
 }
 

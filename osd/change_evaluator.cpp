@@ -19,10 +19,6 @@ namespace {
 
 using kernels::kLanes;
 
-std::size_t at(Offset index) {
-    return static_cast<std::size_t>(index);
-}
-
 /// A set of numbers below a bound, in memory of somebody else's.
 class Marks {
 public:
@@ -33,14 +29,14 @@ public:
         std::fill(words.begin(), words.end(), 0);
     }
 
-    void add(Index number) { words_[at(number / kOfWord)] |= bit(number); }
-    bool contains(Index number) const { return (words_[at(number / kOfWord)] & bit(number)) != 0; }
+    void add(Index number) { words_[number / kOfWord] |= bit(number); }
+    bool contains(Index number) const { return (words_[number / kOfWord] & bit(number)) != 0; }
 
     /// Calls step(number) for each of some words, ascending.
     template <class Step>
     void forEach(Offset firstWord, Offset lastWord, Step step) const {
         for (Offset w = firstWord; w < lastWord; ++w)
-            for (std::uint64_t word = words_[at(w)]; word != 0; word &= word - 1)
+            for (std::uint64_t word = words_[w]; word != 0; word &= word - 1)
                 step(static_cast<Index>(w * kOfWord + std::countr_zero(word)));
     }
 
@@ -86,18 +82,18 @@ struct ChangeEvaluator<Real>::Data {
             const Group& group = groupAt(g);
             for (Index row = 0; row < group.rowCount; ++row)
                 for (Index k = 0; k < group.columnCount; ++k)
-                    if (!dependsOn(group, row, k)) isMixed[at(g)] = 1;
+                    if (!dependsOn(group, row, k)) isMixed[g] = 1;
         }
         Index longest = 0;
         for (const Run& run : table->rows.runs) longest = std::max(longest, run.length);
-        ascending.resize(at(longest));
+        ascending.resize(longest);
         std::iota(ascending.begin(), ascending.end(), Index{0});
         mostColumns = std::max(mostColumns, longest);
     }
 
     Index groupCount() const { return static_cast<Index>(table->rows.groups.size()); }
     Index aloneCount() const { return static_cast<Index>(table->rows.rows.size()); }
-    const Group& groupAt(Index g) const { return table->rows.groups[at(g)]; }
+    const Group& groupAt(Index g) const { return table->rows.groups[g]; }
 
     template <class Found>
     void addRow(const Run& run, Index i, Found found) const {
@@ -162,16 +158,16 @@ struct ChangeEvaluator<Real>::Data {
 
     /// The rows of a group, with −1 for those that do not depend on what has changed: the kernels
     /// leave out what is not in their range.
-    using RowsOfGroup = std::array<Index, kMostRowsOfGroup>;
+    using RowsOfGroup = std::array<Index, kMaxRowsOfGroup>;
     const Index* changedRows(Index g, const Marks& columns, RowsOfGroup& rows) const {
         const Group& group = groupAt(g);
         const auto all = table->rowsOf(group), own = table->columnsOf(group);
-        if (isMixed[at(g)] == 0) return all.data();
+        if (isMixed[g] == 0) return all.data();
         std::fill_n(rows.begin(), group.rowCount, Index{-1});
         for (Index k = 0; k < group.columnCount; ++k)
-            if (columns.contains(own[at(k)]))
+            if (columns.contains(own[k]))
                 for (Index row = 0; row < group.rowCount; ++row)
-                    if (dependsOn(group, row, k)) rows[at(row)] = all[at(row)];
+                    if (dependsOn(group, row, k)) rows[row] = all[row];
         return rows.data();
     }
 
@@ -266,12 +262,12 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
         typename TaskNumbers<Real>::Local entries(numbers, first / kGroupsOfTask);
         typename Data::RowsOfGroup rows;
         for (Offset i = first; i < last; ++i) {
-            const Index g = changes.groups[at(i)];
+            const Index g = changes.groups[i];
             const auto& group = data_->groupAt(g);
             gather(table.columnsOf(group), entries.data());
             const Index* changedRows = data_->changedRows(g, changes.columns, rows);
             table.evaluateGroup(group, entries.data(), stride, changedRows,
-                                data_->isMixed[at(g)] != 0 ? some : all);
+                                data_->isMixed[g] != 0 ? some : all);
         }
     });
     const auto& runs = table.rows.runs;
@@ -282,10 +278,9 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
             changes.alone.forEach(first, last, [&](Index place) {
                 while (place >= run->firstRow + run->rowCount) ++run;
                 const auto i = static_cast<Index>(place - run->firstRow);
-                gather(
-                    std::span(table.rows.columns)
-                        .subspan(at(run->firstColumn + Offset{i} * run->length), at(run->length)),
-                    entries.data());
+                gather(std::span(table.rows.columns)
+                           .subspan(run->firstColumn + Offset{i} * run->length, run->length),
+                       entries.data());
                 table.evaluateRow(*run, i, entries.data(), stride, data_->ascending.data(), all);
             });
         });
@@ -304,9 +299,8 @@ std::vector<Index> ChangeEvaluator<Real>::rowsOf(std::span<const Index> changed)
         std::copy_if(rows, rows + data_->groupAt(g).rowCount, std::back_inserter(result),
                      [](Index row) { return row >= 0; });
     }
-    changes.alone.forEach(0, Marks::wordCount(data_->aloneCount()), [&](Index place) {
-        result.push_back(data_->table->rows.rows[at(place)]);
-    });
+    changes.alone.forEach(0, Marks::wordCount(data_->aloneCount()),
+                          [&](Index place) { result.push_back(data_->table->rows.rows[place]); });
     std::sort(result.begin(), result.end());
     return result;
 }

@@ -14,10 +14,6 @@ namespace {
 
 using stencils::StencilTable;
 
-std::size_t at(Offset index) {
-    return static_cast<std::size_t>(index);
-}
-
 }  // namespace
 
 template <class Real>
@@ -33,7 +29,7 @@ struct CompiledAdjoint<Real>::Data {
     /// which then are in the cache. To ask for their rows alone costs more than it saves.
     bool isFollowed(Offset g) const {
         return g + 1 < std::ssize(rows.groups) &&
-               rows.groups[at(g + 1)].firstNumber > rows.groups[at(g)].firstNumber;
+               rows.groups[g + 1].firstNumber > rows.groups[g].firstNumber;
     }
 
     /// The lanes of a task.
@@ -47,8 +43,8 @@ struct CompiledAdjoint<Real>::Data {
         const auto& starts = rows.taskStarts;
         far::parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
             typename TaskNumbers<Real>::Local lanes(numbers, task);
-            for (Offset g = starts[at(task)]; g < starts[at(task + 1)]; ++g) {
-                const auto& group = rows.groups[at(g)];
+            for (Offset g = starts[task]; g < starts[task + 1]; ++g) {
+                const auto& group = rows.groups[g];
                 kernels.adjoint(
                     {rows.groupNumbers.data() + group.firstNumber,
                      {group.size[0], group.size[1], group.size[2]},
@@ -77,7 +73,7 @@ CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd sim
     for (const auto& group : rows.groups) mostColumns = std::max(mostColumns, group.columnCount);
     PlacesOfColumns<Offset> places(table.columnCount(), [&](auto found) {
         for (Offset place = 0; place < std::ssize(rows.groupColumns); ++place)
-            found(rows.groupColumns[at(place)], place);
+            found(rows.groupColumns[place], place);
     });
     data_ = std::make_unique<const Data>(Data{table.rowCount(), table.columnCount(),
                                               kernels::kernelsFor<Real>(simd), std::move(rows),
@@ -162,7 +158,7 @@ void CompiledAdjoint<Real>::evaluateIn(std::byte* memory, Values<Real> source,
                 destination.data() + destinationLayout.offset + row * destinationLayout.stride;
             std::fill_n(result, length, Real{0});
             for (const Offset place : data_->places.of(row))
-                for (Offset c = 0; c < length; ++c) result[c] += sums[at(place * length + c)];
+                for (Offset c = 0; c < length; ++c) result[c] += sums[place * length + c];
             const auto columns = data_->alone.columns(row);
             const auto weights = data_->alone.weights(row);
             for (std::size_t k = 0; k < columns.size(); ++k)

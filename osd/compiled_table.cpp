@@ -10,10 +10,6 @@
 namespace espalier::osd {
 namespace {
 
-std::size_t at(Offset index) {
-    return static_cast<std::size_t>(index);
-}
-
 /// The numbers of a task: the entries of one group after the other.
 template <class Data>
 auto taskNumbers(const Data& data, Offset stride) {
@@ -131,8 +127,8 @@ void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
     const auto& starts = data_->rows.taskStarts;
     far::parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
         typename TaskNumbers<Real>::Local own(numbers, task);
-        for (Offset g = starts[at(task)]; g < starts[at(task + 1)]; ++g) {
-            const auto& group = data_->rows.groups[at(g)];
+        for (Offset g = starts[task]; g < starts[task + 1]; ++g) {
+            const auto& group = data_->rows.groups[g];
             if (group.highest < to.first || group.lowest >= to.last) continue;
             Real* next = own.data();
             for (const Index column : data_->columnsOf(group))
@@ -141,7 +137,7 @@ void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
         }
     });
     far::parallelFor(std::ssize(data_->rows.runs), 1, [&](Offset run, Offset) {
-        data_->evaluateRun(data_->rows.runs[at(run)], entries, stride, to);
+        data_->evaluateRun(data_->rows.runs[run], entries, stride, to);
     });
 }
 

@@ -12,7 +12,7 @@ namespace espalier::osd::device {
 inline constexpr unsigned kWarpsOfBlock = 4;
 
 /// Shared memory that any block may have on any device.
-inline constexpr unsigned kMostShared = 48 * 1024;
+inline constexpr unsigned kMaxShared = 48 * 1024;
 
 struct Blocks {
     unsigned count;
@@ -20,17 +20,16 @@ struct Blocks {
 };
 
 /// How warps go into blocks; each warp has so many bytes of shared memory, no more than
-/// kMostShared.
+/// kMaxShared.
 constexpr Blocks blocksOf(Index warpCount, unsigned sharedBytes) {
-    const unsigned fit = sharedBytes == 0 ? kWarpsOfBlock : kMostShared / sharedBytes;
+    const unsigned fit = sharedBytes == 0 ? kWarpsOfBlock : kMaxShared / sharedBytes;
     const unsigned warps = fit < kWarpsOfBlock ? fit : kWarpsOfBlock;
     return {(static_cast<unsigned>(warpCount) + warps - 1) / warps, warps};
 }
 
 // The largest outer products that are looked for, in the widest numbers.
-static_assert(Entries<4, double>::bytes(kernels::kMostProductColumns) +
-                  Results<4, double>::kBytes <=
-              kMostShared);
+static_assert(Entries<4, double>::bytes(kernels::kMaxProductColumns) + Results<4, double>::kBytes <=
+              kMaxShared);
 
 /// Calls f.operator()<width>(components) for parts of `length` components, the widths being 1 to 4,
 /// or `most`, so that the same kernel takes as many as can be.
@@ -51,12 +50,12 @@ void forComponents(Offset length, F f) {
 }
 
 /// Components of rows that are read for each of them anew where there are more.
-inline constexpr int kMostComponents = 12;
+inline constexpr int kMaxComponents = 12;
 
 template <class Real, class Launch>
 void launchSparse(const SparseRows<Real>& rows, Index first, Index last,
                   const Evaluation<Real>& evaluation, Launch& launch) {
-    forComponents<kMostComponents>(evaluation.length, [&]<int width>(const Components& components) {
+    forComponents<kMaxComponents>(evaluation.length, [&]<int width>(const Components& components) {
         launch(SparseKernel<width, Real>{rows, first, last, evaluation, components});
     });
 }
@@ -78,7 +77,7 @@ void launchTable(const TableView<Real>& table, const Evaluation<Real>& evaluatio
     launchProducts<kSizes[1]>(table, table.products[1], evaluation, launch);
     launchProducts<kSizes[2]>(table, table.products[2], evaluation, launch);
     launchProducts<kSizes[3]>(table, table.products[3], evaluation, launch);
-    forComponents<kMostComponents>(evaluation.length, [&]<int width>(const Components& components) {
+    forComponents<kMaxComponents>(evaluation.length, [&]<int width>(const Components& components) {
         launch(PanelKernel<width, Real>{table.groups, table.panels, evaluation, components});
     });
     const SparseRows<Real>& alone = table.alone;

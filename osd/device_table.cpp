@@ -19,11 +19,7 @@ using stencils::StencilTable;
 
 /// Entries of a segment, and places of a sum: a longer one would be at work when all others are
 /// done.
-constexpr Offset kMostEntries = 1024;
-
-std::size_t at(Offset index) {
-    return static_cast<std::size_t>(index);
-}
+constexpr Offset kMaxEntries = 1024;
 
 /// The rows of a table that lives longer.
 template <class Real>
@@ -42,7 +38,7 @@ SparseArrays<Real> ownRows(StencilTable<Real> table) {
     return rows;
 }
 
-/// Rows cut into segments of no more than kMostEntries entries.
+/// Rows cut into segments of no more than kMaxEntries entries.
 struct Cut {
     std::vector<Offset> offsets = {0};       ///< of the segments in the entries
     std::vector<Offset> firstSegments = {};  ///< of each row, and one behind the last
@@ -52,8 +48,8 @@ Cut cutRows(std::span<const Offset> offsets) {
     Cut cut;
     for (std::size_t row = 0; row + 1 < offsets.size(); ++row) {
         cut.firstSegments.push_back(std::ssize(cut.offsets) - 1);
-        for (Offset first = offsets[row]; first < offsets[row + 1]; first += kMostEntries)
-            cut.offsets.push_back(std::min(first + kMostEntries, offsets[row + 1]));
+        for (Offset first = offsets[row]; first < offsets[row + 1]; first += kMaxEntries)
+            cut.offsets.push_back(std::min(first + kMaxEntries, offsets[row + 1]));
     }
     cut.firstSegments.push_back(std::ssize(cut.offsets) - 1);
     return cut;
@@ -87,7 +83,7 @@ TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
         if (size[0] > 0) {
             const auto* kind = std::find(std::begin(kSizes), std::end(kSizes) - 1, size[0]);
             if (*kind == 0) mostProductColumns = std::max(mostProductColumns, group.columnCount);
-            tasks = &products[static_cast<std::size_t>(kind - std::begin(kSizes))];
+            tasks = &products[kind - std::begin(kSizes)];
         }
         for (Index first = 0; first < group.rowCount; first += kWarp * kRowsOfLane<Real>)
             tasks->push_back({number, first});
@@ -102,7 +98,7 @@ template <class Real>
 AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
                                    const TableArrays<Real>& arrays) {
     for (Index number = 0; number < std::ssize(arrays.groups); ++number) {
-        const Group& group = arrays.groups[at(number)];
+        const Group& group = arrays.groups[number];
         const bool isProduct = group.size[0] > 0;
         const Index tiles = isProduct ? AdjointProductKernel<1, Real>::tileCount(group)
                                       : AdjointPanelKernel<1, Real>::tileCount(group);
@@ -123,10 +119,9 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
     // Of each column the places of what is to be added up.
     const PlacesOfColumns<Offset> places(table.columnCount(), [&](auto found) {
         for (Offset place = 0; place < firstSegment; ++place)
-            found(arrays.groupColumns[at(place)], place);
+            found(arrays.groupColumns[place], place);
         for (Index column = 0; column < table.columnCount(); ++column)
-            for (Offset i = cut.firstSegments[at(column)]; i < cut.firstSegments[at(column + 1)];
-                 ++i)
+            for (Offset i = cut.firstSegments[column]; i < cut.firstSegments[column + 1]; ++i)
                 found(column, firstSegment + i);
     });
     std::vector<Offset> offsets = {0}, summands;
@@ -152,10 +147,10 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
             most = std::max(most, offsets[i + 1] - offsets[i]);
         return most;
     };
-    while (longest() > kMostEntries) {
+    while (longest() > kMaxEntries) {
         Cut parts = cutRows(offsets);
         addStep(std::move(parts.offsets));
-        summands.resize(at(steps.back().rows.count()));
+        summands.resize(steps.back().rows.count());
         std::iota(summands.begin(), summands.end(), placeCount);
         placeCount += steps.back().rows.count();
         offsets = std::move(parts.firstSegments);

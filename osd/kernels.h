@@ -24,7 +24,7 @@ inline constexpr Index kLanes = static_cast<Index>(64 / sizeof(Real));
 inline constexpr Offset kPadding = 4;
 
 /// Columns of rows that are outer products, at most.
-inline constexpr Index kMostProductColumns = 512;
+inline constexpr Index kMaxProductColumns = 512;
 
 /// Where results go: component c of row r to values[r · stride + c], for rows first to last − 1.
 template <class Real>

@@ -127,7 +127,7 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
 /// With more than four components and up to so many columns it pays to have components in the
 /// lanes, and to go row by row: they are read and written as they lie. Twelve poses of rows of 8
 /// entries take a third of the time; of rows of 42, no less than before.
-constexpr Index kMostWideColumns = 16;
+constexpr Index kMaxWideColumns = 16;
 
 /// Components `from` to `from` + width − 1 of one row of a panel, width being of a register or of
 /// a few.
@@ -213,7 +213,7 @@ void evaluatePanels(const PanelRun<Real>& run, const Destination<Real>& to) {
     const Real* weights = run.weights;
     for (Index first = 0; first < run.rowCount; first += lanes) {
         const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
-        if (to.length > 4 && run.columnCount <= kMostWideColumns)
+        if (to.length > 4 && run.columnCount <= kMaxWideColumns)
             evaluateWidePanel(weights, run.points, run.pointStride, run.columnCount,
                               run.rows + first, count, to);
         else if (isAnyWanted(run.rows + first, count, to))
@@ -229,8 +229,8 @@ void evaluateProducts(const ProductRun<Real>& run, const Destination<Real>& to) 
     constexpr Index lanes = kLanes<Real>;
     const Real* factors = run.factors;
     const Index columnCount = run.size[0] * run.size[1] * run.size[2];
-    const bool isWide = to.length > 4 && columnCount <= kMostWideColumns;
-    alignas(64) Real weights[kMostWideColumns * lanes];
+    const bool isWide = to.length > 4 && columnCount <= kMaxWideColumns;
+    alignas(64) Real weights[kMaxWideColumns * lanes];
     for (Index first = 0; first < run.rowCount; first += lanes) {
         const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
         if (!isAnyWanted(run.rows + first, count, to)) {

@@ -12,10 +12,6 @@ namespace {
 /// Rows that are looked at: sums that are the same in so many by chance are not.
 constexpr std::size_t kSamples = 6;
 
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
 /// The logarithms of the sizes of a column's weights in several rows; before them a mean of these,
 /// by which columns are sorted. No two are alike in it by chance, as they may be in one row.
 constexpr std::size_t kCoordinates = kSamples + 1;
@@ -38,8 +34,8 @@ public:
         : points_(std::move(points)), order_(points_.size()), tolerance_(tolerance) {
         std::iota(order_.begin(), order_.end(), Index{0});
         std::sort(order_.begin(), order_.end(),
-                  [&](Index a, Index b) { return points_[at(a)][0] < points_[at(b)][0]; });
-        const Logarithms least = points_[at(order_[0])];
+                  [&](Index a, Index b) { return points_[a][0] < points_[b][0]; });
+        const Logarithms least = points_[order_[0]];
         for (Logarithms& point : points_)
             for (std::size_t s = 0; s < kCoordinates; ++s) point[s] -= least[s];
     }
@@ -50,18 +46,16 @@ public:
     const std::vector<Index>& ascending() const { return order_; }
 
     /// The column at the sum of two.
-    std::optional<Index> sum(Index a, Index b) const {
-        return find(points_[at(a)] + points_[at(b)]);
-    }
+    std::optional<Index> sum(Index a, Index b) const { return find(points_[a] + points_[b]); }
 
     /// Whether a column is the sum of two others, neither of them the least.
     bool isSum(Index column) const {
         Logarithms rest;
         for (const Index other : order_) {
             if (other == order_[0]) continue;
-            if (points_[at(other)][0] > points_[at(column)][0]) break;
+            if (points_[other][0] > points_[column][0]) break;
             for (std::size_t s = 0; s < kCoordinates; ++s)
-                rest[s] = points_[at(column)][s] - points_[at(other)][s];
+                rest[s] = points_[column][s] - points_[other][s];
             const auto found = find(rest);
             if (found && *found != order_[0] && other != column) return true;
         }
@@ -71,7 +65,7 @@ public:
     /// Whether two columns are the same in all rows, so that nothing tells which is where.
     bool hasTwins() const {
         return std::adjacent_find(order_.begin(), order_.end(), [&](Index a, Index b) {
-                   return isNear(points_[at(a)], points_[at(b)]);
+                   return isNear(points_[a], points_[b]);
                }) != order_.end();
     }
 
@@ -85,9 +79,9 @@ private:
     std::optional<Index> find(const Logarithms& point) const {
         auto near = std::lower_bound(
             order_.begin(), order_.end(), point[0] - tolerance_,
-            [&](Index column, double value) { return points_[at(column)][0] < value; });
-        for (; near != order_.end() && points_[at(*near)][0] <= point[0] + tolerance_; ++near) {
-            if (isNear(points_[at(*near)], point)) return *near;
+            [&](Index column, double value) { return points_[column][0] < value; });
+        for (; near != order_.end() && points_[*near][0] <= point[0] + tolerance_; ++near) {
+            if (isNear(points_[*near], point)) return *near;
         }
         return std::nullopt;
     }
@@ -130,8 +124,7 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
                         [](Real weight) { return std::abs(weight) >= kLeast; }))
             samples.push_back(weights);
     // More columns than splines have: the search would take long, and find nothing.
-    if (samples.empty() || samples[0].size() < 4 ||
-        samples[0].size() > at(kernels::kMostProductColumns))
+    if (samples.empty() || samples[0].size() < 4 || samples[0].size() > kernels::kMaxProductColumns)
         return std::nullopt;
     std::vector<Logarithms> points(samples[0].size(), Logarithms{});
     for (std::size_t s = 0; s < kSamples; ++s) {
@@ -160,7 +153,8 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
         own.insert(own.begin(), set.ascending()[0]);
         product.size[axis] = static_cast<Index>(own.size());
     }
-    if (at(product.size[0]) * at(product.size[1]) * at(product.size[2]) != set.count())
+    if (static_cast<std::size_t>(product.size[0]) * product.size[1] * product.size[2] !=
+        set.count())
         return std::nullopt;
     std::vector<bool> isUsed(set.count(), false);
     for (const Index third : (*axes)[2])
@@ -168,8 +162,8 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
             for (const Index first : (*axes)[0]) {
                 const auto plane = set.sum(second, third);
                 const auto column = plane ? set.sum(first, *plane) : std::nullopt;
-                if (!column || isUsed[at(*column)]) return std::nullopt;
-                isUsed[at(*column)] = true;
+                if (!column || isUsed[*column]) return std::nullopt;
+                isUsed[*column] = true;
                 product.order.push_back(*column);
             }
     return product;
@@ -182,17 +176,17 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
     // Sums of sizes over the other axes. Each weight is rounded; of their sum, the sum of these
     // errors is a smaller part, if it is not rounded on the way.
     using Sums = std::vector<long double>;
-    std::array<Sums, 3> sums = {Sums(at(n)), Sums(at(m)), Sums(at(l))};
+    std::array<Sums, 3> sums = {Sums(n), Sums(m), Sums(l)};
     long double total = 0, largest = 0;
     std::array<Index, 3> atLargest = {};
     const Index* next = product.order.data();
     for (Index k = 0; k < l; ++k)
         for (Index j = 0; j < m; ++j)
             for (Index i = 0; i < n; ++i) {
-                const long double size = std::abs(weights[at(*next++)]);
-                sums[0][at(i)] += size;
-                sums[1][at(j)] += size;
-                sums[2][at(k)] += size;
+                const long double size = std::abs(weights[*next++]);
+                sums[0][i] += size;
+                sums[1][j] += size;
+                sums[2][k] += size;
                 total += size;
                 if (size > largest) {
                     largest = size;
@@ -208,24 +202,24 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
             factors[place++] = static_cast<Real>(axis == 0 ? sum : sum / total);
     // Signs: those along the lines through the largest, whose own is the first factor's.
     const auto isNegative = [&](Index i, Index j, Index k) {
-        return std::signbit(weights[at(product.order[at((k * m + j) * n + i)])]);
+        return std::signbit(weights[product.order[(k * m + j) * n + i]]);
     };
     const Index i0 = atLargest[0], j0 = atLargest[1], k0 = atLargest[2];
     const bool isLargestNegative = isNegative(i0, j0, k0);
     for (Index i = 0; i < n; ++i)
-        if (isNegative(i, j0, k0)) factors[at(i)] *= -1;
+        if (isNegative(i, j0, k0)) factors[i] *= -1;
     for (Index j = 0; j < m; ++j)
-        if (isNegative(i0, j, k0) != isLargestNegative) factors[at(n + j)] *= -1;
+        if (isNegative(i0, j, k0) != isLargestNegative) factors[n + j] *= -1;
     for (Index k = 0; k < l; ++k)
-        if (isNegative(i0, j0, k) != isLargestNegative) factors[at(n + m + k)] *= -1;
+        if (isNegative(i0, j0, k) != isLargestNegative) factors[n + m + k] *= -1;
     constexpr long double kBound = 3.0L * std::numeric_limits<Real>::epsilon();
     next = product.order.data();
     for (Index k = 0; k < l; ++k)
         for (Index j = 0; j < m; ++j)
             for (Index i = 0; i < n; ++i) {
-                const long double weight = weights[at(*next++)];
-                const long double found = static_cast<long double>(factors[at(i)]) *
-                                          factors[at(n + j)] * factors[at(n + m + k)];
+                const long double weight = weights[*next++];
+                const long double found =
+                    static_cast<long double>(factors[i]) * factors[n + j] * factors[n + m + k];
                 if (!(std::abs(found - weight) <= kBound * std::abs(weight) + kTiny)) return false;
             }
     return true;

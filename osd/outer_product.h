@@ -29,7 +29,7 @@ struct OuterProduct {
 ///
 /// \param rows the weights of rows with the same columns
 /// \return nothing if no box is found, or one along a single axis, which saves nothing, or if there
-///         are over kernels::kMostProductColumns. The rows looked at are a few: whether one is an
+///         are over kernels::kMaxProductColumns. The rows looked at are a few: whether one is an
 ///         outer product, factorsOf() says.
 /// \cost O(columns² log columns)
 template <class Real>

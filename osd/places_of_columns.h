@@ -18,17 +18,17 @@ public:
     /// \param forEach calls what it is given with each column and place, places ascending; twice
     ///        the same
     template <class ForEach>
-    PlacesOfColumns(far::Index columnCount, ForEach forEach) : offsets_(at(columnCount) + 1, 0) {
-        forEach([&](far::Index column, Place) { ++offsets_[at(column) + 1]; });
+    PlacesOfColumns(far::Index columnCount, ForEach forEach) : offsets_(columnCount + 1, 0) {
+        forEach([&](far::Index column, Place) { ++offsets_[column + 1]; });
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
-        places_.resize(at(offsets_.back()));
+        places_.resize(offsets_.back());
         std::vector<far::Offset> next(offsets_.begin(), offsets_.end() - 1);
-        forEach([&](far::Index column, Place place) { places_[at(next[at(column)]++)] = place; });
+        forEach([&](far::Index column, Place place) { places_[next[column]++] = place; });
     }
 
     std::span<const Place> of(far::Index column) const {
-        return std::span(places_).subspan(at(offsets_[at(column)]),
-                                          at(offsets_[at(column) + 1] - offsets_[at(column)]));
+        return std::span(places_).subspan(offsets_[column],
+                                          offsets_[column + 1] - offsets_[column]);
     }
 
     std::size_t byteCount() const {
@@ -36,8 +36,6 @@ public:
     }
 
 private:
-    static std::size_t at(far::Offset index) { return static_cast<std::size_t>(index); }
-
     std::vector<far::Offset> offsets_;
     std::vector<Place> places_;
 };

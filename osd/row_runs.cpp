@@ -10,7 +10,7 @@ namespace espalier::osd {
 namespace {
 
 /// Rows of a run, which one thread evaluates.
-constexpr std::ptrdiff_t kMostRows = 4096;
+constexpr std::ptrdiff_t kMaxRowsOfRun = 4096;
 
 /// Rows of the same weights that are worth a run.
 constexpr std::ptrdiff_t kFewestShared = 16;
@@ -29,7 +29,7 @@ public:
         if (isShared) appendWeights(rows.front());
         while (!rows.empty()) {
             const auto part =
-                rows.first(static_cast<std::size_t>(std::min(std::ssize(rows), kMostRows)));
+                rows.first(static_cast<std::size_t>(std::min(std::ssize(rows), kMaxRowsOfRun)));
             compiled_.runs.push_back(
                 {length, static_cast<Offset>(compiled_.columns.size()),
                  isShared ? firstWeight : static_cast<Offset>(compiled_.weights.size()), isShared,

@@ -13,10 +13,6 @@ namespace {
 
 using far::Offset;
 
-std::size_t at(Offset index) {
-    return static_cast<std::size_t>(index);
-}
-
 /// Bits of the columns: a set can only be in one that has all of its bits.
 std::uint64_t maskOf(std::span<const Index> columns) {
     std::uint64_t mask = 0;
@@ -30,20 +26,20 @@ std::uint64_t maskOf(std::span<const Index> columns) {
 template <class Real>
 std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
     constexpr Offset kGrain = 4096;
-    std::vector<std::uint64_t> hashes(at(table.rowCount()));
+    std::vector<std::uint64_t> hashes(table.rowCount());
     far::parallelFor(table.rowCount(), kGrain, [&](Offset first, Offset last) {
         for (Offset row = first; row < last; ++row)
-            hashes[at(row)] = hashOf(table.columns(static_cast<Index>(row)));
+            hashes[row] = hashOf(table.columns(static_cast<Index>(row)));
     });
     std::vector<Index> order(hashes.size());
     std::iota(order.begin(), order.end(), Index{0});
     std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-        return hashes[at(a)] != hashes[at(b)] ? hashes[at(a)] < hashes[at(b)] : a < b;
+        return hashes[a] != hashes[b] ? hashes[a] < hashes[b] : a < b;
     });
     std::vector<RowSet> sets;
     for (auto first = order.begin(); first != order.end();) {
-        const auto last = std::find_if(
-            first, order.end(), [&](Index row) { return hashes[at(row)] != hashes[at(*first)]; });
+        const auto last = std::find_if(first, order.end(),
+                                       [&](Index row) { return hashes[row] != hashes[*first]; });
         // All of one hash; once in a long while, of two sets.
         while (first != last) {
             const auto columns = table.columns(*first);
@@ -74,29 +70,29 @@ std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
     });
     std::vector<std::uint64_t> masks;
     for (std::size_t set = 0; set < sets.size(); ++set) masks.push_back(maskOf(columnsOf(set)));
-    std::vector<std::vector<std::size_t>> hostsWith(at(table.columnCount()));
+    std::vector<std::vector<std::size_t>> hostsWith(table.columnCount());
     for (const std::size_t set : order) {
         const auto columns = columnsOf(set);
         if (columns.empty()) continue;
         // Of the hosts with the column that is in fewest. In a pole of many edges these are many
         // too, and a guest more or less is not worth the search.
-        constexpr std::size_t kMostTried = 256, kMostTimes = 3;
+        constexpr std::size_t kMaxTried = 256, kMaxTimes = 3;
         const auto& hosts =
-            hostsWith[at(*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {
-                return hostsWith[at(a)].size() < hostsWith[at(b)].size();
-            }))];
+            hostsWith[*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {
+                return hostsWith[a].size() < hostsWith[b].size();
+            })];
         const auto last =
-            hosts.begin() + static_cast<std::ptrdiff_t>(std::min(hosts.size(), kMostTried));
+            hosts.begin() + static_cast<std::ptrdiff_t>(std::min(hosts.size(), kMaxTried));
         const auto host = std::find_if(hosts.begin(), last, [&](std::size_t candidate) {
             return (masks[set] & ~masks[candidate]) == 0 &&
-                   columnsOf(candidate).size() <= kMostTimes * columns.size() &&
+                   columnsOf(candidate).size() <= kMaxTimes * columns.size() &&
                    std::ranges::includes(columnsOf(candidate), columns);
         });
         if (host != last) {
             sets[set].host = *host;
             continue;
         }
-        for (const Index column : columns) hostsWith[at(column)].push_back(set);
+        for (const Index column : columns) hostsWith[column].push_back(set);
     }
     return sets;
 }

@@ -15,14 +15,8 @@ namespace {
 using kernels::kLanes;
 using stencils::StencilTable;
 
-constexpr std::size_t kMostRows = kMostRowsOfGroup;
-
 /// About so many rows are a task, which one thread evaluates.
 constexpr Index kRowsOfTask = 4096;
-
-std::size_t at(Offset index) {
-    return static_cast<std::size_t>(index);
-}
 
 template <class Real>
 class TableCompiler {
@@ -118,7 +112,7 @@ private:
     /// Appends the factors of a row, if it is such a product.
     bool addFactors(const OuterProduct& product, Index row, std::vector<Real>& factors) const {
         std::array<Real, 256> found;
-        const std::size_t length = at(product.size[0] + product.size[1] + product.size[2]);
+        const std::size_t length = product.size[0] + product.size[1] + product.size[2];
         if (length > found.size()) return false;
         const auto own = std::span(found).first(length);
         if (!factorsOf<Real>(product, spread(row, shared_), own)) return false;
@@ -127,8 +121,8 @@ private:
     }
 
     void addPanels(std::span<const Index> rows, std::span<const Index> columns) {
-        for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMostRows))) {
-            const auto part = rows.first(std::min(rows.size(), kMostRows));
+        for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMaxRowsOfGroup))) {
+            const auto part = rows.first(std::min(rows.size(), kMaxRowsOfGroup));
             std::vector<Real> numbers;
             numbers.reserve(part.size() * columns.size());
             for (const Index row : part) {
@@ -141,11 +135,11 @@ private:
 
     void addProducts(const OuterProduct& product, std::span<const Index> rows,
                      std::span<const Real> factors) {
-        const std::size_t length = at(product.size[0] + product.size[1] + product.size[2]);
+        const std::size_t length = product.size[0] + product.size[1] + product.size[2];
         std::vector<Index> columns;
-        for (const Index position : product.order) columns.push_back(shared_[at(position)]);
-        for (std::size_t first = 0; first < rows.size(); first += kMostRows) {
-            const auto part = rows.subspan(first, std::min(rows.size() - first, kMostRows));
+        for (const Index position : product.order) columns.push_back(shared_[position]);
+        for (std::size_t first = 0; first < rows.size(); first += kMaxRowsOfGroup) {
+            const auto part = rows.subspan(first, std::min(rows.size() - first, kMaxRowsOfGroup));
             const auto numbers = factors.subspan(first * length, part.size() * length);
             groups_.add(part, columns, product.size, {numbers.begin(), numbers.end()});
         }
@@ -178,13 +172,13 @@ CompiledRows<Real> compileRows(const StencilTable<Real>& table) {
 
 template <class Real>
 StencilTable<Real> rowsOnly(const StencilTable<Real>& table, std::span<const Index> rows) {
-    std::vector<char> isThere(at(table.rowCount()), 0);
-    for (const Index row : rows) isThere[at(row)] = 1;
+    std::vector<char> isThere(table.rowCount(), 0);
+    for (const Index row : rows) isThere[row] = 1;
     far::Array<Offset> offsets = {0};
     far::Array<Index> columns;
     far::Array<Real> weights;
     for (Index row = 0; row < table.rowCount(); ++row) {
-        if (isThere[at(row)]) {
+        if (isThere[row]) {
             columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
             weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
         }

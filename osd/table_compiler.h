@@ -17,7 +17,7 @@ using far::Offset;
 
 /// Rows of a group, at most, since a lattice of few cells has few sets of columns, of very many
 /// rows.
-inline constexpr Index kMostRowsOfGroup = 1024;
+inline constexpr std::size_t kMaxRowsOfGroup = 1024;
 
 /// A table in three forms, each row in one of them.
 template <class Real>

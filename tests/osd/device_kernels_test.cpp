@@ -155,14 +155,14 @@ TYPED_TEST(DeviceKernels, AddUpLongColumnsInSteps) {
 TEST(DeviceBlocks, HoldTheSharedMemoryOfTheirWarps) {
     using device::blocksOf;
     device::ProductKernel<0, 4, double> largest = {};
-    largest.mostColumns = kernels::kMostProductColumns;
+    largest.mostColumns = kernels::kMaxProductColumns;
     for (const unsigned shared :
          {largest.sharedBytes(), device::ProductKernel<4, 3, float>{}.sharedBytes(),
           device::PanelKernel<12, double>{}.sharedBytes(), 0U}) {
         EXPECT_EQ(shared % 16, 0U);
         for (const Index warps : {1, 4, 5, 1'000'000}) {
             const device::Blocks blocks = blocksOf(warps, shared);
-            EXPECT_LE(blocks.warps * shared, device::kMostShared);
+            EXPECT_LE(blocks.warps * shared, device::kMaxShared);
             EXPECT_GE(blocks.count * blocks.warps, static_cast<unsigned>(warps));
             EXPECT_LT((blocks.count - 1) * blocks.warps, static_cast<unsigned>(warps));
         }

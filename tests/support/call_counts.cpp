@@ -61,7 +61,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
     return memalign(alignment, size);
 }
 
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
     *memory = memalign(alignment, size);
     return *memory != nullptr ? 0 : ENOMEM;
 }
