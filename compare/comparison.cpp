@@ -22,10 +22,6 @@ namespace Far = OpenSubdiv::Far;
 using far::Offset;
 using stencils::StencilTable;
 
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
 }  // namespace
 
 struct Comparison::Data {
@@ -44,12 +40,12 @@ struct Comparison::Data {
         if (level < 0 || level > maxLevel())
             throw Error("level " + std::to_string(level) + " was not compared; levels 0 to " +
                         std::to_string(maxLevel()) + " were");
-        return regions[at(level)];
+        return regions[level];
     }
 
     /// Their vertex for one of ours on the surface.
     Index theirVertex(int level, Index vertex) const {
-        if (const auto match = matches[at(level)].of({0, vertex})) return *match;
+        if (const auto match = matches[level].of({0, vertex})) return *match;
         throw Error("vertex " + std::to_string(vertex) + " of level " + std::to_string(level) +
                     " has no match in OpenSubdiv's refinement");
     }
@@ -111,7 +107,7 @@ StencilTable<double> Comparison::openSubdivTable(int level) const {
         const Index row = data_->theirVertex(level, vertex);
         // Their base vertices are ours of the surface in order, so that columns still ascend.
         for (const Index column : theirs.columns(row))
-            columns.push_back(data_->base.vertices[at(column)]);
+            columns.push_back(data_->base.vertices[column]);
         weights.insert(weights.end(), theirs.weights(row).begin(), theirs.weights(row).end());
         offsets.push_back(static_cast<Offset>(columns.size()));
     }
@@ -135,22 +131,22 @@ struct Primvar {
 std::vector<Point3> Comparison::openSubdivPoints(int level,
                                                  std::span<const Point3> positions) const {
     const Index baseCount = data_->ours.level(0).complex.count(0);
-    if (positions.size() != at(baseCount))
+    if (std::ssize(positions) != baseCount)
         throw Error("got " + std::to_string(positions.size()) + " positions for " +
                     std::to_string(baseCount) + " vertices");
     const std::vector<Index>& ours = vertices(level);
     std::vector<Primvar> points;
-    for (const Index vertex : data_->base.vertices) points.push_back({positions[at(vertex)]});
+    for (const Index vertex : data_->base.vertices) points.push_back({positions[vertex]});
     const Far::PrimvarRefinerReal<double> refiner(*data_->theirs.refiner);
     for (int k = 1; k <= level; ++k) {
-        std::vector<Primvar> next(at(data_->theirLevel(k).GetNumVertices()));
+        std::vector<Primvar> next(data_->theirLevel(k).GetNumVertices());
         Primvar* destination = next.data();
         refiner.Interpolate(k, points.data(), destination);
         points = std::move(next);
     }
     std::vector<Point3> result;
     for (const Index vertex : ours)
-        result.push_back(points[at(data_->theirVertex(level, vertex))].point);
+        result.push_back(points[data_->theirVertex(level, vertex)].point);
     return result;
 }
 
@@ -158,25 +154,25 @@ std::vector<Point3> Comparison::openSubdivPoints(int level,
 std::vector<PointF> Comparison::evaluateTheirTable(int level,
                                                    std::span<const PointF> positions) const {
     std::vector<PointF> base;
-    for (const Index vertex : data_->base.vertices) base.push_back(positions[at(vertex)]);
+    for (const Index vertex : data_->base.vertices) base.push_back(positions[vertex]);
     const OpenSubdivTable<float> table(*data_->table, data_->firstRow(level),
                                        data_->theirLevel(level).GetNumVertices());
     const std::vector<PointF> all = evaluateTheirs(table, base);
     std::vector<PointF> result;
     for (const Index vertex : vertices(level))
-        result.push_back(all[at(data_->theirVertex(level, vertex))]);
+        result.push_back(all[data_->theirVertex(level, vertex)]);
     return result;
 }
 
 LevelAgreement Comparison::compare(int level, const StencilTable<double>& table) const {
     const Index baseCount = data_->ours.level(0).complex.count(0);
-    if (at(table.rowCount()) != vertices(level).size() || table.columnCount() != baseCount)
+    if (table.rowCount() != std::ssize(vertices(level)) || table.columnCount() != baseCount)
         throw Error("got a table of " + std::to_string(table.rowCount()) + " × " +
                     std::to_string(table.columnCount()) + "; level " + std::to_string(level) +
                     " takes one of " + std::to_string(vertices(level).size()) + " × " +
                     std::to_string(baseCount));
     const Surface& region = data_->region(level);
-    const LevelMatch& match = data_->matches[at(level)];
+    const LevelMatch& match = data_->matches[level];
     LevelAgreement agreement;
     agreement.level = level;
     agreement.counts = {static_cast<Index>(region.vertices.size()),
@@ -289,7 +285,7 @@ Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> 
         agreement.levels.push_back(compare(level, table));
         far::checkMemory();
         const bool isMatched = std::isfinite(agreement.levels.back().positionDifference);
-        const Surface& region = data_->regions[at(level)];
+        const Surface& region = data_->regions[level];
         if (isMatched && !region.faces.empty() && region.faces.size() <= kMaxFaces)
             agreement.picture =
                 drawError(data_->ours, level, region, positions,

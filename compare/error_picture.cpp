@@ -89,10 +89,10 @@ std::string drawnFaces(const SurfaceError& surface, const SurfaceView& view,
         "stroke=\"currentColor\" stroke-width=\"{}\" stroke-linejoin=\"round\">\n",
         1.0 / kUnits, 0.7 * kUnits);
     for (const SeenFace& seen : view.faces) {
-        const std::array<Index, 4>& face = surface.faces[static_cast<std::size_t>(seen.face)];
+        const std::array<Index, 4>& face = surface.faces[seen.face];
         double error = 0;
         for (const Index corner : face) {
-            const double e = std::abs(surface.errors[static_cast<std::size_t>(corner)]);
+            const double e = std::abs(surface.errors[corner]);
             // What is not a number counts as the largest.
             if (!(e <= error) && !std::isnan(error)) error = e;
         }
@@ -100,7 +100,7 @@ std::string drawnFaces(const SurfaceError& surface, const SurfaceView& view,
         fmt::format_to(std::back_inserter(group), "<path color=\"{}\" d=\"M", hexText(colour));
         std::array<long, 2> last{};
         for (std::size_t i = 0; i < 4; ++i) {
-            const auto point = placement(view.points[static_cast<std::size_t>(face[i])]);
+            const auto point = placement(view.points[face[i]]);
             if (i == 1) group += 'l';
             if (i > 1 && point[0] >= last[0]) group += ' ';
             appendPair(group, {point[0] - last[0], point[1] - last[1]});
@@ -209,12 +209,11 @@ std::string errorPicture(const SurfaceError& surface, const Bounds& bounds) {
     const Placement placement(view, kLineHeight * static_cast<int>(lines.size()));
     const ErrorScale scale(bounds.position);
     const std::optional<Index> worst = largestErrorVertex(surface);
-    const double largest = worst ? surface.errors[static_cast<std::size_t>(*worst)] : 0;
+    const double largest = worst ? surface.errors[*worst] : 0;
     std::string content = drawnFaces(surface, view, placement, scale);
     const Sight sight = worst ? sightOf(surface, view, *worst) : Sight::Absent;
     if (sight != Sight::Absent)
-        content +=
-            ring(placement(view.points[static_cast<std::size_t>(*worst)]), sight == Sight::Hidden);
+        content += ring(placement(view.points[*worst]), sight == Sight::Hidden);
     content += legend(scale, bounds.position, largest);
     for (std::size_t i = 0; i < lines.size(); ++i)
         content += text(kMargin, 20 + kLineHeight * static_cast<double>(i), "start", lines[i]);

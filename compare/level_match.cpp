@@ -14,13 +14,9 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 using far::Entity;
 
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
 LevelMatch emptyMatch(const far::CellComplex& complex) {
     LevelMatch match;
-    for (int d = 0; d <= 2; ++d) match.theirs[at(d)].resize(at(complex.count(d)));
+    for (int d = 0; d <= 2; ++d) match.theirs[d].resize(complex.count(d));
     return match;
 }
 
@@ -60,9 +56,9 @@ LevelMatch matchBase(const far::CellComplex& complex, const Surface& surface,
                      const Far::TopologyLevel& theirs) {
     LevelMatch match = emptyMatch(complex);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i)
-        match.theirs[0][at(surface.vertices[i])] = static_cast<Index>(i);
+        match.theirs[0][surface.vertices[i]] = static_cast<Index>(i);
     for (std::size_t i = 0; i < surface.faces.size(); ++i)
-        match.theirs[2][at(surface.faces[i])] = static_cast<Index>(i);
+        match.theirs[2][surface.faces[i]] = static_cast<Index>(i);
     // Edges as the sides of faces: their ends may not tell them apart.
     for (const Index face : surface.faces) {
         const Index theirFace = *match.of({2, face});
@@ -70,7 +66,7 @@ LevelMatch matchBase(const far::CellComplex& complex, const Surface& surface,
             align(complex, face, match, theirs.GetFaceVertices(theirFace));
         const auto edges = complex.relation(2, 1)[face];
         for (std::size_t i = 0; i < edges.size(); ++i)
-            match.theirs[1][at(edges[i])] =
+            match.theirs[1][edges[i]] =
                 theirs.GetFaceEdges(theirFace)[static_cast<int>(alignment.sides[i])];
     }
     return match;
@@ -117,7 +113,7 @@ LevelMatch matchChildren(const far::CellComplex& parent, const LevelMatch& match
             theirs = theirParent.GetEdgeChildEdges(
                 *whole)[static_cast<int>(isReversed ? 1 - position : position)];
         }
-        if (Far::IndexIsValid(theirs)) result.theirs[at(child.dimension)][at(child.index)] = theirs;
+        if (Far::IndexIsValid(theirs)) result.theirs[child.dimension][child.index] = theirs;
     });
     return result;
 }
@@ -127,30 +123,30 @@ Surface comparedRegion(const far::TopologyRefiner& refiner, int level, const Lev
     const far::CellComplex& complex = refiner.level(level).complex;
     Surface surface = surfaceOf(complex);
     if (refiner.boundary() != far::Boundary::Open) return surface;
-    std::array<std::vector<char>, 2> isKept = {std::vector<char>(at(complex.count(0)), 0),
-                                               std::vector<char>(at(complex.count(1)), 0)};
+    std::array<std::vector<char>, 2> isKept = {std::vector<char>(complex.count(0), 0),
+                                               std::vector<char>(complex.count(1), 0)};
     std::erase_if(surface.faces, [&](Index face) {
         const std::optional<Index> theirFace = match.of({2, face});
         return !theirFace || theirs.IsFaceHole(*theirFace);
     });
     for (const Index face : surface.faces)
         for (int d = 0; d < 2; ++d)
-            for (const Index part : complex.relation(2, d)[face]) isKept[at(d)][at(part)] = 1;
-    std::erase_if(surface.vertices, [&](Index vertex) { return !isKept[0][at(vertex)]; });
-    std::erase_if(surface.edges, [&](Index edge) { return !isKept[1][at(edge)]; });
+            for (const Index part : complex.relation(2, d)[face]) isKept[d][part] = 1;
+    std::erase_if(surface.vertices, [&](Index vertex) { return !isKept[0][vertex]; });
+    std::erase_if(surface.edges, [&](Index edge) { return !isKept[1][edge]; });
     return surface;
 }
 
 std::array<Index, 3> countTheirs(far::Boundary boundary, const Far::TopologyLevel& theirs) {
     if (boundary != far::Boundary::Open)
         return {theirs.GetNumVertices(), theirs.GetNumEdges(), theirs.GetNumFaces()};
-    std::vector<char> vertices(at(theirs.GetNumVertices()), 0), edges(at(theirs.GetNumEdges()), 0);
+    std::vector<char> vertices(theirs.GetNumVertices(), 0), edges(theirs.GetNumEdges(), 0);
     std::array<Index, 3> counts = {};
     for (Index face = 0; face < theirs.GetNumFaces(); ++face) {
         if (theirs.IsFaceHole(face)) continue;
         ++counts[2];
-        for (const Index vertex : theirs.GetFaceVertices(face)) vertices[at(vertex)] = 1;
-        for (const Index edge : theirs.GetFaceEdges(face)) edges[at(edge)] = 1;
+        for (const Index vertex : theirs.GetFaceVertices(face)) vertices[vertex] = 1;
+        for (const Index edge : theirs.GetFaceEdges(face)) edges[edge] = 1;
     }
     counts[0] = static_cast<Index>(std::count(vertices.begin(), vertices.end(), 1));
     counts[1] = static_cast<Index>(std::count(edges.begin(), edges.end(), 1));
@@ -173,14 +169,14 @@ public:
         const std::array<std::span<const Index>, 3> entities = {region.vertices, region.edges,
                                                                 region.faces};
         for (int d = 0; d <= 2; ++d) {
-            std::vector<char> isTaken(at(d == 0   ? theirs_.GetNumVertices()
-                                         : d == 1 ? theirs_.GetNumEdges()
-                                                  : theirs_.GetNumFaces()),
+            std::vector<char> isTaken(d == 0   ? theirs_.GetNumVertices()
+                                      : d == 1 ? theirs_.GetNumEdges()
+                                               : theirs_.GetNumFaces(),
                                       0);
-            for (const Index index : entities[at(d)]) {
+            for (const Index index : entities[d]) {
                 const std::optional<Index> theirs = match_.of({d, index});
                 if (!theirs) return name({d, index}) + " has no match";
-                if (isTaken[at(*theirs)]++)
+                if (isTaken[*theirs]++)
                     return name({d, index}) + " has the match of another, " +
                            std::to_string(*theirs);
             }
@@ -195,7 +191,7 @@ public:
             }
         // Faces first: what differs in their vertices need not be told of the latter's features.
         for (int d = 2; d >= 0; --d)
-            for (const Index index : entities[at(d)]) {
+            for (const Index index : entities[d]) {
                 const std::string text = d == 0   ? inspectVertex(index)
                                          : d == 1 ? inspectEdge(index)
                                                   : inspectFace(index);

@@ -22,7 +22,7 @@ OpenSubdivTable<Real>::OpenSubdivTable(const stencils::StencilTable<Real>& table
                     " entries is too large for OpenSubdiv, whose offsets are of 32 bits");
     for (Index row = 0; row < table.rowCount(); ++row) {
         sizes_.push_back(static_cast<int>(table.columns(row).size()));
-        offsets_.push_back(static_cast<int>(table.offsets()[static_cast<std::size_t>(row)]));
+        offsets_.push_back(static_cast<int>(table.offsets()[row]));
     }
 }
 
@@ -48,7 +48,7 @@ OpenSubdivTable<Real>::OpenSubdivTable(const OpenSubdiv::Far::StencilTableReal<d
     : columnCount_(table.GetNumControlVertices()) {
     auto entry = static_cast<std::size_t>(firstEntry(table, first, count));
     for (Index row = first; row < first + count; ++row) {
-        sizes_.push_back(table.GetSizes()[static_cast<std::size_t>(row)]);
+        sizes_.push_back(table.GetSizes()[row]);
         offsets_.push_back(static_cast<int>(indices_.size()));
         for (int k = 0; k < sizes_.back(); ++k, ++entry) {
             indices_.push_back(table.GetControlIndices()[entry]);
@@ -68,9 +68,8 @@ stencils::StencilTable<Real> fromOpenSubdiv(const OpenSubdiv::Far::StencilTableR
     std::vector<std::pair<Index, Real>> row;
     for (Index i = first; i < first + count; ++i) {
         row.clear();
-        for (int k = 0; k < sizes[static_cast<std::size_t>(i)]; ++k, ++at)
-            row.emplace_back(table.GetControlIndices()[static_cast<std::size_t>(at)],
-                             table.GetWeights()[static_cast<std::size_t>(at)]);
+        for (int k = 0; k < sizes[i]; ++k, ++at)
+            row.emplace_back(table.GetControlIndices()[at], table.GetWeights()[at]);
         std::sort(row.begin(), row.end(),
                   [](const auto& a, const auto& b) { return a.first < b.first; });
         for (const auto& [column, weight] : row) {

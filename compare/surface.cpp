@@ -14,15 +14,13 @@ Surface surfaceOf(const far::CellComplex& complex) {
     for (Index face = 0; face < complex.count(2); ++face) {
         if (complex.dimension() == 3 && complex.relation(2, 3)[face].size() != 1) continue;
         surface.faces.push_back(face);
-        for (const Index vertex : complex.relation(2, 0)[face])
-            hasVertex[static_cast<std::size_t>(vertex)] = 1;
-        for (const Index edge : complex.relation(2, 1)[face])
-            hasEdge[static_cast<std::size_t>(edge)] = 1;
+        for (const Index vertex : complex.relation(2, 0)[face]) hasVertex[vertex] = 1;
+        for (const Index edge : complex.relation(2, 1)[face]) hasEdge[edge] = 1;
     }
     for (Index vertex = 0; vertex < complex.count(0); ++vertex)
-        if (hasVertex[static_cast<std::size_t>(vertex)]) surface.vertices.push_back(vertex);
+        if (hasVertex[vertex]) surface.vertices.push_back(vertex);
     for (Index edge = 0; edge < complex.count(1); ++edge)
-        if (hasEdge[static_cast<std::size_t>(edge)]) surface.edges.push_back(edge);
+        if (hasEdge[edge]) surface.edges.push_back(edge);
     return surface;
 }
 
@@ -31,7 +29,7 @@ bool isWoundInward(const far::CellComplex& complex, Index face) {
     const Index cell = complex.relation(2, 3)[face].front();
     const auto faces = complex.boundary(3)[cell];
     const auto at = std::find(faces.begin(), faces.end(), face) - faces.begin();
-    return complex.boundary(3).signs(cell)[static_cast<std::size_t>(at)] < 0;
+    return complex.boundary(3).signs(cell)[at] < 0;
 }
 
 std::vector<Index> surfaceLoop(const far::CellComplex& complex, Index face) {

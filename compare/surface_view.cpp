@@ -15,10 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
 bool isFinite(const Point3& p) {
     return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
@@ -34,7 +30,7 @@ std::vector<SeenFace> drawableFaces(const SurfaceError& surface) {
             if (corner < 0 || corner >= count)
                 throw Error(
                     fmt::format("picture: face {} names position {} of {}", f, corner, count));
-            isDrawable = isDrawable && isFinite(surface.positions[at(corner)]);
+            isDrawable = isDrawable && isFinite(surface.positions[corner]);
         }
         if (isDrawable) faces.push_back({static_cast<Index>(f), 0, 0});
     }
@@ -51,15 +47,15 @@ struct Normalised {
     Normalised(const SurfaceError& surface, const std::vector<SeenFace>& faces) {
         scale = 0;
         for (const SeenFace& seen : faces)
-            for (const Index corner : surface.faces[at(seen.face)])
-                for (const double x : surface.positions[at(corner)])
+            for (const Index corner : surface.faces[seen.face])
+                for (const double x : surface.positions[corner])
                     scale = std::max(scale, std::abs(x));
         if (scale == 0) scale = 1;
         Vector3d min = Vector3d::Constant(1);
         Vector3d max = Vector3d::Constant(-1);
         for (const SeenFace& seen : faces)
-            for (const Index corner : surface.faces[at(seen.face)]) {
-                const Vector3d p = divided(surface.positions[at(corner)]);
+            for (const Index corner : surface.faces[seen.face]) {
+                const Vector3d p = divided(surface.positions[corner]);
                 min = min.cwiseMin(p);
                 max = max.cwiseMax(p);
             }
@@ -148,11 +144,11 @@ SurfaceView viewOf(const SurfaceError& surface) {
         view.depths[seen.size() - 1] = seen.back().z();
     }
 
-    view.min = view.max = view.points[at(surface.faces[at(view.faces[0].face)][0])];
+    view.min = view.max = view.points[surface.faces[view.faces[0].face][0]];
     for (SeenFace& face : view.faces) {
         std::array<Vector3d, 4> corners;
         for (std::size_t i = 0; i < 4; ++i) {
-            const std::size_t corner = at(surface.faces[at(face.face)][i]);
+            const std::size_t corner = surface.faces[face.face][i];
             corners[i] = seen[corner];
             face.depth += view.depths[corner] / 4;
             for (std::size_t k = 0; k < 2; ++k) {
@@ -171,15 +167,15 @@ Sight sightOf(const SurfaceError& surface, const SurfaceView& view, Index vertex
     Sight sight = Sight::Absent;
     bool isBehind = false;
     for (const SeenFace& seen : view.faces) {
-        const std::array<Index, 4>& face = surface.faces[at(seen.face)];
+        const std::array<Index, 4>& face = surface.faces[seen.face];
         if (std::find(face.begin(), face.end(), vertex) != face.end()) {
             sight = Sight::Visible;
             continue;
         }
-        if (isBehind || seen.depth <= view.depths[at(vertex)]) continue;
+        if (isBehind || seen.depth <= view.depths[vertex]) continue;
         std::array<std::array<double, 2>, 4> loop{};
-        for (std::size_t i = 0; i < 4; ++i) loop[i] = view.points[at(face[i])];
-        isBehind = isInside(loop, view.points[at(vertex)]);
+        for (std::size_t i = 0; i < 4; ++i) loop[i] = view.points[face[i]];
+        isBehind = isInside(loop, view.points[vertex]);
     }
     return sight == Sight::Visible && isBehind ? Sight::Hidden : sight;
 }

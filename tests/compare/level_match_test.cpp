@@ -12,12 +12,12 @@ namespace {
 using ::testing::HasSubstr;
 
 /// A shape and its match with OpenSubdiv on levels 0 and 1.
-struct Example {
+struct MatchedShape {
     far::TopologyRefiner refiner;
     OpenSubdivRefiner theirs;
     std::vector<LevelMatch> matches;
 
-    explicit Example(const Lattice& shape)
+    explicit MatchedShape(const Lattice& shape)
         : refiner(test::refined(shape, 1)),
           theirs(makeOpenSubdivRefiner(refiner, surfaceOf(shape.complex))) {
         matches.push_back(
@@ -28,7 +28,7 @@ struct Example {
 
     std::string difference(int level) const {
         const auto theirLevel = theirs.refiner->GetLevel(level);
-        const LevelMatch& match = matches[static_cast<std::size_t>(level)];
+        const LevelMatch& match = matches[level];
         return describeDifference(refiner, level, comparedRegion(refiner, level, match, theirLevel),
                                   match, theirLevel);
     }
@@ -36,11 +36,11 @@ struct Example {
 
 TEST(LevelMatch, EverythingOnASurfaceHasOneMatch) {
     for (const auto& [name, lattice] : test::zoo()) {
-        const Example example(lattice);
-        EXPECT_EQ(example.difference(0), "") << name;
-        EXPECT_EQ(example.difference(1), "") << name;
-        const auto theirs = example.theirs.refiner->GetLevel(1);
-        const Surface surface = surfaceOf(example.refiner.level(1).complex);
+        const MatchedShape matched(lattice);
+        EXPECT_EQ(matched.difference(0), "") << name;
+        EXPECT_EQ(matched.difference(1), "") << name;
+        const auto theirs = matched.theirs.refiner->GetLevel(1);
+        const Surface surface = surfaceOf(matched.refiner.level(1).complex);
         EXPECT_EQ(countTheirs(far::Boundary::Sharp, theirs),
                   (std::array{static_cast<Index>(surface.vertices.size()),
                               static_cast<Index>(surface.edges.size()),
@@ -52,9 +52,9 @@ TEST(LevelMatch, EverythingOnASurfaceHasOneMatch) {
 TEST(LevelMatch, DifferencesAreNamed) {
     const Lattice box = shapes::box({.cells = {2, 1, 1}});
     const auto planted = [&](auto plant) {
-        Example example(box);
-        plant(example.matches[1]);
-        return example.difference(1);
+        MatchedShape matched(box);
+        plant(matched.matches[1]);
+        return matched.difference(1);
     };
     EXPECT_THAT(planted([](LevelMatch& m) { std::swap(m.theirs[0][0], m.theirs[0][1]); }),
                 HasSubstr("has other vertices than theirs"));
@@ -75,13 +75,13 @@ TEST(LevelMatch, DifferencesAreNamed) {
 // Marks that OpenSubdiv did not get show as differences of features.
 TEST(LevelMatch, FeaturesAreCompared) {
     Lattice mesh = test::cubeSurface();
-    const Example plain(mesh);
+    const MatchedShape plain(mesh);
     const auto ends = mesh.complex.relation(1, 0)[0];
     mesh.marks.edges = {{{ends[0], ends[1]}, 2.5}};
     const auto against = [&](const Lattice& marked) {
-        Example example(marked);
-        example.theirs = makeOpenSubdivRefiner(plain.refiner, surfaceOf(mesh.complex));
-        return example.difference(1);
+        MatchedShape matched(marked);
+        matched.theirs = makeOpenSubdivRefiner(plain.refiner, surfaceOf(mesh.complex));
+        return matched.difference(1);
     };
     EXPECT_THAT(against(mesh), HasSubstr("sharpness 1.5"));
     mesh.marks = {.vertices = {{3, 1.5}}};
@@ -92,9 +92,9 @@ TEST(LevelMatch, FeaturesAreCompared) {
     // Without boundary control too.
     Lattice open{test::gridMesh(5, 5), {}, {}, {}};
     open.tags.boundary = far::Boundary::Open;
-    const Example solid(open);
+    const MatchedShape solid(open);
     open.marks.holes = {12};
-    Example pierced(open);
+    MatchedShape pierced(open);
     EXPECT_EQ(pierced.difference(1), "");
     pierced.theirs = makeOpenSubdivRefiner(solid.refiner, surfaceOf(open.complex));
     EXPECT_THAT(pierced.difference(1), HasSubstr("is a hole; theirs is not"));

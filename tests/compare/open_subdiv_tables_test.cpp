@@ -18,7 +18,7 @@ namespace Far = OpenSubdiv::Far;
 namespace Osd = OpenSubdiv::Osd;
 
 /// A creased mesh and OpenSubdiv's table of its level 2.
-struct Example {
+struct CreasedMesh {
     Lattice mesh = test::randomCreases(test::cubeSurface(), 7, far::Creasing::Uniform);
     far::TopologyRefiner refiner = test::refined(mesh, 2);
     OpenSubdivRefiner theirs = makeOpenSubdivRefiner(refiner, surfaceOf(mesh.complex));
@@ -71,16 +71,16 @@ void expectSame(const std::vector<float>& a, const std::vector<float>& b) {
 }
 
 TEST(OpenSubdivTables, OurTableIsRunByTheirEvaluator) {
-    const Example example;
-    const auto table = stencils::buildStencils<float>(example.refiner, 2);
-    const std::vector<float> source = basePositions(example.mesh);
+    const CreasedMesh creased;
+    const auto table = stencils::buildStencils<float>(creased.refiner, 2);
+    const std::vector<float> source = basePositions(creased.mesh);
     expectSame(evaluateTheirs(OpenSubdivTable<float>(table), source), evaluateOurs(table, source));
 }
 
 TEST(OpenSubdivTables, TheirTableIsRunByOurEvaluator) {
-    const Example example;
-    const auto theirs = example.table<float>();
-    const std::vector<float> source = basePositions(example.mesh);
+    const CreasedMesh creased;
+    const auto theirs = creased.table<float>();
+    const std::vector<float> source = basePositions(creased.mesh);
     const auto table = fromOpenSubdiv(*theirs, 0, theirs->GetNumStencils());
     const std::vector<float> expected =
         evaluateTheirs(static_cast<const Far::StencilTable&>(*theirs), source);
@@ -88,7 +88,7 @@ TEST(OpenSubdivTables, TheirTableIsRunByOurEvaluator) {
 }
 
 TEST(OpenSubdivTables, KeepWeightsAndShapes) {
-    const auto table = stencils::buildStencils<double>(Example().refiner, 2);
+    const auto table = stencils::buildStencils<double>(CreasedMesh().refiner, 2);
     const OpenSubdivTable<double> exported(table);
     EXPECT_EQ(exported.GetNumStencils(), table.rowCount());
     EXPECT_EQ(exported.GetNumControlVertices(), table.columnCount());
@@ -104,8 +104,8 @@ TEST(OpenSubdivTables, KeepWeightsAndShapes) {
 }
 
 TEST(OpenSubdivTables, TakePartOfATable) {
-    const Example example;
-    const auto theirs = example.table<double>();
+    const CreasedMesh creased;
+    const auto theirs = creased.table<double>();
     const auto all = fromOpenSubdiv(*theirs, 0, theirs->GetNumStencils());
     const auto some = fromOpenSubdiv(*theirs, 5, 3);
     ASSERT_EQ(some.rowCount(), 3);

@@ -7,8 +7,6 @@
 namespace espalier::osd {
 namespace {
 
-enum class Place { Host, Device };
-
 /// Copies what a test has on the host to the device and back, where the arguments are to be there.
 template <class Real>
 class OnDevice {
@@ -26,8 +24,8 @@ private:
     CudaBuffer<Real> buffer_;
 };
 
-/// An evaluator for GPUs, with source and destination in one place.
-template <bool isGrouped, bool isAdjoint, Place place>
+/// An evaluator for GPUs, with source and destination both on the device, or both on the host.
+template <bool isGrouped, bool isAdjoint, bool isOnDevice>
 struct Cuda {
     static std::string skipReason() { return test::whyNoCuda(); }
 
@@ -50,7 +48,7 @@ struct Cuda {
                 else
                     evaluator_.evaluate(from, sourceLayout, to, destinationLayout, rows, workspace);
             };
-            if constexpr (place == Place::Host) {
+            if constexpr (!isOnDevice) {
                 run(source, destination);
                 workspace.synchronize();
             } else {
@@ -65,13 +63,13 @@ struct Cuda {
     };
 };
 
-using Cases = ::testing::Types<
-    Case<Cuda<true, false, Place::Host>, float>, Case<Cuda<true, false, Place::Host>, double>,
-    Case<Cuda<true, false, Place::Device>, float>, Case<Cuda<true, false, Place::Device>, double>,
-    Case<Cuda<false, false, Place::Host>, float>, Case<Cuda<false, false, Place::Device>, double>,
-    Case<Cuda<true, true, Place::Host>, float>, Case<Cuda<true, true, Place::Device>, float>,
-    Case<Cuda<true, true, Place::Device>, double>, Case<Cuda<false, true, Place::Host>, double>,
-    Case<Cuda<false, true, Place::Device>, float>>;
+using Cases =
+    ::testing::Types<Case<Cuda<true, false, false>, float>, Case<Cuda<true, false, false>, double>,
+                     Case<Cuda<true, false, true>, float>, Case<Cuda<true, false, true>, double>,
+                     Case<Cuda<false, false, false>, float>, Case<Cuda<false, false, true>, double>,
+                     Case<Cuda<true, true, false>, float>, Case<Cuda<true, true, true>, float>,
+                     Case<Cuda<true, true, true>, double>, Case<Cuda<false, true, false>, double>,
+                     Case<Cuda<false, true, true>, float>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Cuda, EvaluatorTest, Cases);
 
 }  // namespace

@@ -39,10 +39,10 @@ std::string lastRank() {
     return "rank " + std::to_string(test::rankCount() - 1) + ": ";
 }
 
-constexpr Index kPoints = 40, kVertices = 10;
-
 class DistributedTableErrors : public ::testing::Test {
 protected:
+    static constexpr Index kPoints = 40, kVertices = 10;
+
     std::string errorOfTable(const stencils::StencilTable<double>& rows, Offset ownVertexCount,
                              int components = 3) const {
         return errorOf([&] { DistributedTable(MPI_COMM_WORLD, rows, ownVertexCount, components); });
