@@ -7,6 +7,7 @@
 #include "fuzz_target.h"
 #include "written.h"
 
+namespace espalier::fuzz {
 namespace {
 
 /// The same bytes with the checksum that they should end with, which no mutation would find.
@@ -21,23 +22,20 @@ std::string withChecksum(std::string_view bytes) {
     return result;
 }
 
-}  // namespace
-
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace espalier;
+const Target kEspb("espb", [](std::string_view bytes) {
     const std::string name = "a.espb";
-    const std::string_view bytes = fuzz::textOf(data, size);
-    fuzz::readResult(name, [&] { return io::readBoundModel(name, bytes); });
+    readResult(name, [&] { return io::readBoundModel(name, bytes); });
     const std::string whole = withChecksum(bytes);
-    const auto model = fuzz::readResult(name, [&] { return io::readBoundModel(name, whole); });
-    if (!model) return 0;
+    const auto model = readResult(name, [&] { return io::readBoundModel(name, whole); });
+    if (!model) return;
     const std::string once =
-        fuzz::written(name, [&](const auto& path) { io::writeBoundModel(path, *model); });
+        written(name, [&](const auto& path) { io::writeBoundModel(path, *model); });
     // But for four bytes without meaning, and the checksum.
-    fuzz::require(once.size() == whole.size(), "a bound model is written as it was");
+    require(once.size() == whole.size(), "a bound model is written as it was");
     const io::BoundModel back = io::readBoundModel(name, once);
-    const auto again =
-        fuzz::written(name, [&](const auto& path) { io::writeBoundModel(path, back); });
-    fuzz::require(once == again, "what comes back is written the same");
-    return 0;
-}
+    const auto again = written(name, [&](const auto& path) { io::writeBoundModel(path, back); });
+    require(once == again, "what comes back is written the same");
+});
+
+}  // namespace
+}  // namespace espalier::fuzz

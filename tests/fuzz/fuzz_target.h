@@ -7,18 +7,28 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
-/// The entry of a target: libFuzzer calls it with what it has made up, replay.cpp with files.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
-
 // What the targets share. A target takes bytes, hands them to the library, and dies if that breaks
 // a promise; the sanitizers see to the rest.
 namespace espalier::fuzz {
+
+/// A target, which has the name of its corpus. All are made before main() runs.
+class Target {
+public:
+    using Run = void (*)(std::string_view bytes);
+
+    Target(const std::string& name, Run run) { all()[name] = run; }
+
+    static std::map<std::string, Run>& all() {
+        static std::map<std::string, Run> targets;
+        return targets;
+    }
+};
 
 /// Dies if a promise is broken.
 inline void require(bool isKept, const char* promise, const std::string& detail = {}) {
@@ -61,16 +71,12 @@ auto readResult(const std::string& name, Read read) -> std::optional<decltype(re
     }
 }
 
-inline std::string_view textOf(const std::uint8_t* data, std::size_t size) {
-    return {reinterpret_cast<const char*>(data), size};
-}
-
 /// Takes numbers off the bytes of an input; 0 where there are no more.
 class Input {
 public:
-    Input(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+    explicit Input(std::string_view bytes) : bytes_(bytes) {}
 
-    std::size_t left() const { return size_; }
+    std::size_t left() const { return bytes_.size(); }
     std::uint8_t byte() { return take<std::uint8_t>(); }
     bool flag() { return byte() % 2 != 0; }
     /// 0 to count − 1.
@@ -78,16 +84,12 @@ public:
     template <class Number>
     Number take() {
         Number number{};
-        const std::size_t count = size_ < sizeof number ? size_ : sizeof number;
-        std::memcpy(&number, data_, count);
-        data_ += count;
-        size_ -= count;
+        bytes_.remove_prefix(bytes_.copy(reinterpret_cast<char*>(&number), sizeof number));
         return number;
     }
 
 private:
-    const std::uint8_t* data_;
-    std::size_t size_;
+    std::string_view bytes_;
 };
 
 }  // namespace espalier::fuzz

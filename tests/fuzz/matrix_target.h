@@ -11,7 +11,7 @@ namespace espalier::fuzz {
 
 /// That a matrix is refused, or comes back from the file that it is written to.
 /// \param name gives the format
-inline void runMatrixTarget(const std::string& name, std::string_view bytes) {
+inline void runMatrix(const std::string& name, std::string_view bytes) {
     const auto table = readResult(name, [&] { return io::readMatrix(name, bytes); });
     if (!table) return;
     const std::string once =

@@ -4,20 +4,24 @@
 
 #include "fuzz_target.h"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace espalier;
-    fuzz::Input input(data, size);
+namespace espalier::fuzz {
+namespace {
+
+const Target kPayload("payload", [](std::string_view bytes) {
+    Input input(bytes);
     const std::uint8_t choices = input.byte();
     io::VtkCoding coding;
     coding.byteOrder = (choices & 1) != 0 ? std::endian::big : std::endian::little;
     coding.has64BitHeader = (choices & 2) != 0;
     coding.isCompressed = (choices & 4) != 0;
     const auto form = (choices & 8) != 0 ? io::PayloadForm::Base64 : io::PayloadForm::Raw;
-    const std::string_view text = fuzz::textOf(data + size - input.left(), input.left());
-    const auto bytes = fuzz::resultOf([&] { return io::decodePayload(text, form, coding); });
-    if (!bytes) return 0;
-    const std::string coded = io::encodePayload(*bytes, coding);
-    fuzz::require(io::decodePayload(coded, io::PayloadForm::Base64, coding) == *bytes,
-                  "what is coded is decoded");
-    return 0;
-}
+    const std::string_view text = bytes.substr(bytes.size() - input.left());
+    const auto decoded = resultOf([&] { return io::decodePayload(text, form, coding); });
+    if (!decoded) return;
+    const std::string coded = io::encodePayload(*decoded, coding);
+    require(io::decodePayload(coded, io::PayloadForm::Base64, coding) == *decoded,
+            "what is coded is decoded");
+});
+
+}  // namespace
+}  // namespace espalier::fuzz

@@ -6,13 +6,15 @@
 #include <filesystem>
 #include <vector>
 
-#include "fuzz_target.h"
+#include "entry.h"
 
-/// Stands in for libFuzzer where there is none: runs the target on every file of the folders named.
+/// Stands in for libFuzzer where there is none: runs the target that the first argument names on
+/// every file of the folders that the others name.
 int main(int argumentCount, char** arguments) {
     namespace fs = std::filesystem;
+    LLVMFuzzerInitialize(&argumentCount, &arguments);
     std::vector<fs::path> files;
-    for (int i = 1; i < argumentCount; ++i)
+    for (int i = 2; i < argumentCount; ++i)
         for (const auto& entry : fs::recursive_directory_iterator(arguments[i]))
             if (entry.is_regular_file()) files.push_back(entry.path());
     std::sort(files.begin(), files.end());

@@ -60,7 +60,7 @@ far::CellComplex assembleFrom(Input& input, int dimension) {
             }
             rows.offsets.push_back(static_cast<far::Offset>(rows.values.size()));
         }
-        boundaries[static_cast<std::size_t>(d - 1)] = far::SignedIncidence(rows);
+        boundaries[d - 1] = far::SignedIncidence(rows);
     }
     far::CellComplex complex(dimension, vertexCount, boundaries);
     far::validate(complex);
@@ -101,7 +101,7 @@ void requireWeights(const far::TopologyRefiner& refiner, stencils::Rules rules) 
 }
 
 /// That integers of any kind make no complex, or one that can be refined.
-void run(Input input) {
+void runTopology(Input input) {
     const int dimension = 1 + input.choice(3);
     const bool isBuilt = input.flag();
     const auto rules = static_cast<stencils::Rules>(input.choice(4));
@@ -124,10 +124,7 @@ void run(Input input) {
     requireWeights(*refiner, rules);
 }
 
+const Target kTopology("topology", [](std::string_view bytes) { runTopology(Input(bytes)); });
+
 }  // namespace
 }  // namespace espalier::fuzz
-
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    espalier::fuzz::run(espalier::fuzz::Input(data, size));
-    return 0;
-}

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#pragma once
-
 #include <espalier/io/model.h>
 
 #include <cmath>
@@ -10,10 +8,10 @@
 #include "written.h"
 
 namespace espalier::fuzz {
+namespace {
 
 /// Gradients made up of the bytes of an input, of all sizes and signs, singular ones among them.
-inline std::vector<io::DeformationGradient> gradientsFrom(std::string_view bytes,
-                                                          std::size_t count) {
+std::vector<io::DeformationGradient> gradientsFrom(std::string_view bytes, std::size_t count) {
     std::vector<io::DeformationGradient> gradients(count);
     std::size_t next = 0;
     for (io::DeformationGradient& gradient : gradients) {
@@ -28,7 +26,7 @@ inline std::vector<io::DeformationGradient> gradientsFrom(std::string_view bytes
 /// That a model is refused, or is written as it was read where no point moves and no gradient
 /// turns, and with all its points where they have moved.
 /// \param name gives the format
-inline void runModelTarget(const std::string& name, std::string_view bytes) {
+void runModel(const std::string& name, std::string_view bytes) {
     const auto read = readResult(name, [&] { return io::readModel(name, std::string(bytes)); });
     if (!read) return;
     const io::Model& model = **read;
@@ -65,4 +63,10 @@ inline void runModelTarget(const std::string& name, std::string_view bytes) {
     requireMoved(writtenWith(model, moved, gradientsFrom(bytes, moved.size())));
 }
 
+const Target kObj("obj", [](std::string_view bytes) { runModel("a.obj", bytes); });
+const Target kPly("ply", [](std::string_view bytes) { runModel("a.ply", bytes); });
+const Target kStl("stl", [](std::string_view bytes) { runModel("a.stl", bytes); });
+const Target kVtuModel("vtu_model", [](std::string_view bytes) { runModel("a.vtu", bytes); });
+
+}  // namespace
 }  // namespace espalier::fuzz

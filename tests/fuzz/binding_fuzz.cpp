@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#pragma once
-
 #include <espalier/far/complex_builder.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/limit_binding.h>
 #include <espalier/stencils/local_binding.h>
 
 #include <algorithm>
@@ -14,11 +13,12 @@
 #include "fuzz_target.h"
 
 namespace espalier::fuzz {
+namespace {
 
 using far::Index;
 
 /// A cell of each kind, or two that meet.
-inline far::CellComplex takeComplex(Input& input) {
+far::CellComplex takeComplex(Input& input) {
     using far::StandardCell;
     const int kind = input.choice(6);
     if (kind < 4) {
@@ -64,22 +64,21 @@ private:
     double scale_ = 1;
 };
 
-inline double lengthOf(const Point3& point) {
+double lengthOf(const Point3& point) {
     return std::hypot(point[0], point[1], point[2]);
 }
 
 /// How far the row of a point puts it from where it is, at rest.
-inline double errorAt(const stencils::StencilTable<double>& table, Index row,
-                      const std::vector<Point3>& rest, const Point3& point) {
+double errorAt(const stencils::StencilTable<double>& table, Index row,
+               const std::vector<Point3>& rest, const Point3& point) {
     Point3 difference = point;
     for (std::size_t k = 0; k < table.weights(row).size(); ++k)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            difference[axis] -=
-                table.weights(row)[k] * rest[static_cast<std::size_t>(table.columns(row)[k])][axis];
+            difference[axis] -= table.weights(row)[k] * rest[table.columns(row)[k]][axis];
     return lengthOf(difference);
 }
 
-inline std::string formatted(double number) {
+std::string formatted(double number) {
     std::ostringstream text;
     text << number;
     return text.str();
@@ -90,7 +89,7 @@ inline std::string formatted(double number) {
 ///
 /// \param bind bind(refiner, rest, rules, points, options): a BoundModel<double>
 template <class Bind>
-void runBinding(Input input, std::size_t mostPoints, Bind bind) {
+void runBinding(Input input, std::size_t maxPoints, Bind bind) {
     const far::TopologyRefiner refiner(takeComplex(input));
     const auto rules = static_cast<stencils::Rules>(input.choice(2));
     stencils::EmbeddingOptions options;
@@ -103,7 +102,7 @@ void runBinding(Input input, std::size_t mostPoints, Bind bind) {
     for (Index v = 0; v < refiner.level(0).complex.count(0); ++v) rest.push_back(ofVertices.take());
     Coordinates ofPoints(input);
     std::vector<Point3> points;
-    while (input.left() > 0 && points.size() < mostPoints) points.push_back(ofPoints.take());
+    while (input.left() > 0 && points.size() < maxPoints) points.push_back(ofPoints.take());
 
     const auto bound = resultOf([&] { return bind(refiner, rest, rules, points, options); });
     if (!bound) return;
@@ -112,8 +111,8 @@ void runBinding(Input input, std::size_t mostPoints, Bind bind) {
     require(std::isfinite(bound->largestResidual), "the residual is finite");
     const auto& table = bound->binding.table;
     for (Index row = 0; row < table.rowCount(); ++row) {
-        const auto status = bound->statuses[static_cast<std::size_t>(row)];
-        const Point3& point = points[static_cast<std::size_t>(row)];
+        const auto status = bound->statuses[row];
+        const Point3& point = points[row];
         double sum = 0;
         for (const double weight : table.weights(row)) {
             require(std::isfinite(weight), "weights are finite");
@@ -137,4 +136,34 @@ void runBinding(Input input, std::size_t mostPoints, Bind bind) {
     }
 }
 
+/// Points bound to level 1.
+const Target kEmbedding("embedding", [](std::string_view bytes) {
+    constexpr std::size_t kMaxPoints = 4;
+    runBinding(Input(bytes), kMaxPoints,
+               [](const auto& refiner, const auto& rest, auto rules, const auto& points,
+                  const auto& options) {
+                   return stencils::bindPoints<double>(refiner, rest, 1, rules, points, options);
+               });
+});
+
+/// The same to the limit, of one point, and not too closely: in a lattice without volume it is
+/// sought in all cells that are there.
+const Target kLimit("limit", [](std::string_view bytes) {
+    constexpr std::size_t kMaxPoints = 1;
+    runBinding(Input(bytes), kMaxPoints,
+               [](const auto& refiner, const auto& rest, auto rules, const auto& points,
+                  const auto& options) {
+                   auto bound = stencils::bindLimit<double>(
+                       refiner, rest, rules, points,
+                       {.embedding = options, .tolerance = 1e-3, .gradients = true});
+                   for (const auto& table : bound.binding.table.gradients)
+                       for (const double weight : table.weights())
+                           require(std::isfinite(weight), "gradients are finite");
+                   return stencils::BoundModel<double>{
+                       stencils::withoutGradients(std::move(bound.binding)),
+                       std::move(bound.statuses), bound.largestResidual};
+               });
+});
+
+}  // namespace
 }  // namespace espalier::fuzz

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#pragma once
-
 #include <espalier/far/topology_match.h>
 #include <espalier/io/lattice_file.h>
 
@@ -12,15 +10,16 @@
 #include "written.h"
 
 namespace espalier::fuzz {
+namespace {
 
 /// The bits of numbers; those of the least NaN for any, as a text has no more to say of it.
-inline std::vector<std::uint64_t> bitsInText(std::vector<double> values) {
+std::vector<std::uint64_t> bitsInText(std::vector<double> values) {
     for (double& value : values)
         if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
     return test::bitsOf(values);
 }
 
-inline void requireSame(const Lattice& got, const Lattice& expected) {
+void requireSame(const Lattice& got, const Lattice& expected) {
     const int dimension = expected.complex.dimension();
     require(got.complex.dimension() == dimension, "the dimension comes back");
     for (int d = 0; d <= dimension; ++d)
@@ -53,7 +52,7 @@ inline void requireSame(const Lattice& got, const Lattice& expected) {
 /// That a file of a curve, a mesh or a lattice is refused, or gives one that is whole and that
 /// comes back from the file that it is written to.
 /// \param name gives the format
-inline void runLatticeTarget(const std::string& name, std::string_view bytes) {
+void runLattice(const std::string& name, std::string_view bytes) {
     const auto lattice = readResult(name, [&] { return io::readRefinable(name, bytes); });
     if (!lattice) return;
     far::validate(lattice->complex);
@@ -73,4 +72,10 @@ inline void runLatticeTarget(const std::string& name, std::string_view bytes) {
     requireSame(io::readRefinable(name, *once), *lattice);
 }
 
+const Target kOvm("ovm", [](std::string_view bytes) { runLattice("a.ovm", bytes); });
+const Target kVtu("vtu", [](std::string_view bytes) { runLattice("a.vtu", bytes); });
+const Target kVtk("vtk", [](std::string_view bytes) { runLattice("a.vtk", bytes); });
+const Target kObjMesh("obj_mesh", [](std::string_view bytes) { runLattice("a.obj", bytes); });
+
+}  // namespace
 }  // namespace espalier::fuzz
