@@ -54,6 +54,30 @@ class Shapes(CliTest):
         self.assertEqual(self.info("ab.ovm", "-n", 0)["levels"][0]["counts"],
                          {"vertices": 12, "edges": 20, "faces": 11, "cells": 2})
 
+    def test_refused_merges_name_the_files(self):
+        self.run_program("shape", "box", "-o", "a.ovm")
+        self.run_program("shape", "box", "--min", 5, 0, 0, "--max", 6, 1, 1, "-o", "far.ovm")
+        self.run_program("shape", "merge", "far.ovm", "a.ovm", "-o", "two.vtu")
+        self.assertEqual(self.error_of("shape", "merge", "two.vtu", "a.ovm", "-o", "m.vtu"),
+                         "espalier: merge: cell 1 of two.vtu, cell 0 of a.ovm would become one cell; "
+                         "each cell may be in one lattice only\n")
+        self.run_program("shape", "box", "--cells", 2, 1, 1, "--max", 2, 1, 1, "-o", "row.ovm")
+        self.assertRegex(self.error_of("shape", "merge", "row.ovm", "a.ovm", "-o", "m.vtu"),
+                         r"^espalier: merge: face \d+ of row.ovm, face \d of a.ovm would become one "
+                         r"face of more than two cells\n$")
+        self.assertRegex(self.error_of("shape", "merge", "far.ovm", "a.ovm", "--tolerance", 0.5,
+                                       "-o", "m.vtu"),
+                         r"^espalier: merge: vertices \d and \d of cell 0 of far.ovm would become")
+        self.assertFalse((self.path / "m.vtu").exists())
+
+    def test_a_merge_does_not_replace_an_input(self):
+        self.run_program("shape", "box", "-o", "a.ovm")
+        self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "b.ovm")
+        before = (self.path / "b.ovm").read_bytes()
+        self.assertIn("b.ovm: is also an input",
+                      self.error_of("shape", "merge", "a.ovm", "b.ovm", "-o", "b.ovm"))
+        self.assertEqual((self.path / "b.ovm").read_bytes(), before)
+
 
 class Info(CliTest):
     def test_counts_strata_and_types(self):
