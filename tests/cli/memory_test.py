@@ -2,6 +2,7 @@
 """Runs the program on what would take more memory than there is to be."""
 
 import base64
+import math
 import os
 import struct
 import subprocess
@@ -149,6 +150,21 @@ class MemoryTest(CliTest):
                                     rf"limit is {limit}.0 MB, of which \S+ MB are in use "
                                     r"\(while comparing\)\n$")
             self.assertLess(peak, limit * 1e6, error)
+
+    def test_long_rows_are_refused_before_they_are_made(self):
+        # Rows of D have 3,000 weights each: 720 MB, and as much while they are gathered.
+        self.run_program("shape", "prism", "--sides", 1500, "-o", "prism.vtu")
+        points = [(0.9 * i / 20000 * math.cos(i), 0.9 * i / 20000 * math.sin(i), i / 25000 - 0.4)
+                  for i in range(20000)]
+        (self.path / "points.obj").write_text("".join("v %g %g %g\n" % point for point in points))
+        peak, error = self.peak_and_error(
+            "deform", "points.obj", "--rest", "prism.vtu", "--to", "prism.vtu", "-n", 2, "-o",
+            "out.obj", "--max-memory", "500MB")
+        self.assertRegex(error, r"^espalier: binding 20000 points with some 3000 weights each takes "
+                                r"some 1\.\d GB of memory; the limit is 500.0 MB, of which \S+ MB are "
+                                r"in use \(while binding\)\n$")
+        self.assertLess(peak, 250e6)  # 100 held: no group was bound
+        self.assertFalse((self.path / "out.obj").exists())
 
     def test_a_file_larger_than_memory_is_not_read(self):
         self.lattice()
