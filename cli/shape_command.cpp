@@ -224,8 +224,9 @@ void addShapeCommand(CLI::App& program) {
             return shapes::merge(lattices, options);
         },
         [](const Merge& merge, const std::string& output) {
-            checkInputs(merge.lattices);
-            checkOutput(output, merge.lattices);
+            const std::vector<Input> inputs = inputsOf("LATTICE", merge.lattices);
+            checkInputs(inputs);
+            checkOutput(output, inputs);
         });
 }
 
