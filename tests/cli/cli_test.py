@@ -343,6 +343,39 @@ class Compare(CliTest):
             self.assertNotIn(outside, report)
         self.assertIn("mesh.obj", self.error_of("compare", "mesh.obj", "--html", "mesh.obj"))
 
+    def write_creased_octahedron(self, name):
+        """Where semi-sharp edges meet, OpenSubdiv and we add up their sharpness in single precision,
+        in different orders: weights differ by some 1e-9, more than the bound of 1e-14."""
+        positions = ["1 0 0", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1", "0 0 -1"]
+        faces = ["1 3 5", "3 2 5", "2 4 5", "4 1 5", "3 1 6", "2 3 6", "4 2 6", "1 4 6"]
+        sharpness = {(0, 2): 2.8, (0, 3): 1.8, (0, 4): 1.9, (0, 5): 2.4, (1, 2): 3.8, (1, 3): 1.8,
+                     (1, 4): 2.9, (1, 5): 1.4, (2, 4): 2.3, (2, 5): 1.1, (3, 4): 3.4, (3, 5): 1.7}
+        lines = [f"v {position}" for position in positions] + [f"f {face}" for face in faces]
+        lines += [f"t crease 2/1/0 {a} {b} {value}" for (a, b), value in sharpness.items()]
+        (self.path / name).write_text("\n".join(lines) + "\n")
+
+    def test_differences_have_an_exit_code_of_their_own(self):
+        self.write_mesh()
+        self.write_creased_octahedron("creased.obj")
+        arguments = ["mesh.obj", "creased.obj", "-n", 3, "--creasing", "chaikin"]
+        result = self.run_program("compare", *arguments, "--html", "report.html", code=3)
+        self.assertRegex(result.stderr, r"^espalier: creased.obj: differs from OpenSubdiv \S+ at level "
+                                        r"[23]\n$")
+        lines = result.stdout.splitlines()
+        self.assertEqual([line.split()[-1] for line in lines if line.startswith("mesh.obj")],
+                         ["agrees"] * 3)
+        self.assertRegex(result.stdout, r"\ncreased.obj  level 3 [^\n]* DIFFERS\n")
+        self.assertIn("note: Where three or more semi-sharp values meet", result.stdout)
+        self.assertNotIn("files agree", result.stdout)
+        self.assertIn("differs", (self.path / "report.html").read_text())
+        self.assertEqual(self.run_program("compare", *arguments, "--quiet", code=3).stdout, "")
+        # A file that cannot be compared counts for more.
+        self.run_program("compare", *arguments, "none.obj", "--quiet", code=1)
+        # The tags are what differs: without them both agree.
+        text = (self.path / "creased.obj").read_text()
+        (self.path / "creased.obj").write_text(text.split("t crease")[0])
+        self.run_program("compare", *arguments)
+
     def test_what_cannot_be_compared_is_named_and_fails(self):
         self.write_mesh()
         self.run_program("shape", "box", "--cells", 3, 3, 3, "-o", "box.ovm")
