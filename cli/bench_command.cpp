@@ -22,7 +22,7 @@
 namespace espalier::cli {
 namespace {
 
-struct Options : BindOptions {
+struct BenchOptions : BindOptions {
     double seconds = 0.2;
     ReportFormat report = ReportFormat::Text;
 };
@@ -68,7 +68,7 @@ BenchTables prepare(const stencils::StencilTable<double>& table,
 
 /// Refuses a lattice of which floats cannot hold a pose: coordinates of those are up to 1.35 times
 /// as large as the largest at rest (bentPoses).
-void checkRange(const Options& options, const Lattice& lattice) {
+void checkRange(const BenchOptions& options, const Lattice& lattice) {
     constexpr double kLargest = std::numeric_limits<float>::max() / 2;
     for (std::size_t vertex = 0; vertex < lattice.positions.size(); ++vertex)
         for (const double coordinate : lattice.positions[vertex])
@@ -79,7 +79,7 @@ void checkRange(const Options& options, const Lattice& lattice) {
                                               vertex, coordinate));
 }
 
-void run(const Options& options) {
+void runBench(const BenchOptions& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
     checkInputs({{"MODEL", options.model}, {"--rest", options.rest}});
@@ -110,7 +110,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addBenchCommand(CLI::App& program) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<BenchOptions>();
     CLI::App& command = *program.add_subcommand(
         "bench",
         "Bind a model to a lattice, and measure that and applying poses: nothing is written");
@@ -132,7 +132,7 @@ void addBenchCommand(CLI::App& program) {
         ->capture_default_str();
     addRunOptions(command, options->common);
     addReportOption(command, options->report);
-    command.callback([options] { run(*options); });
+    command.callback([options] { runBench(*options); });
 }
 
 }  // namespace espalier::cli

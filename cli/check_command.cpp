@@ -25,7 +25,7 @@ namespace {
 using far::Index;
 using nlohmann::ordered_json;
 
-struct Options {
+struct CheckOptions {
     CommonOptions common;
     std::string pose;
     std::string rest;
@@ -57,8 +57,7 @@ struct Checked {
         Point3 sum{};
         for (const Index vertex : vertices)
             for (std::size_t c = 0; c < 3; ++c)
-                sum[c] += positions[static_cast<std::size_t>(vertex)][c] /
-                          static_cast<double>(vertices.size());
+                sum[c] += positions[vertex][c] / static_cast<double>(vertices.size());
         return sum;
     }
     bool isBadAtRest(Index cell) const {
@@ -70,9 +69,7 @@ struct Checked {
                              [](const auto& ratio) { return ratio.has_value(); }) +
                std::ssize(badAtRest);
     }
-    const std::optional<double>& ratio(Index cell) const {
-        return validity.ratios[static_cast<std::size_t>(cell)];
-    }
+    const std::optional<double>& ratio(Index cell) const { return validity.ratios[cell]; }
 };
 
 /// \param positions that tell where the cell is
@@ -179,7 +176,7 @@ Lattice withRatios(const Checked& checked) {
     return refined;
 }
 
-Checked check(const Options& options, const far::TopologyRefiner& refiner, const Lattice& rest,
+Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, const Lattice& rest,
               const std::vector<Point3>& pose, Stages& stages) {
     const int level = refiner.maxLevel();
     const auto refined = [&](const std::vector<Point3>& positions) {
@@ -207,7 +204,7 @@ Checked check(const Options& options, const far::TopologyRefiner& refiner, const
     return checked;
 }
 
-void run(const Options& options) {
+void runCheck(const CheckOptions& options) {
     const far::ThreadLimit limit(options.common.threads);
     const std::vector<Input> inputs = {{"LATTICE", options.pose}, {"--rest", options.rest}};
     checkInputs(inputs);
@@ -243,7 +240,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addCheckCommand(CLI::App& program) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<CheckOptions>();
     CLI::App& command = *program.add_subcommand(
         "check",
         "Find the cells that a pose of a lattice turns inside out, and the largest step towards "
@@ -271,7 +268,7 @@ void addCheckCommand(CLI::App& program) {
     addRefinementOptions(command, options->common);
     addRunOptions(command, options->common);
     addReportOption(command, options->report);
-    command.callback([options] { run(*options); });
+    command.callback([options] { runCheck(*options); });
 }
 
 }  // namespace espalier::cli

@@ -18,7 +18,7 @@
 namespace espalier::cli {
 namespace {
 
-struct Options {
+struct CompareOptions {
     CommonOptions common;
     std::vector<std::string> files;
     std::string html;
@@ -26,7 +26,7 @@ struct Options {
 };
 
 /// Compares one file. What it throws is the reason why it could not.
-compare::ReportedShape compareFile(const Options& options, const std::string& file,
+compare::ReportedShape compareFile(const CompareOptions& options, const std::string& file,
                                    Stages& stages) {
     compare::ReportedShape shape;
     shape.name = printable(file);
@@ -100,7 +100,7 @@ void checkAll(const compare::Report& report) {
     throw Error(first);
 }
 
-void run(const Options& options) {
+void runCompare(const CompareOptions& options) {
     const far::ThreadLimit limit(options.common.threads);
     const std::vector<Input> inputs = inputsOf("FILE", options.files);
     checkInputs(inputs);
@@ -134,7 +134,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addCompareCommand(CLI::App& program) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<CompareOptions>();
     CLI::App& command = *program.add_subcommand(
         "compare",
         "Compare meshes, and the boundaries of lattices, with OpenSubdiv's refinement of them, "
@@ -146,7 +146,7 @@ void addCompareCommand(CLI::App& program) {
                        "Write a report: all shapes and levels, and pictures of the error");
     addRefinementOptions(command, options->common, RulesFor::OpenSubdiv);
     addRunOptions(command, options->common);
-    command.callback([options] { run(*options); });
+    command.callback([options] { runCompare(*options); });
 }
 
 }  // namespace espalier::cli

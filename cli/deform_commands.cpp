@@ -28,14 +28,14 @@ namespace {
 
 using Binding = stencils::Binding<double>;
 
-struct Options : BindOptions {
+struct DeformOptions : BindOptions {
     std::vector<std::string> poses;
     std::string output;
     ReportFormat report = ReportFormat::Text;
 };
 
 /// The name of the file of each pose; checked before any work is done.
-std::vector<std::filesystem::path> outputPaths(const Options& options) {
+std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
     const bool isBound = options.rest.empty();
@@ -53,7 +53,7 @@ std::vector<std::filesystem::path> outputPaths(const Options& options) {
 
 /// Reads all poses, each with `read`, before any is written: a bad one leaves nothing half done.
 std::vector<std::vector<Point3>> readPoses(
-    const Options& options, Stages& stages,
+    const DeformOptions& options, Stages& stages,
     const std::function<std::vector<Point3>(const std::string&)>& read) {
     std::vector<std::vector<Point3>> poses;
     for (const std::string& path : options.poses)
@@ -112,7 +112,7 @@ struct Bound {
     std::optional<io::BoundGradients> gradients = {};
 };
 
-Bound bindModel(const Options& options, const io::Model& model, const Lattice& lattice,
+Bound bindModel(const DeformOptions& options, const io::Model& model, const Lattice& lattice,
                 Stages& stages) {
     const bool carries = options.limit && model.hasDirections();
     Bound bound{bindPoints(options, model.positions(), lattice, stages,
@@ -122,11 +122,11 @@ Bound bindModel(const Options& options, const io::Model& model, const Lattice& l
     return bound;
 }
 
-void runDeform(const Options& options) {
+void runDeform(const DeformOptions& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
-    const auto paths = outputPaths(options);
+    const auto paths = posePaths(options);
     const auto model = readModel(options.model, stages);
     model->checkTarget(paths.front());
     const Lattice lattice = readLattice(options.rest, stages);
@@ -140,7 +140,7 @@ void runDeform(const Options& options) {
         print({bound.points.report, bound.points.binding, stages, peakMemory()}, options.report);
 }
 
-void runBind(const Options& options) {
+void runBind(const DeformOptions& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
     const std::vector<Input> inputs = {{"MODEL", options.model}, {"--rest", options.rest}};
@@ -168,7 +168,7 @@ void runBind(const Options& options) {
 
 /// Reads a pose of the lattice that a model was bound to.
 std::vector<Point3> readPoseOf(const Binding& binding, const std::string& path,
-                               const Options& options) {
+                               const DeformOptions& options) {
     Lattice pose = io::readLattice(path);
     if (far::topologyHash(pose.complex) != binding.topologyHash)
         throw io::FileError(
@@ -179,10 +179,10 @@ std::vector<Point3> readPoseOf(const Binding& binding, const std::string& path,
     return std::move(pose.positions);
 }
 
-void runApply(const Options& options) {
+void runApply(const DeformOptions& options) {
     const far::ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
-    const auto paths = outputPaths(options);
+    const auto paths = posePaths(options);
     io::BoundModel bound;
     const auto model = stages.run("reading", [&] {
         stages.addFile(options.model);
@@ -201,7 +201,7 @@ void runApply(const Options& options) {
         print({std::nullopt, bound.binding, stages, peakMemory()}, options.report);
 }
 
-void addPosesAndOutput(CLI::App& command, Options& options) {
+void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
     command
         .add_option("--to", options.poses,
                     "The lattice as it is deformed: same topology; one or more")
@@ -217,7 +217,7 @@ void addPosesAndOutput(CLI::App& command, Options& options) {
 
 void addDeformCommands(CLI::App& program) {
     {
-        auto options = std::make_shared<Options>();
+        auto options = std::make_shared<DeformOptions>();
         CLI::App& command = *program.add_subcommand(
             "deform", "Bind a model to a lattice, and apply each pose of the lattice to it");
         addModelAndRest(command, *options);
@@ -228,7 +228,7 @@ void addDeformCommands(CLI::App& program) {
         command.callback([options] { runDeform(*options); });
     }
     {
-        auto options = std::make_shared<Options>();
+        auto options = std::make_shared<DeformOptions>();
         CLI::App& command =
             *program.add_subcommand("bind", "Bind a model to a lattice, and keep the binding");
         addModelAndRest(command, *options);
@@ -239,7 +239,7 @@ void addDeformCommands(CLI::App& program) {
         command.callback([options] { runBind(*options); });
     }
     {
-        auto options = std::make_shared<Options>();
+        auto options = std::make_shared<DeformOptions>();
         CLI::App& command =
             *program.add_subcommand("apply", "Apply poses of its lattice to a bound model");
         command.add_option("BINDING", options->model, "The bound model: .espb")->required();

@@ -26,7 +26,7 @@
 namespace espalier::cli {
 namespace {
 
-struct Options : BindOptions {
+struct FitCommandOptions : BindOptions {
     std::string targets;
     HoldOptions hold;
     solve::FitOptions fit;
@@ -72,7 +72,7 @@ bool isList(const std::string& path) {
     return io::lowerCase(std::filesystem::path(path).extension().string()) == ".txt";
 }
 
-Wishes readWishes(const Options& options, const io::Model& model, Stages& stages) {
+Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stages& stages) {
     const auto points = model.positions();
     Wishes wishes;
     if (isList(options.targets)) {
@@ -80,8 +80,7 @@ Wishes readWishes(const Options& options, const io::Model& model, Stages& stages
             stages.addFile(options.targets);
             return io::readTargets(options.targets, static_cast<far::Index>(points.size()));
         });
-        for (const io::Target& target : targets)
-            wishes.add(points[static_cast<std::size_t>(target.point)], target);
+        for (const io::Target& target : targets) wishes.add(points[target.point], target);
         return wishes;
     }
     const auto wanted = readModel(options.targets, stages);
@@ -100,7 +99,7 @@ struct FitRows {
 };
 
 /// The end of a message: why a point has no row of D.
-std::string whyNotCarried(const Options& options, stencils::PointStatus status) {
+std::string whyNotCarried(const FitCommandOptions& options, stencils::PointStatus status) {
     return status == stencils::PointStatus::Outside
                ? fmt::format("lies outside the lattice {}", printable(options.rest))
                : fmt::format(
@@ -109,7 +108,7 @@ std::string whyNotCarried(const Options& options, stencils::PointStatus status) 
                      printable(options.rest));
 }
 
-[[noreturn]] void refuseTarget(const Options& options, const io::Target& target,
+[[noreturn]] void refuseTarget(const FitCommandOptions& options, const io::Target& target,
                                stencils::PointStatus status) {
     const std::string cause = fmt::format("point {} {}; the lattice cannot carry it to its target",
                                           target.point, whyNotCarried(options, status));
@@ -120,7 +119,7 @@ std::string whyNotCarried(const Options& options, stencils::PointStatus status) 
 /// The targets that the lattice carries its points to, by their rows. Leaves out points that the
 /// lattice does not carry but that are wanted where they are, unless points outside are errors.
 /// \throws FileError for other points that it does not carry, and if no target is left
-std::vector<far::Index> carriedTargets(const Options& options, const BoundPoints& bound,
+std::vector<far::Index> carriedTargets(const FitCommandOptions& options, const BoundPoints& bound,
                                        const Wishes& wishes) {
     const bool isOutsideRefused =
         options.common.embedding.outside == stencils::OutsidePolicy::Error;
@@ -141,7 +140,7 @@ std::vector<far::Index> carriedTargets(const Options& options, const BoundPoints
 }
 
 /// Fits the lattice. Errors in a target name its point and where the target was read.
-solve::LatticeFit fitNamingTargets(const Options& options, const FitRows& rows,
+solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRows& rows,
                                    const Wishes& wishes, const Lattice& lattice,
                                    const solve::FitOptions& fitOptions) {
     try {
@@ -160,7 +159,7 @@ solve::LatticeFit fitNamingTargets(const Options& options, const FitRows& rows,
 
 /// A held point that has a target too is bound once. Takes from `wishes` the targets that
 /// carriedTargets() leaves out.
-FitRows bindAll(const Options& options, const BindOptions& bind, Wishes& wishes,
+FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishes& wishes,
                 const HeldPart& part, std::span<const Point3> modelPoints, const Lattice& lattice,
                 Stages& stages) {
     std::vector<Point3> points = wishes.points;
@@ -171,7 +170,7 @@ FitRows bindAll(const Options& options, const BindOptions& bind, Wishes& wishes,
             rowOf.emplace(wishes.targets[i].point, static_cast<far::Index>(i));
         for (const far::Index point : part.points) {
             const auto [row, isNew] = rowOf.emplace(point, static_cast<far::Index>(points.size()));
-            if (isNew) points.push_back(modelPoints[static_cast<std::size_t>(point)]);
+            if (isNew) points.push_back(modelPoints[point]);
             heldRows.push_back(row->second);
         }
     }
@@ -184,10 +183,8 @@ FitRows bindAll(const Options& options, const BindOptions& bind, Wishes& wishes,
             if (rows.ofHeld.columns(static_cast<far::Index>(i)).empty())
                 throw io::FileError(
                     options.model,
-                    fmt::format(
-                        "point {}, in the box of --hold, {}", part.points[i],
-                        whyNotCarried(options,
-                                      bound.statuses[static_cast<std::size_t>(heldRows[i])])));
+                    fmt::format("point {}, in the box of --hold, {}", part.points[i],
+                                whyNotCarried(options, bound.statuses[heldRows[i]])));
     rows.ofTargets = carried.size() == points.size() ? std::move(table)
                                                      : stencils::selectRows<double>(table, carried);
     if (carried.size() < wishes.targets.size()) wishes = wishes.select(carried);
@@ -204,7 +201,8 @@ std::size_t countAmong(std::vector<far::Index> vertices, const Lattice& lattice)
 }
 
 /// The vertices that stay, of --freeze and of --hold.
-std::vector<far::Index> frozenVertices(const Options& options, const std::vector<far::Index>& held,
+std::vector<far::Index> frozenVertices(const FitCommandOptions& options,
+                                       const std::vector<far::Index>& held,
                                        const Lattice& lattice) {
     const auto& named = options.fit.frozen;
     std::vector<far::Index> frozen = named;
@@ -219,7 +217,7 @@ std::vector<far::Index> frozenVertices(const Options& options, const std::vector
 }
 
 /// \param leftOut targets that carriedTargets() leaves out
-void printFit(const Options& options, const Wishes& wishes, std::size_t leftOut,
+void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_t leftOut,
               std::size_t heldCount, const solve::LatticeFit& fit) {
     double largest = 0;
     for (const Point3& displacement : fit.displacements)
@@ -250,7 +248,7 @@ void printFit(const Options& options, const Wishes& wishes, std::size_t leftOut,
         fmt::print("condition             {:.3g}\n", fit.condition);
 }
 
-void run(const Options& options) {
+void runFit(const FitCommandOptions& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
     const std::vector<Input> inputs = {
@@ -285,7 +283,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addFitCommand(CLI::App& program) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<FitCommandOptions>();
     CLI::App& command = *program.add_subcommand(
         "fit",
         "Find the pose of a lattice that carries points of a model to where they are wanted");
@@ -313,7 +311,7 @@ void addFitCommand(CLI::App& program) {
     command.add_option("-o,--output", options->output, "The pose: .ovm, .vtu or .vtk")->required();
     addRunOptions(command, options->common);
     addReportOption(command, options->report);
-    command.callback([options] { run(*options); });
+    command.callback([options] { runFit(*options); });
 }
 
 }  // namespace espalier::cli

@@ -16,12 +16,11 @@
 namespace espalier::cli {
 namespace {
 
-struct Options : LatticeOptions {
+struct InfoOptions : LatticeOptions {
     bool json = false;
     bool smoothness = false;
 };
 
-constexpr const char* kDimensions[] = {"vertices", "edges", "faces", "cells"};
 constexpr const char* kStrata[] = {"corner", "sharp", "boundary", "interior"};
 
 nlohmann::json toJson(const Histogram& histogram) {
@@ -34,8 +33,8 @@ nlohmann::json toJson(const LevelReport& level) {
     // Null is left broken if there is no memory to make it an object.
     nlohmann::json counts = nlohmann::json::object(), strata = nlohmann::json::object();
     for (std::size_t d = 0; d < 4; ++d) {
-        counts[kDimensions[d]] = level.counts[d];
-        nlohmann::json& own = strata[kDimensions[d]] = nlohmann::json::object();
+        counts[kNamesOfParts[d]] = level.counts[d];
+        nlohmann::json& own = strata[kNamesOfParts[d]] = nlohmann::json::object();
         for (std::size_t s = 0; s < 4; ++s) own[kStrata[s]] = level.strata[d][s];
     }
     return {{"counts", counts},
@@ -99,7 +98,7 @@ std::string toText(const Histogram& histogram, const char* prefix = "") {
 void printLevel(std::size_t number, const LevelReport& level) {
     fmt::print("\nlevel {}\n", number);
     for (std::size_t d = 0; d < 4; ++d) {
-        fmt::print("  {:<9} {:>9}   ", kDimensions[d], level.counts[d]);
+        fmt::print("  {:<9} {:>9}   ", kNamesOfParts[d], level.counts[d]);
         for (std::size_t s = d; s < 4; ++s) fmt::print(" {} {:<8}", kStrata[s], level.strata[d][s]);
         fmt::print("\n");
     }
@@ -113,7 +112,7 @@ void printLevel(std::size_t number, const LevelReport& level) {
     fmt::print("  least scaled Jacobian     {:.3f}\n", level.smallestScaledJacobian);
 }
 
-void printText(const LatticeReport& report, const Options& options) {
+void printText(const LatticeReport& report, const InfoOptions& options) {
     fmt::print("{}\n", printable(options.lattice));
     fmt::print("bounds      ({:.4g}) to ({:.4g})\n", fmt::join(report.boundsMin, ", "),
                fmt::join(report.boundsMax, ", "));
@@ -158,7 +157,7 @@ void printSmoothness(const std::vector<Smoothness>& entries) {
     }
 }
 
-void run(const Options& options) {
+void runInfo(const InfoOptions& options) {
     const far::ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
     const auto [lattice, refiner] = readAndRefine(options, FileKind::Lattice, stages);
@@ -190,7 +189,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addInfoCommand(CLI::App& program) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<InfoOptions>();
     CLI::App& command = addLatticeCommand(
         program, "info",
         "Counts per level, valences, types of cells, strata and quality of a lattice",
@@ -199,7 +198,7 @@ void addInfoCommand(CLI::App& program) {
     command.add_flag("--smoothness", options->smoothness,
                      "Of each irregular vertex and edge the leading eigenvalues of refinement, and "
                      "the limit mask");
-    command.callback([options] { run(*options); });
+    command.callback([options] { runInfo(*options); });
 }
 
 }  // namespace espalier::cli

@@ -17,6 +17,9 @@
 
 namespace espalier::cli {
 
+/// Of what a lattice has any number, per dimension.
+inline constexpr const char* kNamesOfParts[] = {"vertices", "edges", "faces", "cells"};
+
 /// Refines a lattice or a mesh that was read from `path`, as the options, its tags and the defaults
 /// say, in this order. Errors name the file.
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,

@@ -12,13 +12,11 @@
 namespace espalier::cli {
 namespace {
 
-struct Options : LatticeOptions {
+struct RefineOptions : LatticeOptions {
     std::string output;
 };
 
-constexpr const char* kNamesOfParts[] = {"vertices", "edges", "faces", "cells"};
-
-void run(const Options& options) {
+void runRefine(const RefineOptions& options) {
     const far::ThreadLimit limit(options.common.threads);
     checkOutput(options.output, {{"LATTICE|MESH|CURVE", options.lattice}});
     Stages stages(options.common.quiet);
@@ -35,13 +33,13 @@ void run(const Options& options) {
     if (!options.common.quiet)
         fmt::print("{}: level {}, {} vertices, {} {}\n", printable(options.output), options.level,
                    refined.complex.count(0), refined.complex.count(dimension),
-                   kNamesOfParts[static_cast<std::size_t>(dimension)]);
+                   kNamesOfParts[dimension]);
 }
 
 }  // namespace
 
 void addRefineCommand(CLI::App& program) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<RefineOptions>();
     CLI::App& command = addLatticeCommand(
         program, "refine",
         "Write level N of a lattice, a mesh or a curve: positions, topology, attributes and marks",
@@ -50,7 +48,7 @@ void addRefineCommand(CLI::App& program) {
         .add_option("-o,--output", options->output,
                     "The refined lattice: .ovm, .vtu or .vtk; or mesh or curve: .obj")
         ->required();
-    command.callback([options] { run(*options); });
+    command.callback([options] { runRefine(*options); });
 }
 
 }  // namespace espalier::cli

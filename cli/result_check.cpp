@@ -19,16 +19,12 @@ using osd::BufferDescriptor;
 
 constexpr Offset kGrain = 2048;
 
-std::size_t at(Offset index) {
-    return static_cast<std::size_t>(index);
-}
-
 /// Numbers that were rounded, packed: how large the sums are that each was made of, Σ |w · x|
 /// through all tables so far, and how far it may be off.
 struct Rounded {
     std::vector<double> sizes, errors;
 
-    explicit Rounded(Offset count) : sizes(at(count)), errors(at(count)) {}
+    explicit Rounded(Offset count) : sizes(count), errors(count) {}
 };
 
 template <class Real>
@@ -49,9 +45,9 @@ Rounded roundedValues(std::span<const double> values, const BufferDescriptor& la
     for (Index entry = 0; entry < count; ++entry)
         for (Offset c = 0; c < layout.length; ++c) {
             const Offset i = entry * layout.length + c;
-            const double size = std::abs(values[at(layout.offset + entry * layout.stride + c)]);
-            result.sizes[at(i)] = size;
-            if (kRounds<Real>) result.errors[at(i)] = kUlp<Real> / 2 * size + kLeast<Real>;
+            const double size = std::abs(values[layout.offset + entry * layout.stride + c]);
+            result.sizes[i] = size;
+            if (kRounds<Real>) result.errors[i] = kUlp<Real> / 2 * size + kLeast<Real>;
         }
     return result;
 }
@@ -68,14 +64,14 @@ Rounded apply(const stencils::StencilTable<double>& table, const Rounded& source
             const auto weights = table.weights(row);
             double size = 0, error = 0;
             for (std::size_t k = 0; k < columns.size(); ++k) {
-                const std::size_t from = at(columns[k] * length + i % length);
+                const std::size_t from = columns[k] * length + i % length;
                 size += std::abs(weights[k]) * source.sizes[from];
                 error += std::abs(weights[k]) * source.errors[from];
             }
             const auto entries = static_cast<double>(columns.size());
             const double ulps = bound(entries) + (kRounds<Real> ? 0.5 : 0);
-            result.sizes[at(i)] = size;
-            result.errors[at(i)] = error + ulps * kUlp<Real> * size + entries * kLeast<Real>;
+            result.sizes[i] = size;
+            result.errors[i] = error + ulps * kUlp<Real> * size + entries * kLeast<Real>;
         }
     });
     return result;
@@ -126,9 +122,8 @@ ExpectedSums::Numbers ExpectedSums::of(std::span<const double> values,
             // the sums of the factors. Next to roundings to float, all of this is nothing.
             for (const Table* table : summed_) {
                 const auto entries = static_cast<double>(table->columns(row).size());
-                numbers.allowed[at(i)] +=
-                    plainUlpBound(entries) * kUlp<double> * rounded.sizes[at(i)] +
-                    entries * kLeast<double>;
+                numbers.allowed[i] += plainUlpBound(entries) * kUlp<double> * rounded.sizes[i] +
+                                      entries * kLeast<double>;
             }
         }
     });
@@ -144,7 +139,7 @@ void checkResults(const ExpectedSums& sums, std::span<const double> values,
         const Offset point = static_cast<Offset>(i) / layout.length;
         const Offset component = static_cast<Offset>(i) % layout.length;
         const double wanted = expected.values[i];
-        const double got = double{results[at(layout.offset + point * layout.stride + component)]};
+        const double got = double{results[layout.offset + point * layout.stride + component]};
         // Not as >, which NaN would pass.
         if (!(std::abs(got - wanted) <= expected.allowed[i]))
             throw Error(fmt::format(

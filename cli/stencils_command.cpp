@@ -21,9 +21,9 @@
 namespace espalier::cli {
 namespace {
 
-struct Options : LatticeOptions {
+struct StencilsOptions : LatticeOptions {
     std::string points;
-    BindOptions bind;  ///< --basis and --limit; run() fills in the rest
+    BindOptions bind;  ///< --basis and --limit; runStencils() fills in the rest
     bool gradients = false;
     bool levelTables = false;
     io::PetscInt petscIntegers = io::PetscInt::Bits32;
@@ -40,19 +40,19 @@ struct Export {
     std::string description;
 };
 
-std::filesystem::path levelPath(const Options& options, int k) {
+std::filesystem::path levelPath(const StencilsOptions& options, int k) {
     return io::numberedPath(options.output, k, options.level);
 }
 
 /// The file of the gradients by coordinate `axis` at rest: D.dx.npz for D.npz and 0.
-std::filesystem::path gradientPath(const Options& options, std::size_t axis) {
+std::filesystem::path gradientPath(const StencilsOptions& options, std::size_t axis) {
     std::filesystem::path path = options.output;
     const std::string extension = path.extension().string();
     return path.replace_extension(fmt::format(".d{}{}", "xyz"[axis], extension));
 }
 
 /// All matrices' files.
-std::vector<std::filesystem::path> outputPaths(const Options& options) {
+std::vector<std::filesystem::path> matrixPaths(const StencilsOptions& options) {
     if (options.levelTables) {
         std::vector<std::filesystem::path> paths;
         for (int k = 1; k <= options.level; ++k) paths.push_back(levelPath(options, k));
@@ -73,7 +73,7 @@ std::string nameOfD(const BindOptions& bind) {
 }
 
 /// D, and its gradients if they were asked for.
-std::vector<Export> deformation(const Options& options, Stages& stages) {
+std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) {
     const auto model = readModel(options.points, stages);
     const Lattice lattice = readLattice(options.lattice, stages);
     auto bound = bindPoints(options.bind, model->positions(), lattice, stages,
@@ -94,7 +94,7 @@ std::vector<Export> deformation(const Options& options, Stages& stages) {
     return result;
 }
 
-std::vector<Export> exports(const Options& options, Stages& stages) {
+std::vector<Export> exports(const StencilsOptions& options, Stages& stages) {
     if (!options.points.empty()) return deformation(options, stages);
     std::vector<Export> result;
     const RefinedFile file = readAndRefine(options, FileKind::Refinable, stages);
@@ -128,7 +128,7 @@ std::string namesOf(const std::filesystem::path& path) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-void write(const Export& matrix, const Options& options) {
+void write(const Export& matrix, const StencilsOptions& options) {
     const io::MatrixFileOptions format{{matrix.description}, options.petscIntegers};
     // Devices and pipes have no extension to go by: they get text.
     if (std::ranges::count(io::matrixExtensions(), matrix.path.extension().string()) == 0)
@@ -137,7 +137,7 @@ void write(const Export& matrix, const Options& options) {
         io::writeMatrix(matrix.path, matrix.table, format);
 }
 
-void run(Options& options) {
+void runStencils(StencilsOptions& options) {
     checkBasis(options.bind);
     options.bind.common = options.common;
     options.bind.rest = options.lattice;
@@ -149,7 +149,7 @@ void run(Options& options) {
     if (options.levelTables && options.level == 0)
         throw CLI::ValidationError("--level-tables", "there are none before level 1");
     std::vector<std::filesystem::path> files;
-    for (const std::filesystem::path& output : outputPaths(options)) {
+    for (const std::filesystem::path& output : matrixPaths(options)) {
         checkOutput(output, inputs, io::matrixExtensions());
         for (const auto& path : io::matrixPaths(output)) {
             checkOutput(path, inputs);
@@ -169,7 +169,7 @@ void run(Options& options) {
 }  // namespace
 
 void addStencilsCommand(CLI::App& program) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<StencilsOptions>();
     CLI::App& command = addLatticeCommand(program, "stencils",
                                           "Write the matrix that refines a lattice, mesh or curve, "
                                           "or that deforms a model by a lattice",
@@ -201,7 +201,7 @@ void addStencilsCommand(CLI::App& program) {
         ->required();
     addChoice<io::PetscInt>(command, "--petsc-indices", options->petscIntegers, kPetscIntegers,
                             "The bits of an index in the PETSc that is to read .petsc");
-    command.callback([options] { run(*options); });
+    command.callback([options] { runStencils(*options); });
 }
 
 }  // namespace espalier::cli
