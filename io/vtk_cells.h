@@ -39,7 +39,8 @@ public:
     /// vertices and these.
     void addPolyhedron(std::span<const std::int64_t> faceStream);
 
-    const far::ComplexBuilder& builder() const { return builder_; }
+    /// The builder with the cells; this has none from then on.
+    far::ComplexBuilder takeBuilder() { return std::move(builder_); }
 
 private:
     far::Index checkedVertex(std::int64_t vertex) const;

@@ -51,7 +51,7 @@ public:
     VtuReader(const std::filesystem::path& path, std::string bytes)
         : file_(VtkXmlFile::read(path, std::move(bytes), "UnstructuredGrid")) {}
 
-    Lattice read() {
+    Lattice read(ReadNotes* notes) {
         for (const VtkPiece& piece : file_.pieces()) {
             const std::vector<Point3> points = readPoints(file_, piece);
             positions_.insert(positions_.end(), points.begin(), points.end());
@@ -67,8 +67,13 @@ public:
         }
         readEdgeMarks();
         marks_.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
-        return finishLattice(file_.path(), cells.builder(), std::move(positions_), marks_,
-                             std::move(attributes_), std::move(integers_));
+        return finishLattice(file_.path(), cells.takeBuilder(),
+                             {.complex = {},
+                              .positions = std::move(positions_),
+                              .marks = std::move(marks_),
+                              .attributes = std::move(attributes_),
+                              .integers = std::move(integers_)},
+                             notes);
     }
 
 private:
@@ -254,12 +259,12 @@ private:
 
 }  // namespace
 
-Lattice readVtu(const std::filesystem::path& path) {
-    return VtuReader(path, readFile(path)).read();
+Lattice readVtu(const std::filesystem::path& path, ReadNotes* notes) {
+    return VtuReader(path, readFile(path)).read(notes);
 }
 
-Lattice readVtu(const std::filesystem::path& path, std::string_view bytes) {
-    return VtuReader(path, std::string(bytes)).read();
+Lattice readVtu(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return VtuReader(path, std::string(bytes)).read(notes);
 }
 
 }  // namespace espalier::io
