@@ -39,6 +39,9 @@ enum class VtuEncoding {
 /// else vertices and cells keep their numbers.
 ///
 /// \param notes gets the dropped vertices, unless it is null
+/// The number of values of each array follows from counts and arrays that are read before it. An
+/// array whose header claims another number is refused before it is decoded.
+///
 /// \throws FileError with the line, if the file is malformed, holds cells of other types or
 ///         a sharpness that is NaN, or has more than comments around its VTKFile element;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
