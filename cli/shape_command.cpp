@@ -213,8 +213,11 @@ void addShapeCommand(CLI::App& program) {
         [](const Merge& merge) {
             checkInputs(merge.lattices);
             std::vector<Lattice> lattices;
-            for (const std::string& path : merge.lattices)
-                lattices.push_back(io::readLattice(path));
+            for (const std::string& path : merge.lattices) {
+                io::ReadNotes notes;
+                lattices.push_back(io::readLattice(path, &notes));
+                printNotes(path, notes);
+            }
             return shapes::merge(lattices, merge.options);
         });
 }

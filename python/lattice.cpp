@@ -336,9 +336,18 @@ linear : array (3, 3); translation : 3 float
     module.def(
         "read",
         [](const std::filesystem::path& path) {
-            return withoutGil([&] { return std::make_shared<Lattice>(io::readRefinable(path)); });
+            io::ReadNotes notes;
+            auto lattice = withoutGil(
+                [&] { return std::make_shared<Lattice>(io::readRefinable(path, &notes)); });
+            const std::string text = io::describe(path, notes);
+            if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
+                throw py::error_already_set();
+            return lattice;
         },
-        "path"_a, "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj.");
+        "path"_a,
+        "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj. Vertices that no "
+        "cell, or no line of a curve, uses are dropped with a UserWarning; the vertices after them "
+        "get lower numbers.");
 }
 
 }  // namespace espalier::python

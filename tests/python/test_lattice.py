@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -108,6 +109,25 @@ def test_files_give_the_lattice_back(tmp_path, extension):
     np.testing.assert_array_equal(again.positions, cube.positions)
     np.testing.assert_array_equal(again.attributes["height"], cube.attributes["height"])
     assert again.edge_sharpness == cube.edge_sharpness
+
+
+def test_unused_vertices_of_a_file_are_dropped_with_a_warning(tmp_path):
+    path = tmp_path / "cube.vtk"
+    espalier.Lattice(CUBE, [range(8)]).write(path)
+    text = path.read_text()
+    assert "POINTS 8 double\n" in text and "CELLS 1 9\n" in text
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cube = espalier.read(path)
+    path.write_text(text.replace("POINTS 8 double\n", "POINTS 9 double\n")
+                    .replace("CELLS 1 9\n", "9 9 9\nCELLS 1 9\n"))
+    with pytest.warns(UserWarning, match=r"cube.vtk: dropped 1 unused vertex \(vertex 8\)$"):
+        again = espalier.read(path)
+    assert cube.topology_difference(again) is None
+    np.testing.assert_array_equal(again.positions, cube.positions)
+    with warnings.catch_warnings(), pytest.raises(UserWarning):
+        warnings.simplefilter("error")
+        espalier.read(path)
 
 
 def test_integers_of_a_file_are_carried_and_not_averaged(tmp_path):
