@@ -209,9 +209,10 @@ Checked check(const Options& options, const far::TopologyRefiner& refiner, const
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
-    checkInputs({options.pose, options.rest});
+    const std::vector<Input> inputs = {{"LATTICE", options.pose}, {"--rest", options.rest}};
+    checkInputs(inputs);
     if (!options.output.empty()) {
-        checkOutput(options.output, {options.pose, options.rest});
+        checkOutput(options.output, inputs);
         io::checkLatticeTarget(options.output);
     }
     Stages stages(options.common.quiet);

@@ -102,8 +102,9 @@ void checkAll(const compare::Report& report) {
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
-    checkInputs(options.files);
-    if (!options.html.empty()) checkOutput(options.html, options.files);
+    const std::vector<Input> inputs = inputsOf("FILE", options.files);
+    checkInputs(inputs);
+    if (!options.html.empty()) checkOutput(options.html, inputs);
     Stages stages(options.common.quiet);
     compare::Report report{
         .title = "Espalier against OpenSubdiv",

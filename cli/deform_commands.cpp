@@ -38,9 +38,10 @@ struct Options : BindOptions {
 std::vector<std::filesystem::path> outputPaths(const Options& options) {
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
-    std::vector<std::string> inputs = options.poses;
-    inputs.push_back(options.model);
-    if (!options.rest.empty()) inputs.push_back(options.rest);
+    const bool isBound = options.rest.empty();
+    std::vector<Input> inputs = {{isBound ? "BINDING" : "MODEL", options.model}};
+    if (!isBound) inputs.push_back({"--rest", options.rest});
+    for (const Input& pose : inputsOf("--to", options.poses)) inputs.push_back(pose);
     checkInputs(inputs);
     for (int i = 0; i < count; ++i) {
         paths.push_back(io::numberedPath(options.output, i, count));
@@ -149,8 +150,9 @@ void runDeform(const Options& options) {
 void runBind(const Options& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
-    checkInputs({options.model, options.rest});
-    checkOutput(options.output, {options.model, options.rest}, {".espb"});
+    const std::vector<Input> inputs = {{"MODEL", options.model}, {"--rest", options.rest}};
+    checkInputs(inputs);
+    checkOutput(options.output, inputs, {".espb"});
     Stages stages(options.common.quiet);
     io::BoundModel file;
     const auto model = stages.run("reading", [&] {

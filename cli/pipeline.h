@@ -23,14 +23,24 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level);
 
-/// Refuses two inputs that are the same pipe or device: the second would wait for ever for what the
-/// first has read. \throws FileError naming the second
-void checkInputs(const std::vector<std::string>& inputs);
+/// A file that a command reads, and the argument that names it: "MODEL", "--rest".
+struct Input {
+    std::string argument;
+    std::string path;
+};
 
-/// Refuses an output that would replace one of the inputs, whose folder does not exist, or that
-/// must not be written to, before any work is done. With `extensions` (".mtx"), also one of another
-/// extension; devices and pipes may have any. \throws FileError
-void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,
+/// Several files of one argument.
+std::vector<Input> inputsOf(const std::string& argument, const std::vector<std::string>& paths);
+
+/// Refuses two inputs that are the same pipe or device: the second would wait for ever for what the
+/// first has read. Refuses "-", unless it is a file: a name has to tell the format.
+/// \throws FileError naming the file and the arguments
+void checkInputs(const std::vector<Input>& inputs);
+
+/// Refuses an output that would replace one of the inputs, or is the same pipe, whose folder does
+/// not exist, or that must not be written to, before any work is done. With `extensions` (".mtx"),
+/// also one of another extension; devices and pipes may have any. \throws FileError
+void checkOutput(const std::filesystem::path& output, const std::vector<Input>& inputs,
                  const std::vector<std::string>& extensions = {});
 
 /// Reads a model in the stage "reading".

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/memory.h>
 #include <espalier/far/parallel.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/stencils/length_unit.h>
@@ -9,6 +10,7 @@
 
 #include <atomic>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "group_binder.h"
@@ -29,7 +31,7 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
     const std::vector<Index> order = alongCurve(points);
     std::vector<std::vector<BoundPart<Table>>> groups(
         static_cast<std::size_t>((pointCount + groupSize - 1) / groupSize));
-    std::atomic<Offset> done = 0;
+    std::atomic<Offset> done = 0, entryCount = 0;
     far::parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;
         for (Offset i = first; i < last; ++i)
@@ -37,8 +39,13 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
                 unit.toUnits(points[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])]));
         auto& parts = groups[static_cast<std::size_t>(first / groupSize)];
         parts = binder.bind(own);
-        for (BoundPart<Table>& part : parts)
+        for (BoundPart<Table>& part : parts) {
             for (Index& point : part.points) point = order[static_cast<std::size_t>(first + point)];
+            entryCount += TableForm<Table>::rowsOf(part.table).entryCount();
+        }
+        // The rows of the groups are held until all are gathered.
+        far::requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(Real)),
+                           "a table of the " + std::to_string(entryCount) + " weights so far");
         if (progress) progress(done += last - first);
     });
 

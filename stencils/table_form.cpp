@@ -2,6 +2,7 @@
 #include "table_form.h"
 
 #include <espalier/far/error.h>
+#include <espalier/far/memory.h>
 #include <espalier/far/parallel.h>
 #include <espalier/stencils/composition.h>
 
@@ -20,6 +21,9 @@ public:
     /// \param lengths of the rows, behind a 0
     explicit RowPlaces(Array<Offset> lengths) : offsets_(std::move(lengths)) {
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
+        far::requireMemory(
+            static_cast<std::uint64_t>(offsets_.back()) * (sizeof(Index) + sizeof(Real)),
+            "a table of " + std::to_string(offsets_.back()) + " weights");
         columns_.resize(static_cast<std::size_t>(offsets_.back()));
         weights_.resize(columns_.size());
     }
