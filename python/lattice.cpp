@@ -18,6 +18,7 @@
 #include "choices.h"
 #include "lattice_arrays.h"
 #include "module.h"
+#include "names.h"
 #include "pickling.h"
 
 namespace espalier::python {
@@ -177,7 +178,7 @@ py::dict attributesIn(const py::object& self) {
     const auto& lattice = self.cast<const Lattice&>();
     py::dict arrays;
     for (const VertexAttribute& attribute : lattice.attributes)
-        arrays[attribute.name.c_str()] = viewOf(
+        arrays[strOfName(attribute.name)] = viewOf(
             std::span<const double>(attribute.values),
             {static_cast<py::ssize_t>(lattice.positions.size()), attribute.components}, self);
     return arrays;
@@ -191,7 +192,7 @@ py::dict integersIn(const py::object& self) {
         const auto view =
             viewOf(std::span<const std::int64_t>(integers.values),
                    {static_cast<py::ssize_t>(lattice.positions.size()), integers.components}, self);
-        arrays[integers.name.c_str()] =
+        arrays[strOfName(integers.name)] =
             integers.type == IntegerType::UInt64 ? view.attr("view")("uint64") : py::object(view);
     }
     return arrays;

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "arrays.h"
+#include "names.h"
 
 namespace espalier::python {
 namespace {
@@ -116,7 +117,9 @@ far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
 std::vector<VertexAttribute> attributesOf(const py::dict& arrays, std::size_t vertexCount) {
     std::vector<VertexAttribute> attributes;
     for (const auto& [key, value] : arrays) {
-        const auto attribute = textOf(key);
+        if (!py::isinstance<py::str>(key))
+            throw Error("attributes: expected names that are str, got " + typeName(key));
+        const auto attribute = nameOfStr(py::reinterpret_borrow<py::str>(key));
         const std::string name = "attributes[\"" + attribute + "\"]";
         if (attribute.starts_with(kReservedNames))
             throw Error(name + ": names that begin with \"" + std::string(kReservedNames) +

@@ -128,6 +128,50 @@ def test_integers_of_a_file_are_carried_and_not_averaged(tmp_path):
         assert lattice.integers["large"][:, 0].tolist() == large + [2**64 - 1] * rest
 
 
+# A byte that is not UTF-8, a surrogate in UTF-8, half a letter, and letters.
+NAMES = [b"m\xff", b"\xed\xa0\x80", b"\xc3", "größe μ 😀".encode()]
+
+
+def str_of(name):
+    return name.decode("utf-8", "surrogateescape")
+
+
+@pytest.mark.parametrize("name", [*NAMES, b"a\0b"])
+def test_names_that_are_not_utf_8(name):
+    text = str_of(name)
+    cube = espalier.Lattice(CUBE, [range(8)], attributes={text: CUBE[:, 2]})
+    merged = espalier.shapes.merge([cube, cube.with_positions(CUBE + [1, 0, 0])])
+    for lattice in (cube, pickle.loads(pickle.dumps(cube)), espalier.refine(cube), merged):
+        assert list(lattice.attributes) == [text]
+        assert list(espalier.Lattice(lattice.positions, lattice.cells,
+                                     attributes=lattice.attributes).attributes) == [text]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("extension", ["ovm", "vtk"])
+def test_names_of_files_come_back_as_the_same_bytes(tmp_path, extension, name):
+    path, again = (tmp_path / f"{each}.{extension}" for each in "ab")
+    espalier.Lattice(CUBE, [range(8)], attributes={"MARK": CUBE[:, 2]}).write(path)
+    written = name.replace(b" ", b"%20") if extension == "vtk" else name
+    path.write_bytes(path.read_bytes().replace(b"MARK", written))
+    read = espalier.read(path)
+    assert list(read.attributes) == [str_of(name)]
+    read.write(again)
+    assert list(espalier.read(again).attributes) == [str_of(name)]
+    if extension == "ovm":  # .vtk has "%FF" for some bytes
+        assert again.read_bytes() == path.read_bytes()
+
+
+def test_names_of_attributes_are_str():
+    for name in (1, b"a", None):
+        with pytest.raises(ValueError, match="^attributes: expected names that are str, got "):
+            espalier.Lattice(CUBE, [range(8)], attributes={name: CUBE[:, 2]})
+    with pytest.raises(ValueError, match="surrogates not allowed"):
+        espalier.Lattice(CUBE, [range(8)], attributes={"\ud800": CUBE[:, 2]})
+    with pytest.raises(ValueError, match=r'^attributes\["m\\xff"\]: expected an array of shape'):
+        espalier.Lattice(CUBE, [range(8)], attributes={"m\udcff": CUBE[:3]})
+
+
 def test_meshes_and_curves(tmp_path):
     mesh = espalier.Lattice.mesh(CUBE, [[0, 3, 2, 1], [0, 1, 5, 4]])
     assert mesh.dimension == 2 and mesh.counts == (8, 7, 2, 0)
