@@ -128,6 +128,52 @@ def test_integers_of_a_file_are_carried_and_not_averaged(tmp_path):
         assert lattice.integers["large"][:, 0].tolist() == large + [2**64 - 1] * rest
 
 
+INTEGERS = [f"{order}{kind}{size}" for size in (1, 2, 4, 8) for kind in "iu" for order in "<>"]
+
+
+def extremes(dtype):
+    """(8, 1) numbers of a type, its least and its largest among them."""
+    limits = np.iinfo(dtype)
+    return np.array([limits.min, limits.max, 0, 1, 2, limits.max - 1, 5, 7], dtype)[:, None]
+
+
+@pytest.mark.parametrize("dtype", INTEGERS)
+def test_integers_that_are_given_are_integers(tmp_path, dtype):
+    given = extremes(dtype)
+    wide = np.uint64 if dtype.endswith("u8") else np.int64
+    none = np.iinfo(dtype).max if dtype[1] == "u" else -1
+    for made in (espalier.Lattice(CUBE, [range(8)], attributes={"id": given, "z": CUBE[:, 2]}),
+                 espalier.Lattice(CUBE, [range(8)], attributes={"z": CUBE[:, 2],
+                                                                "id": given[:, 0]})):
+        for extension in "vtk", "vtu":  # .ovm has no integers of 8 bits
+            made.write(tmp_path / f"cube.{extension}")
+            for lattice in (made, espalier.read(tmp_path / f"cube.{extension}"),
+                            made.with_positions(CUBE + 1), pickle.loads(pickle.dumps(made))):
+                assert list(lattice.attributes) == ["z"] and list(lattice.integers) == ["id"]
+                assert lattice.integers["id"].dtype == wide
+                np.testing.assert_array_equal(lattice.integers["id"], given)
+        refined = espalier.refine(made).integers["id"]
+        np.testing.assert_array_equal(refined[:8], given)
+        assert set(refined[8:, 0].tolist()) == {none}
+        name = {"i": "Int", "u": "UInt"}[dtype[1]] + str(8 * int(dtype[2]))
+        assert f'type="{name}" Name="id"' in (tmp_path / "cube.vtu").read_text()
+
+
+def test_integers_of_other_shapes():
+    pairs = np.arange(16).reshape(8, 2)
+    curve = espalier.Lattice.curve(CUBE, attributes={"pair": np.asfortranarray(pairs),
+                                                     "list": list(range(8))})
+    again = espalier.Lattice.curve(CUBE, attributes={**curve.attributes, **curve.integers})
+    for each in curve, again:
+        np.testing.assert_array_equal(each.integers["pair"], pairs)
+        np.testing.assert_array_equal(each.integers["list"][:, 0], range(8))
+    for wrong in (np.arange(7), np.zeros((8, 0), int), np.zeros((8, 1, 1), int)):
+        with pytest.raises(ValueError, match=r'^attributes\["id"\]: expected an array of shape'):
+            espalier.Lattice(CUBE, [range(8)], attributes={"id": wrong})
+    with pytest.raises(ValueError, match=r'^attributes\["id"\]: expected an array of real numbers'):
+        espalier.Lattice(CUBE, [range(8)], attributes={"id": [True] * 8})
+
+
 # A byte that is not UTF-8, a surrogate in UTF-8, half a letter, and letters.
 NAMES = [b"m\xff", b"\xed\xa0\x80", b"\xc3", "größe μ 😀".encode()]
 
