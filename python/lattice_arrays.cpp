@@ -3,6 +3,7 @@
 
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/error.h>
+#include <espalier/far/printable.h>
 
 #include <cstdint>
 #include <optional>
@@ -161,7 +162,7 @@ VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount) {
         if (!py::isinstance<py::str>(key))
             throw Error("attributes: expected names that are str, got " + typeName(key));
         const auto attribute = nameOfStr(py::reinterpret_borrow<py::str>(key));
-        const std::string name = "attributes[\"" + attribute + "\"]";
+        const std::string name = "attributes[\"" + printable(attribute) + "\"]";
         if (attribute.starts_with(kReservedNames))
             throw Error(name + ": names that begin with \"" + std::string(kReservedNames) +
                         "\" are reserved, for what files of lattices hold besides attributes");

@@ -44,4 +44,4 @@ def test_messages_show_bytes_that_are_not_utf_8(tmp_path):
     with open(path, "wb") as file:
         file.write(b"v 0 0 0\n")
     model = espalier.read_model(path)
-    assert model.name == "m\udcff.obj" and "1 points" in repr(model)
+    assert model.name == "m\udcff.obj" and repr(model) == r"<espalier.Model: m\xFF.obj, 1 points>"

@@ -214,7 +214,7 @@ def test_names_of_attributes_are_str():
             espalier.Lattice(CUBE, [range(8)], attributes={name: CUBE[:, 2]})
     with pytest.raises(ValueError, match="surrogates not allowed"):
         espalier.Lattice(CUBE, [range(8)], attributes={"\ud800": CUBE[:, 2]})
-    with pytest.raises(ValueError, match=r'^attributes\["m\\xff"\]: expected an array of shape'):
+    with pytest.raises(ValueError, match=r'^attributes\["m\\xFF"\]: expected an array of shape'):
         espalier.Lattice(CUBE, [range(8)], attributes={"m\udcff": CUBE[:3]})
 
 
