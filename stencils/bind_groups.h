@@ -41,7 +41,7 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
         parts = binder.bind(own);
         for (BoundPart<Table>& part : parts) {
             for (Index& point : part.points) point = order[static_cast<std::size_t>(first + point)];
-            entryCount += TableForm<Table>::rowsOf(part.table).entryCount();
+            entryCount += pointRows(part.table).entryCount();
         }
         // The rows of the groups are held until all are gathered.
         far::requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(Real)),
