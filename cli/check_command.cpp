@@ -214,8 +214,10 @@ void runCheck(const CheckOptions& options) {
     }
     Stages stages(options.common.quiet);
     Lattice lattice = readLattice(options.rest, stages);
+    io::ReadNotes notes;
     const auto pose =
-        stages.run("reading", [&] { return readPose(options.pose, lattice, options.rest); });
+        stages.run("reading", [&] { return readPose(options.pose, lattice, options.rest, notes); });
+    printNotes(options.pose, notes);
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.rest, lattice, options.common,
                              options.limit ? 0 : options.level);

@@ -31,7 +31,7 @@ compare::ReportedShape compareFile(const CompareOptions& options, const std::str
     compare::ReportedShape shape;
     shape.name = printable(file);
     try {
-        const Lattice lattice = stages.run("reading", [&] { return io::readRefinable(file); });
+        const Lattice lattice = readLattice(file, stages, FileKind::Refinable);
         const auto refiner = stages.run("refining", [&] {
             return refineLattice(file, lattice, options.common, options.level);
         });

@@ -52,15 +52,21 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
 }
 
 /// Reads all poses, each with `read`, before any is written: a bad one leaves nothing half done.
+/// Of poses in a row that have the same notes, only those on the first are printed.
 std::vector<std::vector<Point3>> readPoses(
     const DeformOptions& options, Stages& stages,
-    const std::function<std::vector<Point3>(const std::string&)>& read) {
+    const std::function<std::vector<Point3>(const std::string&, io::ReadNotes&)>& read) {
     std::vector<std::vector<Point3>> poses;
-    for (const std::string& path : options.poses)
+    io::ReadNotes before;
+    for (const std::string& path : options.poses) {
+        io::ReadNotes notes;
         poses.push_back(stages.run("reading", [&] {
             stages.addFile(path);
-            return read(path);
+            return read(path, notes);
         }));
+        if (notes != before) printNotes(path, notes);
+        before = std::move(notes);
+    }
     return poses;
 }
 
@@ -130,9 +136,10 @@ void runDeform(const DeformOptions& options) {
     const auto model = readModel(options.model, stages);
     model->checkTarget(paths.front());
     const Lattice lattice = readLattice(options.rest, stages);
-    const auto poses = readPoses(options, stages, [&](const std::string& path) {
-        return readPose(path, lattice, options.rest);
-    });
+    const auto poses =
+        readPoses(options, stages, [&](const std::string& path, io::ReadNotes& notes) {
+            return readPose(path, lattice, options.rest, notes);
+        });
     const Bound bound = bindModel(options, *model, lattice, stages);
     for (std::size_t i = 0; i < poses.size(); ++i)
         writePose(*model, bound.points.binding, bound.gradients, poses[i], paths[i], stages);
@@ -168,8 +175,8 @@ void runBind(const DeformOptions& options) {
 
 /// Reads a pose of the lattice that a model was bound to.
 std::vector<Point3> readPoseOf(const Binding& binding, const std::string& path,
-                               const DeformOptions& options) {
-    Lattice pose = io::readLattice(path);
+                               const DeformOptions& options, io::ReadNotes& notes) {
+    Lattice pose = io::readLattice(path, &notes);
     if (far::topologyHash(pose.complex) != binding.topologyHash)
         throw io::FileError(
             path, fmt::format("is not a pose of the lattice that {} was bound to, which has "
@@ -192,9 +199,10 @@ void runApply(const DeformOptions& options) {
     model->checkTarget(paths.front());
     if (model->positions().size() != static_cast<std::size_t>(bound.binding.table.rowCount()))
         throw io::FileError(options.model, "holds a model of other points than were bound");
-    const auto poses = readPoses(options, stages, [&](const std::string& path) {
-        return readPoseOf(bound.binding, path, options);
-    });
+    const auto poses =
+        readPoses(options, stages, [&](const std::string& path, io::ReadNotes& notes) {
+            return readPoseOf(bound.binding, path, options, notes);
+        });
     for (std::size_t i = 0; i < poses.size(); ++i)
         writePose(*model, bound.binding, bound.gradients, poses[i], paths[i], stages);
     if (!options.common.quiet)

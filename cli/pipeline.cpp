@@ -130,26 +130,27 @@ std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& 
     });
 }
 
-Lattice readLattice(const std::filesystem::path& path, Stages& stages) {
-    return stages.run("reading", [&] {
+Lattice readLattice(const std::filesystem::path& path, Stages& stages, FileKind kind) {
+    io::ReadNotes notes;
+    Lattice lattice = stages.run("reading", [&] {
         stages.addFile(path);
-        return io::readLattice(path);
+        return kind == FileKind::Refinable ? io::readRefinable(path, &notes)
+                                           : io::readLattice(path, &notes);
     });
-}
-
-Lattice readInput(const LatticeOptions& options, FileKind kind, Stages& stages) {
-    return stages.run("reading", [&] {
-        return kind == FileKind::Refinable ? io::readRefinable(options.lattice)
-                                           : io::readLattice(options.lattice);
-    });
+    printNotes(path, notes);
+    return lattice;
 }
 
 RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& stages) {
-    Lattice lattice = readInput(options, kind, stages);
+    Lattice lattice = readLattice(options.lattice, stages, kind);
     auto refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, lattice, options.common, options.level);
     });
     return {std::move(lattice), std::move(refiner)};
+}
+
+void printNotes(const std::filesystem::path& path, const io::ReadNotes& notes) {
+    if (const std::string text = io::describe(path, notes); !text.empty()) printError(text.c_str());
 }
 
 void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) {
@@ -182,8 +183,8 @@ Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const Com
 }
 
 std::vector<Point3> readPose(const std::filesystem::path& path, const Lattice& rest,
-                             const std::filesystem::path& restPath) {
-    Lattice pose = io::readLattice(path);
+                             const std::filesystem::path& restPath, io::ReadNotes& notes) {
+    Lattice pose = io::readLattice(path, &notes);
     if (const auto difference = far::topologyDifference(rest.complex, pose.complex))
         throw io::FileError(path,
                             "is not a pose of " + io::shownPath(restPath) + ": " + *difference);

@@ -218,7 +218,9 @@ void addShapeCommand(CLI::App& program) {
             std::vector<Lattice> lattices;
             shapes::MergeOptions options = merge.options;
             for (const std::string& path : merge.lattices) {
-                lattices.push_back(io::readLattice(path));
+                io::ReadNotes notes;
+                lattices.push_back(io::readLattice(path, &notes));
+                printNotes(path, notes);
                 options.names.push_back(io::shownPath(path));
             }
             return shapes::merge(lattices, options);

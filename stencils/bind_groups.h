@@ -41,7 +41,7 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
         parts = binder.bind(own);
         for (BoundPart<Table>& part : parts) {
             for (Index& point : part.points) point = order[static_cast<std::size_t>(first + point)];
-            entryCount += TableForm<Table>::rowsOf(part.table).entryCount();
+            entryCount += pointRows(part.table).entryCount();
         }
         // The rows of the groups are held until all are gathered.
         far::requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(Real)),
@@ -61,10 +61,10 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
             parts.push_back(std::move(part));
         }
     if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
-    model.binding.table = TableForm<Table>::gather(parts, static_cast<Index>(pointCount),
-                                                   base.level(0).complex.count(0));
+    gatherRows(parts, static_cast<Index>(pointCount), base.level(0).complex.count(0),
+               model.binding.table);
     model.binding.topologyHash = far::topologyHash(base.level(0).complex);
-    const auto& rows = TableForm<Table>::rowsOf(model.binding.table);
+    const auto& rows = pointRows(model.binding.table);
     for (Index i = 0; i < rows.rowCount(); ++i) {
         if (!rows.columns(i).empty()) continue;
         model.binding.kept.push_back(i);

@@ -128,7 +128,9 @@ BoundPart<Table> PartBinder<Table>::bindInside(std::span<const Point3> points,
             return LocatedPoint{PointStatus::Outside, {}, 0, 0};
         },
         [&](const Embedding& embedding) {
-            return TableForm<Table>::build(found->refiner, found->tables, embedding);
+            Table table;
+            buildRows(found->refiner, found->tables, embedding, table);
+            return table;
         });
 }
 
@@ -150,7 +152,9 @@ BoundPart<Table> PartBinder<Table>::bindBeside(std::span<const Point3> points) c
             return solver.locateBeside(point, CellId(nearest.second), seekNearest_);
         },
         [&](const Embedding& embedding) {
-            return TableForm<Table>::build(found->refiner, found->tables, embedding);
+            Table table;
+            buildRows(found->refiner, found->tables, embedding, table);
+            return table;
         });
 }
 
@@ -179,8 +183,10 @@ std::vector<BoundPart<Table>> WholeBinder<Table>::bind(std::span<const Point3> p
             return locator_->locate(points[static_cast<std::size_t>(i)], seekNearest_);
         },
         [&](const Embedding& embedding) {
-            return TableForm<Table>::build(buildEmbeddingTable(complex_, embedding), stencils_,
-                                           orderByBaseCell(embedding, baseCells_, baseCellCount_));
+            Table table;
+            buildRows(buildEmbeddingTable(complex_, embedding), stencils_,
+                      orderByBaseCell(embedding, baseCells_, baseCellCount_), table);
+            return table;
         }));
     return parts;
 }

@@ -520,6 +520,65 @@ class Deform(CliTest):
                                 (self.path / f"m.{extension}").read_bytes())
         self.assertIn("1 -0.5 1.25", (self.path / "out.ply").read_text())
 
+    def add_unused_vertex(self, name, to):
+        """The same .ovm with one vertex more, before the others, that no edge uses."""
+        lines = (self.path / name).read_text().splitlines()
+        at, edges = lines.index("Vertices"), lines.index("Edges")
+        count = int(lines[edges + 1])
+        lines[edges + 2:edges + 2 + count] = [
+            " ".join(str(int(end) + 1) for end in line.split())
+            for line in lines[edges + 2:edges + 2 + count]]
+        lines[at + 1:at + 2] = [str(int(lines[at + 1]) + 1), "9 9 9"]
+        (self.path / to).write_text("\n".join(lines) + "\n")
+
+    def test_unused_vertices_are_dropped_with_a_note(self):
+        self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "rest.ovm")
+        self.run_program("shape", "box", "--cells", 2, 2, 2, *self.POSE, "-o", "pose.ovm")
+        for name in ["rest", "pose"]:
+            self.add_unused_vertex(f"{name}.ovm", f"{name}+.ovm")
+
+        def note(*names):
+            return "".join(f"espalier: {name}: dropped 1 unused vertex (vertex 0)\n"
+                           for name in names)
+
+        def deform(rest, *poses, out="out.obj"):
+            return self.run_program("deform", "model.obj", "--rest", rest, "--to", *poses, "-n", 2,
+                                    "-o", out, "--quiet").stderr
+
+        deform("rest.ovm", "pose.ovm", out="plain.obj")
+        plain = (self.path / "plain.obj").read_bytes()
+        for rest, pose in [("rest+.ovm", "pose+.ovm"), ("rest.ovm", "pose+.ovm"),
+                           ("rest+.ovm", "pose.ovm")]:
+            names = [name for name in [rest, pose] if "+" in name]
+            self.assertEqual(deform(rest, pose), note(*names))
+            self.assertEqual((self.path / "out.obj").read_bytes(), plain)
+        # Of many poses with the same vertex, the first has the note.
+        self.assertEqual(deform("rest+.ovm", "pose+.ovm", "rest+.ovm", "pose.ovm", "pose+.ovm"),
+                         note("rest+.ovm", "pose+.ovm", "pose+.ovm"))
+
+        quiet = ["-n", 1, "--quiet"]
+        self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "--cells", 2, 2, 2,
+                         "-o", "other.ovm")
+        for arguments in [["bind", "model.obj", "--rest", "rest+.ovm", "-n", 2, "-o", "m.espb",
+                           "--quiet"],
+                          ["refine", "rest+.ovm", "-o", "refined.ovm", *quiet],
+                          ["stencils", "rest+.ovm", "-o", "S.mtx", *quiet],
+                          ["shape", "merge", "rest+.ovm", "other.ovm", "-o", "merged.ovm"],
+                          ["info", "rest+.ovm", "--json"]]:
+            self.assertEqual(self.run_program(*arguments).stderr, note("rest+.ovm"), arguments)
+        self.assertEqual(self.info("rest+.ovm", "-n", 0)["levels"][0]["counts"]["vertices"], 27)
+        self.assertEqual(self.run_program("apply", "m.espb", "--to", "pose+.ovm", "-o", "out.obj",
+                                          "--quiet").stderr, note("pose+.ovm"))
+        self.assertEqual((self.path / "out.obj").read_bytes(), plain)
+        self.assertEqual(self.run_program("check", "pose+.ovm", "--rest", "rest+.ovm", *quiet).stderr,
+                         note("rest+.ovm", "pose+.ovm"))
+        # A pose that is written lacks the vertex, and is one of either lattice.
+        result = self.run_program("fit", "model.obj", "--rest", "rest+.ovm", "--targets",
+                                  "plain.obj", "-o", "fitted.ovm", *quiet)
+        self.assertEqual(result.stderr, note("rest+.ovm"))
+        self.assertEqual(len(self.read_ovm_positions("fitted.ovm")), 27)
+        self.assertEqual(deform("rest+.ovm", "fitted.ovm"), note("rest+.ovm"))
+
     def test_pose_of_another_topology_is_refused(self):
         self.run_program("shape", "box", "--cells", 2, 2, 1, "-o", "other.ovm")
         self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-o", "m.espb")

@@ -105,7 +105,6 @@ TEST(ObjCurve, RefusalsNameTheLine) {
                 HasSubstr("a.obj:7: vertex 1 and vertex 2 are joined twice"));
     EXPECT_THAT(refusal(kPoints + "l 1 2 2 3 4\n"),
                 HasSubstr("a.obj:5: a line names vertex 2 twice in a row"));
-    EXPECT_THAT(refusal(kPoints + "l 1 2 3\n"), HasSubstr("a.obj: vertex 4 is on no line"));
     EXPECT_THAT(refusal(kPolygon + "t hole 1/0/0 0\n"),
                 HasSubstr("a.obj:6: a tag names face 0; there are none"));
     EXPECT_THAT(refusal(kPoints), HasSubstr("a.obj: there is no face, and no line"));
