@@ -44,7 +44,7 @@ std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vec
 }
 
 const CellBounds::Box& CellBounds::boxAround(Index vertex) {
-    auto& box = aroundVertex_[static_cast<std::size_t>(vertex)];
+    auto& box = aroundVertex_[vertex];
     if (!box) {
         box.emplace();
         for (const Index cell : level_.complex.relation(0, 3)[vertex])
@@ -108,7 +108,7 @@ std::vector<Index> CellBounds::ringOf(Index cell) const {
 bool CellBounds::staysInHull(Index cell) {
     const auto vertices = level_.complex.relation(3, 0)[cell];
     return !mayExtrapolate_ && std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
-        auto& stays = staysInHull_[static_cast<std::size_t>(vertex)];
+        auto& stays = staysInHull_[vertex];
         if (!stays) stays = isConvexAround(vertex);
         return *stays;
     });
@@ -164,7 +164,7 @@ Vector3d CellBounds::largestSecondDifference(const std::vector<Index>& ring) con
     for (const auto& corners : cells)
         for (std::size_t i = 0; i < 8; ++i) {
             const auto at = std::lower_bound(vertices.begin(), vertices.end(), corners[i]);
-            Neighbours& neighbours = around[static_cast<std::size_t>(at - vertices.begin())];
+            Neighbours& neighbours = around[at - vertices.begin()];
             std::array<std::size_t, 3> places;
             unsigned together = 0;
             for (std::size_t k = 0; k < 3; ++k) {
