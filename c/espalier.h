@@ -196,7 +196,8 @@ ESPALIER_C_API espalier_status espalier_lattice_create_hexahedra(int32_t vertex_
                                                                  const int32_t* vertices,
                                                                  espalier_lattice** lattice);
 
-/// Reads a lattice in the format of its extension: .ovm, .vtu or .vtk, with marks (io/).
+/// Reads a lattice in the format of its extension: .ovm, .vtu or .vtk, with marks (io/). Vertices
+/// that no cell uses are dropped, and the vertices after them get lower numbers.
 ESPALIER_C_API espalier_status espalier_lattice_read(const char* path, espalier_lattice** lattice);
 
 /// Writes a lattice in the format of the extension, so that it reads back the same. A file that is

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/error.h>
+#include <espalier/far/memory.h>
+#include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/solids.h>
@@ -28,6 +31,19 @@ shapes::DiskPattern pattern(std::int32_t rings, std::int32_t core) {
     return {rings, choice(core, shapes::Core::Polygon, "core")};
 }
 
+/// A new lattice of the inventory.
+/// \throws Error that names fields of C
+template <class Options>
+espalier_lattice* make(Lattice (*shape)(const Options&), const Options& options) {
+    try {
+        return new espalier_lattice{shape(options)};
+    } catch (const far::MemoryError&) {
+        throw;
+    } catch (const Error& error) {
+        throw Error(shapes::withUnderscores(error.what()));
+    }
+}
+
 using RegularSolid = Lattice (*)(const shapes::RegularSolidOptions&);
 constexpr RegularSolid kRegularSolids[] = {shapes::tetrahedron, shapes::cube, shapes::octahedron,
                                            shapes::dodecahedron, shapes::icosahedron};
@@ -43,8 +59,9 @@ espalier_status espalier_lattice_create_box(const int32_t cells[3], const double
     return c::guarded([&] {
         auto& out = c::deref(lattice, "lattice");
         const auto counts = c::array(cells, 1, "cells", 3);
-        out = new espalier_lattice{shapes::box(
-            {{counts[0], counts[1], counts[2]}, c::point(min, "min"), c::point(max, "max")})};
+        out = c::make(
+            shapes::box,
+            {{counts[0], counts[1], counts[2]}, c::point(min, "min"), c::point(max, "max")});
     });
 }
 
@@ -54,9 +71,8 @@ espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings,
                                                  espalier_lattice** lattice) {
     return c::guarded([&] {
         auto& out = c::deref(lattice, "lattice");
-        out =
-            new espalier_lattice{shapes::cylinder({sectors, c::pattern(rings, core), layers, radius,
-                                                   c::point(from, "from"), c::point(to, "to")})};
+        out = c::make(shapes::cylinder, {sectors, c::pattern(rings, core), layers, radius,
+                                         c::point(from, "from"), c::point(to, "to")});
     });
 }
 
@@ -67,14 +83,14 @@ espalier_status espalier_lattice_create_torus(const espalier_torus_options* opti
         const auto chosen =
             c::optionsOr(options, espalier_default_torus_options(), sizeof(espalier_torus_options),
                          "espalier_default_torus_options");
-        out = new espalier_lattice{shapes::torus(
-            {.segments = chosen.segments,
-             .section = c::choice(chosen.section, shapes::TorusSection::Disk, "section"),
-             .gridCells = chosen.grid_cells,
-             .sides = chosen.sides,
-             .pattern = c::pattern(chosen.rings, chosen.core),
-             .majorRadius = chosen.major_radius,
-             .minorRadius = chosen.minor_radius})};
+        out = c::make(shapes::torus,
+                      {.segments = chosen.segments,
+                       .section = c::choice(chosen.section, shapes::TorusSection::Disk, "section"),
+                       .gridCells = chosen.grid_cells,
+                       .sides = chosen.sides,
+                       .pattern = c::pattern(chosen.rings, chosen.core),
+                       .majorRadius = chosen.major_radius,
+                       .minorRadius = chosen.minor_radius});
     });
 }
 
@@ -85,12 +101,12 @@ espalier_status espalier_lattice_create_star(const espalier_star_options* option
         const auto chosen =
             c::optionsOr(options, espalier_default_star_options(), sizeof(espalier_star_options),
                          "espalier_default_star_options");
-        out = new espalier_lattice{shapes::star({.points = chosen.points,
-                                                 .pattern = c::pattern(chosen.rings, chosen.core),
-                                                 .layers = chosen.layers,
-                                                 .innerRadius = chosen.inner_radius,
-                                                 .outerRadius = chosen.outer_radius,
-                                                 .height = chosen.height})};
+        out = c::make(shapes::star, {.points = chosen.points,
+                                     .pattern = c::pattern(chosen.rings, chosen.core),
+                                     .layers = chosen.layers,
+                                     .innerRadius = chosen.inner_radius,
+                                     .outerRadius = chosen.outer_radius,
+                                     .height = chosen.height});
     });
 }
 
@@ -101,17 +117,16 @@ espalier_status espalier_lattice_create_barbell(const espalier_barbell_options* 
         const auto chosen =
             c::optionsOr(options, espalier_default_barbell_options(),
                          sizeof(espalier_barbell_options), "espalier_default_barbell_options");
-        out =
-            new espalier_lattice{shapes::barbell({.endSegments = chosen.end_segments,
-                                                  .barSegments = chosen.bar_segments,
-                                                  .barAcross = chosen.bar_across,
-                                                  .pattern = c::pattern(chosen.rings, chosen.core),
-                                                  .layers = chosen.layers,
-                                                  .endRadius = chosen.end_radius,
-                                                  .barLength = chosen.bar_length,
-                                                  .barHalfWidth = chosen.bar_half_width,
-                                                  .roundness = chosen.roundness,
-                                                  .height = chosen.height})};
+        out = c::make(shapes::barbell, {.endSegments = chosen.end_segments,
+                                        .barSegments = chosen.bar_segments,
+                                        .barAcross = chosen.bar_across,
+                                        .pattern = c::pattern(chosen.rings, chosen.core),
+                                        .layers = chosen.layers,
+                                        .endRadius = chosen.end_radius,
+                                        .barLength = chosen.bar_length,
+                                        .barHalfWidth = chosen.bar_half_width,
+                                        .roundness = chosen.roundness,
+                                        .height = chosen.height});
     });
 }
 
@@ -125,11 +140,11 @@ espalier_status espalier_lattice_create_arm(const espalier_arm_options* options,
         std::vector<shapes::ArmJoint> joints;
         for (const auto& joint : c::array(chosen.joints, chosen.joint_count, "joints"))
             joints.push_back({c::point(joint.position, "position"), joint.radius, joint.twist});
-        out = new espalier_lattice{shapes::arm({.joints = std::move(joints),
-                                                .segments = chosen.segments,
-                                                .sides = chosen.sides,
-                                                .pattern = c::pattern(chosen.rings, chosen.core),
-                                                .up = c::point(chosen.up, "up")})};
+        out = c::make(shapes::arm, {.joints = std::move(joints),
+                                    .segments = chosen.segments,
+                                    .sides = chosen.sides,
+                                    .pattern = c::pattern(chosen.rings, chosen.core),
+                                    .up = c::point(chosen.up, "up")});
     });
 }
 
@@ -138,7 +153,7 @@ espalier_status espalier_lattice_create_regular_solid(int32_t solid, double radi
     return c::guarded([&] {
         auto& out = c::deref(lattice, "lattice");
         const auto number = c::choice(solid, std::int32_t{ESPALIER_SOLID_ICOSAHEDRON}, "solid");
-        out = new espalier_lattice{c::kRegularSolids[number]({radius})};
+        out = c::make(c::kRegularSolids[number], {radius});
     });
 }
 
@@ -147,7 +162,7 @@ espalier_status espalier_lattice_create_polygonal_solid(int32_t solid, int32_t s
     return c::guarded([&] {
         auto& out = c::deref(lattice, "lattice");
         const auto number = c::choice(solid, std::int32_t{ESPALIER_SOLID_BIPYRAMID}, "solid");
-        out = new espalier_lattice{c::kPolygonalSolids[number]({sides, radius, height})};
+        out = c::make(c::kPolygonalSolids[number], {sides, radius, height});
     });
 }
 

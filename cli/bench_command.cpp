@@ -82,7 +82,7 @@ void checkRange(const Options& options, const Lattice& lattice) {
 void run(const Options& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
-    checkInputs({options.model, options.rest});
+    checkInputs({{"MODEL", options.model}, {"--rest", options.rest}});
     Stages stages(options.common.quiet);
     const auto model = readModel(options.model, stages);
     const Lattice lattice = readLattice(options.rest, stages);

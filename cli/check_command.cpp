@@ -209,15 +209,18 @@ Checked check(const Options& options, const far::TopologyRefiner& refiner, const
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
-    checkInputs({options.pose, options.rest});
+    const std::vector<Input> inputs = {{"LATTICE", options.pose}, {"--rest", options.rest}};
+    checkInputs(inputs);
     if (!options.output.empty()) {
-        checkOutput(options.output, {options.pose, options.rest});
+        checkOutput(options.output, inputs);
         io::checkLatticeTarget(options.output);
     }
     Stages stages(options.common.quiet);
     Lattice lattice = readLattice(options.rest, stages);
+    io::ReadNotes notes;
     const auto pose =
-        stages.run("reading", [&] { return readPose(options.pose, lattice, options.rest); });
+        stages.run("reading", [&] { return readPose(options.pose, lattice, options.rest, notes); });
+    printNotes(options.pose, notes);
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.rest, lattice, options.common,
                              options.limit ? 0 : options.level);

@@ -31,7 +31,7 @@ compare::ReportedShape compareFile(const Options& options, const std::string& fi
     compare::ReportedShape shape;
     shape.name = printable(file);
     try {
-        const Lattice lattice = stages.run("reading", [&] { return io::readRefinable(file); });
+        const Lattice lattice = readLattice(file, stages, FileKind::Refinable);
         const auto refiner = stages.run("refining", [&] {
             return refineLattice(file, lattice, options.common, options.level);
         });
@@ -102,8 +102,9 @@ void checkAll(const compare::Report& report) {
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
-    checkInputs(options.files);
-    if (!options.html.empty()) checkOutput(options.html, options.files);
+    const std::vector<Input> inputs = inputsOf("FILE", options.files);
+    checkInputs(inputs);
+    if (!options.html.empty()) checkOutput(options.html, inputs);
     Stages stages(options.common.quiet);
     compare::Report report{
         .title = "Espalier against OpenSubdiv",

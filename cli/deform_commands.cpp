@@ -38,9 +38,10 @@ struct Options : BindOptions {
 std::vector<std::filesystem::path> outputPaths(const Options& options) {
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
-    std::vector<std::string> inputs = options.poses;
-    inputs.push_back(options.model);
-    if (!options.rest.empty()) inputs.push_back(options.rest);
+    const bool isBound = options.rest.empty();
+    std::vector<Input> inputs = {{isBound ? "BINDING" : "MODEL", options.model}};
+    if (!isBound) inputs.push_back({"--rest", options.rest});
+    for (const Input& pose : inputsOf("--to", options.poses)) inputs.push_back(pose);
     checkInputs(inputs);
     for (int i = 0; i < count; ++i) {
         paths.push_back(io::numberedPath(options.output, i, count));
@@ -51,15 +52,21 @@ std::vector<std::filesystem::path> outputPaths(const Options& options) {
 }
 
 /// Reads all poses, each with `read`, before any is written: a bad one leaves nothing half done.
+/// Of poses in a row that have the same notes, only those on the first are printed.
 std::vector<std::vector<Point3>> readPoses(
     const Options& options, Stages& stages,
-    const std::function<std::vector<Point3>(const std::string&)>& read) {
+    const std::function<std::vector<Point3>(const std::string&, io::ReadNotes&)>& read) {
     std::vector<std::vector<Point3>> poses;
-    for (const std::string& path : options.poses)
+    io::ReadNotes before;
+    for (const std::string& path : options.poses) {
+        io::ReadNotes notes;
         poses.push_back(stages.run("reading", [&] {
             stages.addFile(path);
-            return read(path);
+            return read(path, notes);
         }));
+        if (notes != before) printNotes(path, notes);
+        before = std::move(notes);
+    }
     return poses;
 }
 
@@ -129,9 +136,10 @@ void runDeform(const Options& options) {
     const auto model = readModel(options.model, stages);
     model->checkTarget(paths.front());
     const Lattice lattice = readLattice(options.rest, stages);
-    const auto poses = readPoses(options, stages, [&](const std::string& path) {
-        return readPose(path, lattice, options.rest);
-    });
+    const auto poses =
+        readPoses(options, stages, [&](const std::string& path, io::ReadNotes& notes) {
+            return readPose(path, lattice, options.rest, notes);
+        });
     const Bound bound = bindModel(options, *model, lattice, stages);
     for (std::size_t i = 0; i < poses.size(); ++i)
         writePose(*model, bound.points.binding, bound.gradients, poses[i], paths[i], stages);
@@ -142,8 +150,9 @@ void runDeform(const Options& options) {
 void runBind(const Options& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
-    checkInputs({options.model, options.rest});
-    checkOutput(options.output, {options.model, options.rest}, {".espb"});
+    const std::vector<Input> inputs = {{"MODEL", options.model}, {"--rest", options.rest}};
+    checkInputs(inputs);
+    checkOutput(options.output, inputs, {".espb"});
     Stages stages(options.common.quiet);
     io::BoundModel file;
     const auto model = stages.run("reading", [&] {
@@ -166,8 +175,8 @@ void runBind(const Options& options) {
 
 /// Reads a pose of the lattice that a model was bound to.
 std::vector<Point3> readPoseOf(const Binding& binding, const std::string& path,
-                               const Options& options) {
-    Lattice pose = io::readLattice(path);
+                               const Options& options, io::ReadNotes& notes) {
+    Lattice pose = io::readLattice(path, &notes);
     if (far::topologyHash(pose.complex) != binding.topologyHash)
         throw io::FileError(
             path, fmt::format("is not a pose of the lattice that {} was bound to, which has "
@@ -190,9 +199,10 @@ void runApply(const Options& options) {
     model->checkTarget(paths.front());
     if (model->positions().size() != static_cast<std::size_t>(bound.binding.table.rowCount()))
         throw io::FileError(options.model, "holds a model of other points than were bound");
-    const auto poses = readPoses(options, stages, [&](const std::string& path) {
-        return readPoseOf(bound.binding, path, options);
-    });
+    const auto poses =
+        readPoses(options, stages, [&](const std::string& path, io::ReadNotes& notes) {
+            return readPoseOf(bound.binding, path, options, notes);
+        });
     for (std::size_t i = 0; i < poses.size(); ++i)
         writePose(*model, bound.binding, bound.gradients, poses[i], paths[i], stages);
     if (!options.common.quiet)

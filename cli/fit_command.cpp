@@ -253,8 +253,10 @@ void printFit(const Options& options, const Wishes& wishes, std::size_t leftOut,
 void run(const Options& options) {
     checkBasis(options);
     const far::ThreadLimit limit(options.common.threads);
-    checkInputs({options.model, options.rest, options.targets});
-    checkOutput(options.output, {options.model, options.rest, options.targets});
+    const std::vector<Input> inputs = {
+        {"MODEL", options.model}, {"--rest", options.rest}, {"--targets", options.targets}};
+    checkInputs(inputs);
+    checkOutput(options.output, inputs);
     io::checkLatticeTarget(options.output);
     Stages stages(options.common.quiet);
     const auto model = readModel(options.model, stages);

@@ -14,7 +14,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <optional>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -34,25 +35,80 @@ far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Latt
     });
 }
 
-void checkInputs(const std::vector<std::string>& inputs) {
-    // Not std::filesystem::equivalent(), which is an error for two pipes.
-    std::set<std::pair<::dev_t, ::ino_t>> special;
-    for (const std::string& input : inputs) {
-        struct ::stat status {};
-        if (::stat(input.c_str(), &status) != 0 || S_ISREG(status.st_mode)) continue;
-        if (!special.emplace(status.st_dev, status.st_ino).second)
-            throw io::FileError(input,
-                                "is named for two inputs, but is no regular file and can be read "
-                                "only once; copy it to a file first");
+std::vector<Input> inputsOf(const std::string& argument, const std::vector<std::string>& paths) {
+    std::vector<Input> inputs;
+    for (const std::string& path : paths) inputs.push_back({argument, path});
+    return inputs;
+}
+
+namespace {
+
+/// What a path leads to, unless there is nothing. (std::filesystem::equivalent() is an error for
+/// two pipes.)
+std::optional<struct ::stat> statusOf(const std::filesystem::path& path) {
+    struct ::stat status {};
+    if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+    return status;
+}
+
+bool isSameFile(const struct ::stat& a, const struct ::stat& b) {
+    return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+/// "--rest", "MODEL and --rest", "MODEL, --rest and --to".
+std::string list(std::span<const std::string> words) {
+    std::string text = words.front();
+    for (std::size_t i = 1; i < words.size(); ++i)
+        text += (i + 1 < words.size() ? ", " : " and ") + words[i];
+    return text;
+}
+
+void refuseDash(const std::vector<Input>& inputs) {
+    std::vector<std::string> arguments;
+    for (const Input& input : inputs)
+        if (input.path == "-" && std::ranges::count(arguments, input.argument) == 0)
+            arguments.push_back(input.argument);
+    if (arguments.empty() || statusOf("-")) return;
+    throw io::FileError("-", "is no file (given for " + list(arguments) +
+                                 "); to read standard input, for one argument, name a link to "
+                                 "/dev/stdin with the extension of the format");
+}
+
+}  // namespace
+
+void checkInputs(const std::vector<Input>& inputs) {
+    refuseDash(inputs);
+    std::vector<std::pair<const Input*, struct ::stat>> special;
+    for (const Input& input : inputs) {
+        const auto status = statusOf(input.path);
+        if (!status || S_ISREG(status->st_mode)) continue;
+        const auto same = std::ranges::find_if(
+            special, [&](const auto& other) { return isSameFile(other.second, *status); });
+        if (same == special.end()) {
+            special.emplace_back(&input, *status);
+            continue;
+        }
+        const Input& first = *same->first;
+        const std::string given = first.argument == input.argument
+                                      ? "twice for " + input.argument
+                                      : "for " + first.argument + " and for " + input.argument;
+        const std::string alias =
+            first.path == input.path ? "" : " (also called " + io::shownPath(first.path) + ")";
+        throw io::FileError(input.path, "is given " + given + alias +
+                                            ", but is no regular file and can be read only once; "
+                                            "copy it to a file first");
     }
 }
 
-void checkOutput(const std::filesystem::path& output, const std::vector<std::string>& inputs,
+void checkOutput(const std::filesystem::path& output, const std::vector<Input>& inputs,
                  const std::vector<std::string>& extensions) {
     std::error_code ignored;
-    for (const std::string& input : inputs)
-        if (std::filesystem::equivalent(output, input, ignored))
-            throw io::FileError(output, "is also an input: writing it would lose that");
+    // A terminal may be both, and so may /dev/null.
+    if (const auto status = statusOf(output); status && !S_ISCHR(status->st_mode))
+        for (const Input& input : inputs)
+            if (const auto other = statusOf(input.path); other && isSameFile(*status, *other))
+                throw io::FileError(output, "is also an input (" + input.argument +
+                                                "): writing it would lose that");
     const std::filesystem::path folder = output.parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
         throw io::FileError(output,
@@ -74,26 +130,27 @@ std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& 
     });
 }
 
-Lattice readLattice(const std::filesystem::path& path, Stages& stages) {
-    return stages.run("reading", [&] {
+Lattice readLattice(const std::filesystem::path& path, Stages& stages, FileKind kind) {
+    io::ReadNotes notes;
+    Lattice lattice = stages.run("reading", [&] {
         stages.addFile(path);
-        return io::readLattice(path);
+        return kind == FileKind::Refinable ? io::readRefinable(path, &notes)
+                                           : io::readLattice(path, &notes);
     });
-}
-
-Lattice readInput(const LatticeOptions& options, FileKind kind, Stages& stages) {
-    return stages.run("reading", [&] {
-        return kind == FileKind::Refinable ? io::readRefinable(options.lattice)
-                                           : io::readLattice(options.lattice);
-    });
+    printNotes(path, notes);
+    return lattice;
 }
 
 RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& stages) {
-    Lattice lattice = readInput(options, kind, stages);
+    Lattice lattice = readLattice(options.lattice, stages, kind);
     auto refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, lattice, options.common, options.level);
     });
     return {std::move(lattice), std::move(refiner)};
+}
+
+void printNotes(const std::filesystem::path& path, const io::ReadNotes& notes) {
+    if (const std::string text = io::describe(path, notes); !text.empty()) printError(text.c_str());
 }
 
 void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) {
@@ -126,8 +183,8 @@ Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const Com
 }
 
 std::vector<Point3> readPose(const std::filesystem::path& path, const Lattice& rest,
-                             const std::filesystem::path& restPath) {
-    Lattice pose = io::readLattice(path);
+                             const std::filesystem::path& restPath, io::ReadNotes& notes) {
+    Lattice pose = io::readLattice(path, &notes);
     if (const auto difference = far::topologyDifference(rest.complex, pose.complex))
         throw io::FileError(path,
                             "is not a pose of " + io::shownPath(restPath) + ": " + *difference);

@@ -20,9 +20,9 @@ constexpr const char* kNamesOfParts[] = {"vertices", "edges", "faces", "cells"};
 
 void run(const Options& options) {
     const far::ThreadLimit limit(options.common.threads);
-    checkOutput(options.output, {options.lattice});
+    checkOutput(options.output, {{"LATTICE|MESH|CURVE", options.lattice}});
     Stages stages(options.common.quiet);
-    const Lattice base = readInput(options, FileKind::Refinable, stages);
+    const Lattice base = readLattice(options.lattice, stages, FileKind::Refinable);
     warnOfNonFinite(options.lattice, base);
     const int dimension = base.complex.dimension();
     io::checkRefinableTarget(options.output, dimension);

@@ -21,11 +21,14 @@ namespace espalier::cli {
 namespace {
 
 /// Adds the command of one shape: its options are filled in by `addOptions`, the lattice made of
-/// them by `make`.
+/// them by `make`, after `check` of the options and of the path of the output.
 template <class Options>
-void addShape(CLI::App& parent, const std::string& name, const std::string& help,
-              const std::function<void(CLI::App&, Options&)>& addOptions,
-              const std::function<Lattice(const Options&)>& make) {
+void addShape(
+    CLI::App& parent, const std::string& name, const std::string& help,
+    const std::function<void(CLI::App&, Options&)>& addOptions,
+    const std::function<Lattice(const Options&)>& make,
+    const std::function<void(const Options&, const std::string&)>& check =
+        [](const Options&, const std::string&) {}) {
     struct State {
         Options shape;
         std::string output;
@@ -36,8 +39,9 @@ void addShape(CLI::App& parent, const std::string& name, const std::string& help
     addOptions(command, state->shape);
     command.add_option("-o,--output", state->output, "The lattice: .ovm, .vtu or .vtk")->required();
     command.add_flag("--quiet", state->common.quiet, "Print nothing but errors");
-    command.callback([state, make] {
+    command.callback([state, make, check] {
         io::checkLatticeTarget(state->output);
+        check(state->shape, state->output);
         Stages stages(state->common.quiet);
         const Lattice lattice = stages.run("making", [&] { return make(state->shape); });
         stages.run("writing", [&] { io::writeLattice(state->output, lattice); });
@@ -211,11 +215,20 @@ void addShapeCommand(CLI::App& program) {
                 "How far apart vertices may be, as a fraction of the size of all");
         },
         [](const Merge& merge) {
-            checkInputs(merge.lattices);
             std::vector<Lattice> lattices;
-            for (const std::string& path : merge.lattices)
-                lattices.push_back(io::readLattice(path));
-            return shapes::merge(lattices, merge.options);
+            shapes::MergeOptions options = merge.options;
+            for (const std::string& path : merge.lattices) {
+                io::ReadNotes notes;
+                lattices.push_back(io::readLattice(path, &notes));
+                printNotes(path, notes);
+                options.names.push_back(io::shownPath(path));
+            }
+            return shapes::merge(lattices, options);
+        },
+        [](const Merge& merge, const std::string& output) {
+            const std::vector<Input> inputs = inputsOf("LATTICE", merge.lattices);
+            checkInputs(inputs);
+            checkOutput(output, inputs);
         });
 }
 

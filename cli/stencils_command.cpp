@@ -143,8 +143,8 @@ void run(Options& options) {
     options.bind.rest = options.lattice;
     options.bind.level = options.level;
     const far::ThreadLimit limit(options.common.threads);
-    std::vector<std::string> inputs = {options.lattice};
-    if (!options.points.empty()) inputs.push_back(options.points);
+    std::vector<Input> inputs = {{"LATTICE", options.lattice}};
+    if (!options.points.empty()) inputs.push_back({"--points", options.points});
     checkInputs(inputs);
     if (options.levelTables && options.level == 0)
         throw CLI::ValidationError("--level-tables", "there are none before level 1");

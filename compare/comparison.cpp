@@ -2,6 +2,7 @@
 #include <espalier/compare/comparison.h>
 #include <espalier/compare/differences.h>
 #include <espalier/compare/level_match.h>
+#include <espalier/compare/memory_needs.h>
 #include <espalier/compare/open_subdiv_refiner.h>
 #include <espalier/compare/open_subdiv_tables.h>
 #include <espalier/far/error.h>
@@ -72,6 +73,7 @@ Comparison::Comparison(const far::TopologyRefiner& refiner) {
     data->theirs = makeOpenSubdivRefiner(refiner, data->base);
     for (int level = 0; level <= refiner.maxLevel(); ++level) {
         far::checkMemory();
+        if (level == refiner.maxLevel()) requireForMatch(refiner, level);
         data->matches.push_back(
             level == 0 ? matchBase(base, data->base, data->theirLevel(0))
                        : matchChildren(refiner.level(level - 1).complex, data->matches.back(),
@@ -80,6 +82,7 @@ Comparison::Comparison(const far::TopologyRefiner& refiner) {
             comparedRegion(refiner, level, data->matches.back(), data->theirLevel(level)));
     }
     if (refiner.maxLevel() > 0) {
+        requireForTable(refiner, data->regions);
         using Factory = Far::StencilTableFactoryReal<double>;
         Factory::Options options;
         options.maxLevel = static_cast<unsigned>(refiner.maxLevel()) & 15U;
@@ -194,6 +197,7 @@ LevelAgreement Comparison::compare(int level, const StencilTable<double>& table)
         return agreement;
     }
 
+    requireForComparison(level, table.entryCount());
     const std::vector<Point3> positions = randomPositions(baseCount);
     const StencilTable<double> theirs = openSubdivTable(level);
     agreement.weightDifference = largestDifference(table, theirs);

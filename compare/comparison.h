@@ -26,7 +26,8 @@ public:
     ///
     /// \param refiner of a mesh, or of a lattice under boundary control; must outlive this
     /// \throws Error for a curve, for a lattice under Boundary::Open (what is left of its boundary
-    ///         is no subdivision surface), and if OpenSubdiv refuses the surface
+    ///         is no subdivision surface), and if OpenSubdiv refuses the surface; far::MemoryError
+    ///         before memory beyond a far::MemoryLimit is taken
     explicit Comparison(const far::TopologyRefiner& refiner);
     ~Comparison();
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/compare/memory_needs.h>
 #include <espalier/compare/open_subdiv_refiner.h>
 #include <espalier/far/error.h>
 #include <opensubdiv/far/topologyDescriptor.h>
@@ -212,6 +213,7 @@ OpenSubdivRefiner makeOpenSubdivRefiner(const far::TopologyRefiner& refiner,
     }
 #endif
     if (refiner.maxLevel() > 0) {
+        requireForLevels(description.faceVertices.size(), refiner.maxLevel());
         Far::TopologyRefiner::UniformOptions uniform(refiner.maxLevel());
         uniform.fullTopologyInLastLevel = true;
         result.refiner->RefineUniform(uniform);

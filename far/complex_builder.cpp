@@ -91,6 +91,23 @@ Index ComplexBuilder::addEdge(Index tail, Index head) {
     return edge.index;
 }
 
+std::vector<Index> ComplexBuilder::dropUnusedVertices() {
+    std::vector<bool> isUsed(static_cast<std::size_t>(vertexCount_), false);
+    for (const Index vertex : loops_.values) isUsed[static_cast<std::size_t>(vertex)] = true;
+    std::vector<Index> dropped;
+    std::vector<Index> newNumbers(isUsed.size());
+    Index next = 0;
+    for (std::size_t vertex = 0; vertex < isUsed.size(); ++vertex)
+        if (isUsed[vertex])
+            newNumbers[vertex] = next++;
+        else
+            dropped.push_back(static_cast<Index>(vertex));
+    if (dropped.empty()) return dropped;
+    for (Index& vertex : loops_.values) vertex = newNumbers[static_cast<std::size_t>(vertex)];
+    vertexCount_ = next;
+    return dropped;
+}
+
 namespace {
 
 /// Numbers the classes of equal items among 0 to count − 1 in the order of their first members.

@@ -52,6 +52,11 @@ public:
     /// Adds an edge of a curve. Returns its number. Throws as addCell does.
     Index addEdge(Index tail, Index head);
 
+    /// Drops the vertices that no cell, face or edge names, and numbers the others anew in their
+    /// order. Returns the numbers that the dropped vertices had, ascending.
+    /// \cost O(n) in the number of entries
+    std::vector<Index> dropUnusedVertices();
+
     /// The complex, validated.
     /// \throws TopologyError naming the first offender
     /// \cost O(n log n) in the number of entries

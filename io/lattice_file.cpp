@@ -16,8 +16,8 @@ using Path = std::filesystem::path;
 
 struct LatticeFormat {
     std::string_view extension;
-    Lattice (*readFrom)(const Path&);
-    Lattice (*read)(const Path&, std::string_view bytes);
+    Lattice (*readFrom)(const Path&, ReadNotes*);
+    Lattice (*read)(const Path&, std::string_view bytes, ReadNotes*);
     void (*write)(const Path&, const Lattice&, const WriteLatticeOptions&);
 };
 
@@ -76,12 +76,12 @@ const LatticeFormat& refinableFormatOf(const Path& path) {
 
 }  // namespace
 
-Lattice readLattice(const Path& path) {
-    return formatOf(path).readFrom(path);
+Lattice readLattice(const Path& path, ReadNotes* notes) {
+    return formatOf(path).readFrom(path, notes);
 }
 
-Lattice readLattice(const Path& path, std::string_view bytes) {
-    return formatOf(path).read(path, bytes);
+Lattice readLattice(const Path& path, std::string_view bytes, ReadNotes* notes) {
+    return formatOf(path).read(path, bytes, notes);
 }
 
 void writeLattice(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
@@ -92,14 +92,14 @@ void checkLatticeTarget(const Path& path) {
     formatOf(path);
 }
 
-Lattice readRefinable(const Path& path) {
-    if (isMeshFile(path)) return readObjMesh(path);
-    return refinableFormatOf(path).readFrom(path);
+Lattice readRefinable(const Path& path, ReadNotes* notes) {
+    if (isMeshFile(path)) return readObjMesh(path, notes);
+    return refinableFormatOf(path).readFrom(path, notes);
 }
 
-Lattice readRefinable(const Path& path, std::string_view bytes) {
-    if (isMeshFile(path)) return readObjMesh(path, bytes);
-    return refinableFormatOf(path).read(path, bytes);
+Lattice readRefinable(const Path& path, std::string_view bytes, ReadNotes* notes) {
+    if (isMeshFile(path)) return readObjMesh(path, bytes, notes);
+    return refinableFormatOf(path).read(path, bytes, notes);
 }
 
 void writeRefinable(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {

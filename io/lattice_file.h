@@ -3,6 +3,7 @@
 
 #include <espalier/far/api.h>
 #include <espalier/io/file.h>
+#include <espalier/io/read_notes.h>
 #include <espalier/io/vtu.h>
 #include <espalier/shapes/lattice.h>
 
@@ -18,14 +19,19 @@ struct WriteLatticeOptions {
 /// Reads a lattice in the format that the extension names, in upper or lower case: .ovm (ovm.h),
 /// .vtu (vtu.h) or .vtk (vtk_legacy.h).
 ///
+/// Vertices that no cell uses are dropped, with their attributes, integers and marks; the vertices
+/// after them get lower numbers. A pose of a lattice keeps matching it, as both are read alike.
+///
+/// \param notes gets what the user of the file should know (read_notes.h), unless it is null
 /// \throws FileError if the extension is none of these, or the file cannot be read or is malformed;
 ///         TopologyError, with the path in its message, if its cells do not form a lattice
-ESPALIER_API Lattice readLattice(const std::filesystem::path& path);
+ESPALIER_API Lattice readLattice(const std::filesystem::path& path, ReadNotes* notes = nullptr);
 
 /// The same for a file that is in memory already.
 /// \param path names the format, and the file in messages
 /// \param bytes the whole file
-ESPALIER_API Lattice readLattice(const std::filesystem::path& path, std::string_view bytes);
+ESPALIER_API Lattice readLattice(const std::filesystem::path& path, std::string_view bytes,
+                                 ReadNotes* notes = nullptr);
 
 /// Writes a lattice in the format that the extension names, so that readLattice() gives it back:
 /// the same vertices, cells and faces of cells, vertices and cells with their numbers, positions
@@ -43,15 +49,17 @@ ESPALIER_API void writeLattice(const std::filesystem::path& path, const Lattice&
 ESPALIER_API void checkLatticeTarget(const std::filesystem::path& path);
 
 /// Reads what can be refined: a mesh or a curve (complex of dimension 2 or 1) from .obj
-/// (obj_mesh.h), a lattice as readLattice() does.
+/// (obj_mesh.h), a lattice as readLattice() does. Vertices of a curve that are on no line are
+/// dropped too; a mesh keeps its vertices that no face uses.
 ///
 /// \throws FileError if the extension is none of these; what readObjMesh() and readLattice() throw
-ESPALIER_API Lattice readRefinable(const std::filesystem::path& path);
+ESPALIER_API Lattice readRefinable(const std::filesystem::path& path, ReadNotes* notes = nullptr);
 
 /// The same for a file that is in memory already.
 /// \param path names the format, and the file in messages
 /// \param bytes the whole file
-ESPALIER_API Lattice readRefinable(const std::filesystem::path& path, std::string_view bytes);
+ESPALIER_API Lattice readRefinable(const std::filesystem::path& path, std::string_view bytes,
+                                   ReadNotes* notes = nullptr);
 
 /// Writes a mesh or a curve as .obj (obj_mesh.h), a lattice as writeLattice() does, so that
 /// readRefinable() gives it back.

@@ -78,24 +78,61 @@ Index checkedIndex(const std::filesystem::path& path, std::size_t count, const c
     return static_cast<Index>(count);
 }
 
-Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuilder& builder,
-                      std::vector<Point3> positions, const far::Marks& marks,
-                      std::vector<VertexAttribute> attributes,
-                      std::vector<VertexIntegers> integers) {
-    checkFinite(path, positions);
-    for (const VertexAttribute& attribute : attributes)
+std::optional<Index> numberWithout(std::span<const Index> dropped, Index vertex) {
+    const auto at = std::lower_bound(dropped.begin(), dropped.end(), vertex);
+    if (at != dropped.end() && *at == vertex) return std::nullopt;
+    return vertex - static_cast<Index>(at - dropped.begin());
+}
+
+namespace {
+
+/// The marks with the numbers that vertices have without the `dropped` ones. The mark of a dropped
+/// vertex goes with it.
+/// \throws TopologyError naming an edge, as the file does, that the complex does not have
+far::Marks marksWithout(std::span<const Index> dropped, const far::CellComplex& complex,
+                        const far::Marks& marks) {
+    far::Marks result;
+    for (const far::Marks::Edge& mark : marks.edges) {
+        const auto a = numberWithout(dropped, mark.vertices[0]);
+        const auto b = numberWithout(dropped, mark.vertices[1]);
+        if (!a || !b || !isEdge(complex, *a, *b))
+            throw far::TopologyError(far::TopologyCause::BadMark, {0, mark.vertices[0]},
+                                     "a mark names edge (" + std::to_string(mark.vertices[0]) +
+                                         ", " + std::to_string(mark.vertices[1]) +
+                                         "), which does not exist");
+        result.edges.push_back({{*a, *b}, mark.sharpness});
+    }
+    for (const far::Marks::Vertex& mark : marks.vertices)
+        if (const auto vertex = numberWithout(dropped, mark.vertex))
+            result.vertices.push_back({*vertex, mark.sharpness});
+    return result;
+}
+
+}  // namespace
+
+Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder builder, Lattice parts,
+                      ReadNotes* notes) {
+    const std::vector<Index> dropped = builder.dropUnusedVertices();
+    // Whatever stands there does not matter.
+    for (const Index vertex : dropped) parts.positions[static_cast<std::size_t>(vertex)] = {};
+    checkFinite(path, parts.positions);
+    for (const VertexAttribute& attribute : parts.attributes)
         if (attribute.name.starts_with(kReservedNames))
             throw FileError(path, "the attribute " + inQuotes(attribute.name) + " has " +
                                       std::to_string(attribute.components) +
                                       " components and is no known mark; names that begin with " +
                                       inQuotes(kReservedNames) + " are kept for marks");
-    Lattice lattice;
-    lattice.complex = naming(path, [&] { return builder.build(); });
-    lattice.marks = naming(path, [&] { return canonicalMarks(lattice.complex, marks); });
-    lattice.positions = std::move(positions);
-    lattice.attributes = std::move(attributes);
-    lattice.integers = std::move(integers);
-    return lattice;
+    parts.complex = namingWithout(path, dropped, [&] { return builder.build(); });
+    parts.marks = naming(path, [&] {
+        return canonicalMarks(parts.complex, marksWithout(dropped, parts.complex, parts.marks));
+    });
+    eraseVertices(dropped, 1, parts.positions);
+    for (VertexAttribute& attribute : parts.attributes)
+        eraseVertices(dropped, attribute.components, attribute.values);
+    for (VertexIntegers& integers : parts.integers)
+        eraseVertices(dropped, integers.components, integers.values);
+    if (notes) notes->droppedVertices = dropped;
+    return parts;
 }
 
 far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice,

@@ -4,10 +4,13 @@
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/error.h>
 #include <espalier/io/file.h>
+#include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -91,15 +94,55 @@ auto naming(const std::filesystem::path& path, std::size_t line, F f) {
 /// \throws FileError if there are too many; `what` says of what
 far::Index checkedIndex(const std::filesystem::path& path, std::size_t count, const char* what);
 
-/// What is done last in reading: builds the complex, makes the marks canonical and checks all.
+/// The number that a vertex of a file has when the `dropped` ones, ascending, are left out; none if
+/// it is one of them.
+std::optional<far::Index> numberWithout(std::span<const far::Index> dropped, far::Index vertex);
+
+/// Erases the values of the `dropped` vertices, ascending. \param values `components` a vertex
+template <class Value>
+void eraseVertices(std::span<const far::Index> dropped, int components,
+                   std::vector<Value>& values) {
+    if (dropped.empty()) return;
+    const auto width = static_cast<std::size_t>(components);
+    const std::size_t count = values.size() / width;
+    std::size_t kept = 0;
+    auto next = dropped.begin();
+    for (std::size_t vertex = 0; vertex < count; ++vertex) {
+        if (next != dropped.end() && static_cast<std::size_t>(*next) == vertex) {
+            ++next;
+            continue;
+        }
+        for (std::size_t c = 0; c < width; ++c) values[kept++] = values[vertex * width + c];
+    }
+    values.resize(kept);
+}
+
+/// Runs f, which makes a complex without the `dropped` vertices, as naming() does. The message of a
+/// TopologyError also says that its numbers of vertices do not count them.
+template <class F>
+auto namingWithout(const std::filesystem::path& path, std::span<const far::Index> dropped, F f) {
+    return naming(path, [&] {
+        try {
+            return f();
+        } catch (const far::TopologyError& error) {
+            if (dropped.empty() || error.cause() == far::TopologyCause::EmptyComplex) throw;
+            throw far::TopologyError(error.cause(), error.entity(),
+                                     std::string(error.what()) + " (unused vertices, " +
+                                         std::to_string(dropped.size()) +
+                                         " in all, are not counted)");
+        }
+    });
+}
+
+/// What is done last in reading: drops the vertices that no cell uses, builds the complex, makes
+/// the marks canonical and checks all.
 ///
+/// \param parts the lattice as the file numbers its vertices, without its complex
+/// \param notes gets the dropped vertices, unless it is null
 /// \throws FileError naming a point that is not finite, or an attribute whose name is kept for
-///         marks; TopologyError, with the path in
-///         its message
-Lattice finishLattice(const std::filesystem::path& path, const far::ComplexBuilder& builder,
-                      std::vector<Point3> positions, const far::Marks& marks,
-                      std::vector<VertexAttribute> attributes,
-                      std::vector<VertexIntegers> integers);
+///         marks; TopologyError, with the path in its message
+Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder builder, Lattice parts,
+                      ReadNotes* notes);
 
 /// What is done first in writing: checks that a lattice is of this dimension, that its parts fit
 /// together, and that it would be read again. Returns its marks in canonical form.

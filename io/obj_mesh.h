@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/api.h>
+#include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
@@ -42,21 +43,23 @@ namespace espalier::io {
 /// numbered anew, and edges that join the same two vertices in several faces are one (the children
 /// of degenerate faces may have had two). How faces meet does not matter, as in far::validate():
 /// edges of many faces, faces back to back or with a vertex twice, and vertices of no face are
-/// read. A curve may be in pieces and branch; each of its vertices is on an edge, and no two are
-/// joined twice. A backslash at the end of a line continues the statement on the next.
+/// read. A curve may be in pieces and branch, and no two of its vertices are joined twice; vertices
+/// that are on no line are dropped, and the others numbered without them. A backslash at the end of
+/// a line continues the statement on the next.
 ///
+/// \param notes gets the dropped vertices, unless it is null
 /// \throws FileError with the line, if a `v`, an `f`, an `l` that counts or a known tag is
 ///         malformed, or names what is not there, if a statement begins with no keyword of the
-///         format, or if lines join two vertices twice; FileError
-///         naming a vertex that is on no line of a curve; TopologyError, with the path in its
+///         format, or if lines join two vertices twice; TopologyError, with the path in its
 ///         message, if there is neither face nor line, and with path and line if a face has fewer
 ///         than three corners
-ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path);
+ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path, ReadNotes* notes = nullptr);
 
 /// The same for a file that is in memory already.
 /// \param path for messages
 /// \param bytes the whole file
-ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path, std::string_view bytes);
+ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path, std::string_view bytes,
+                                 ReadNotes* notes = nullptr);
 
 /// Writes a mesh so that it reads back the same: vertices and faces with their numbers, positions
 /// bit for bit, tags, and marks in canonical form, their sharpness rounded to a float. The edges of

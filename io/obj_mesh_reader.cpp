@@ -56,7 +56,7 @@ class ObjMeshReader {
 public:
     explicit ObjMeshReader(const std::filesystem::path& path) : path_(path), tags_(path) {}
 
-    Lattice read(std::string_view text) {
+    Lattice read(std::string_view text, ReadNotes* notes) {
         forEachObjStatement(path_, text, [&](ObjWords& words, std::size_t line) {
             const std::string_view keyword = readObjKeyword(words, path_, line);
             if (keyword == "v")
@@ -72,8 +72,11 @@ public:
         if (faces_.count() == 0 && !isCurve)
             throw far::TopologyError(far::TopologyCause::EmptyComplex, {2, 0},
                                      shownPath(path_) + ": there is no face, and no line");
-        mesh_.complex = isCurve ? buildCurve() : buildMesh();
-        mesh_.marks = tags_.marks(mesh_.complex);
+        std::vector<Index> dropped;
+        mesh_.complex = isCurve ? buildCurve(dropped) : buildMesh();
+        mesh_.marks = tags_.marks(mesh_.complex, dropped);
+        eraseVertices(dropped, 1, mesh_.positions);
+        if (notes) notes->droppedVertices = std::move(dropped);
         mesh_.tags = tags_.refinement();
         return std::move(mesh_);
     }
@@ -130,13 +133,13 @@ private:
         return naming(path_, [&] { return builder.build(); });
     }
 
-    far::CellComplex buildCurve() const {
+    /// \param dropped gets the vertices that are on no line; the curve lacks them
+    far::CellComplex buildCurve(std::vector<Index>& dropped) const {
         Paths lines{"line", {}, {}, {}};
         for (LineStatement statement : lineStatements_)
             readPath(statement.words, statement.line, statement.vertexCount, lines);
         far::ComplexBuilder builder(1, vertexCount());
         std::set<std::pair<Index, Index>> edges;
-        std::vector<bool> isUsed(mesh_.positions.size(), false);
         forEachPath(lines, [&](const std::vector<Index>& vertices, std::size_t line) {
             if (vertices.size() < 2)
                 throw FileError(path_, line,
@@ -154,13 +157,9 @@ private:
                         nameInFile(low) + " and " + nameInFile(high) + " are joined twice");
                 builder.addEdge(vertices[i - 1], vertices[i]);
             }
-            for (const Index vertex : vertices) isUsed[static_cast<std::size_t>(vertex)] = true;
         });
-        const auto unused = std::find(isUsed.begin(), isUsed.end(), false);
-        if (unused != isUsed.end())
-            throw FileError(
-                path_, nameInFile(static_cast<Index>(unused - isUsed.begin())) + " is on no line");
-        return naming(path_, [&] { return builder.build(); });
+        dropped = builder.dropUnusedVertices();
+        return namingWithout(path_, dropped, [&] { return builder.build(); });
     }
 
     /// "vertex 1" for the first.
@@ -177,12 +176,12 @@ private:
 
 }  // namespace
 
-Lattice readObjMesh(const std::filesystem::path& path) {
-    return readObjMesh(path, readFile(path));
+Lattice readObjMesh(const std::filesystem::path& path, ReadNotes* notes) {
+    return readObjMesh(path, readFile(path), notes);
 }
 
-Lattice readObjMesh(const std::filesystem::path& path, std::string_view bytes) {
-    return ObjMeshReader(path).read(bytes);
+Lattice readObjMesh(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return ObjMeshReader(path).read(bytes, notes);
 }
 
 }  // namespace espalier::io

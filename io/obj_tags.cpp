@@ -197,21 +197,25 @@ Index ObjTags::checkedNumber(std::int64_t number, Index count, const char* what,
     return static_cast<Index>(number);
 }
 
-far::Marks ObjTags::marks(const far::CellComplex& mesh) const {
+far::Marks ObjTags::marks(const far::CellComplex& mesh, std::span<const Index> dropped) const {
+    const Index vertexCount = mesh.count(0) + static_cast<Index>(dropped.size());
+    const auto vertexOf = [&](std::int64_t number, std::size_t line) {
+        return numberWithout(dropped, checkedNumber(number, vertexCount, "vertex", line));
+    };
     far::Marks marks;
     for (const auto& crease : creases_) {
-        const Index a = checkedNumber(crease.numbers[0], mesh.count(0), "vertex", crease.line);
-        const Index b = checkedNumber(crease.numbers[1], mesh.count(0), "vertex", crease.line);
-        if (!isEdge(mesh, a, b))
+        const auto a = vertexOf(crease.numbers[0], crease.line);
+        const auto b = vertexOf(crease.numbers[1], crease.line);
+        if (!a || !b || !isEdge(mesh, *a, *b))
             throw FileError(path_, crease.line,
-                            "a tag names edge (" + std::to_string(a) + ", " + std::to_string(b) +
+                            "a tag names edge (" + std::to_string(crease.numbers[0]) + ", " +
+                                std::to_string(crease.numbers[1]) +
                                 "); expected two neighbouring vertices of a face");
-        marks.edges.push_back({{a, b}, crease.sharpness});
+        marks.edges.push_back({{*a, *b}, crease.sharpness});
     }
     for (const auto& corner : corners_)
-        marks.vertices.push_back(
-            {checkedNumber(corner.numbers[0], mesh.count(0), "vertex", corner.line),
-             corner.sharpness});
+        if (const auto vertex = vertexOf(corner.numbers[0], corner.line))
+            marks.vertices.push_back({*vertex, corner.sharpness});
     for (const auto& hole : holes_)
         marks.holes.push_back(checkedNumber(hole.numbers[0], mesh.count(2), "face", hole.line));
 

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,9 +29,11 @@ public:
 
     const RefinementTags& refinement() const { return refinement_; }
 
-    /// The marks, canonical (lattice_parts.h) and without those of sharpness 0.
+    /// The marks, canonical (lattice_parts.h) and without those of sharpness 0. The corner of a
+    /// dropped vertex goes with it.
+    /// \param dropped the vertices of the file that the mesh lacks, ascending
     /// \throws FileError with the line of a tag that names what the mesh does not have
-    far::Marks marks(const far::CellComplex& mesh) const;
+    far::Marks marks(const far::CellComplex& mesh, std::span<const far::Index> dropped) const;
 
 private:
     struct Tag;

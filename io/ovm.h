@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/api.h>
+#include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
@@ -29,18 +30,21 @@ namespace espalier::io {
 /// Vertex properties of the types float, double, vec2f to vec4f, vec2d to vec4d, and of
 /// vector_double where all have one length, become attributes, and those of short, int, uint,
 /// long and ulong Lattice::integers; all other properties are skipped.
-/// Vertices and polyhedra keep their numbers; edges and faces are numbered by their first
-/// appearance in the polyhedra.
+/// Vertices that no edge uses are dropped, and the others numbered without them; else vertices and
+/// polyhedra keep their numbers. Edges and faces are numbered by their first appearance in the
+/// polyhedra.
 ///
+/// \param notes gets the dropped vertices, unless it is null
 /// \throws FileError with the line, if the file is malformed or binary; TopologyError, with the
 ///         path in its message, if the cells do not form a lattice, or an edge or a face is not in
 ///         any
-ESPALIER_API Lattice readOvm(const std::filesystem::path& path);
+ESPALIER_API Lattice readOvm(const std::filesystem::path& path, ReadNotes* notes = nullptr);
 
 /// The same for a file that is in memory already.
 /// \param path for messages
 /// \param bytes the whole file
-ESPALIER_API Lattice readOvm(const std::filesystem::path& path, std::string_view bytes);
+ESPALIER_API Lattice readOvm(const std::filesystem::path& path, std::string_view bytes,
+                             ReadNotes* notes = nullptr);
 
 /// Writes a lattice so that it reads back the same: positions, attributes and integers bit for bit,
 /// marks in canonical order. Integers of types that OpenVolumeMesh lacks get a wider one.

@@ -57,7 +57,7 @@ public:
         text_.skipComments('#');
     }
 
-    Lattice read() {
+    Lattice read(ReadNotes* notes) {
         readHeader();
         readVertices();
         readEdges();
@@ -65,8 +65,13 @@ public:
         far::ComplexBuilder builder(3, static_cast<Index>(positions_.size()));
         readPolyhedra(builder);
         while (!nextProperty_.empty() || !text_.atEnd()) readProperty();
-        return finishLattice(path_, builder, std::move(positions_), marks_, std::move(attributes_),
-                             std::move(integers_));
+        return finishLattice(path_, std::move(builder),
+                             {.complex = {},
+                              .positions = std::move(positions_),
+                              .marks = std::move(marks_),
+                              .attributes = std::move(attributes_),
+                              .integers = std::move(integers_)},
+                             notes);
     }
 
 private:
@@ -305,12 +310,12 @@ private:
 
 }  // namespace
 
-Lattice readOvm(const std::filesystem::path& path) {
-    return readOvm(path, readFile(path));
+Lattice readOvm(const std::filesystem::path& path, ReadNotes* notes) {
+    return readOvm(path, readFile(path), notes);
 }
 
-Lattice readOvm(const std::filesystem::path& path, std::string_view bytes) {
-    return OvmReader(path, bytes).read();
+Lattice readOvm(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return OvmReader(path, bytes).read(notes);
 }
 
 }  // namespace espalier::io

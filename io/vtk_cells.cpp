@@ -17,6 +17,9 @@ namespace {
 
 constexpr std::int64_t kVtkVoxel = 11;
 
+/// Of a standard cell: a hexahedron has the most.
+constexpr std::size_t kMostEdges = 12;
+
 struct CellType {
     std::int64_t number;
     StandardCell kind;
@@ -62,6 +65,7 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
     }
     naming(path_, [&] { return builder_.addCell(*kind, checked); });
     ++cellCount_;
+    mostEdges_ += kMostEdges;
 }
 
 void VtkCellReader::addPolyhedron(const std::vector<std::span<const std::int64_t>>& loops) {
@@ -70,6 +74,7 @@ void VtkCellReader::addPolyhedron(const std::vector<std::span<const std::int64_t
         for (const std::int64_t vertex : loops[i]) checked[i].push_back(checkedVertex(vertex));
     naming(path_, [&] { return builder_.addCell(checked); });
     ++cellCount_;
+    for (const auto& loop : loops) mostEdges_ += loop.size();
 }
 
 void VtkCellReader::addPolyhedron(std::span<const std::int64_t> faceStream) {

@@ -39,7 +39,11 @@ public:
     /// vertices and these.
     void addPolyhedron(std::span<const std::int64_t> faceStream);
 
-    const far::ComplexBuilder& builder() const { return builder_; }
+    /// An upper bound of the number of edges of the cells so far.
+    std::size_t mostEdges() const { return mostEdges_; }
+
+    /// The builder with the cells; this has none from then on.
+    far::ComplexBuilder takeBuilder() { return std::move(builder_); }
 
 private:
     far::Index checkedVertex(std::int64_t vertex) const;
@@ -50,6 +54,7 @@ private:
     far::Index firstVertex_ = 0;
     far::Index pieceVertexCount_ = 0;
     far::Index cellCount_ = 0;
+    std::size_t mostEdges_ = 0;
 };
 
 /// The cells of a lattice as VTK's files name them. Standard cells have types of their own, all

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/api.h>
+#include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
@@ -19,16 +20,19 @@ namespace espalier::io {
 /// SCALARS, VECTORS, NORMALS, TEXTURE_COORDINATES, TENSORS and the arrays of FIELD in POINT_DATA
 /// become attributes, or Lattice::integers if their type is one of integers. vtkGhostType, arrays
 /// that are not of numbers, colours, ids, lookup tables, METADATA and all
-/// of CELL_DATA are skipped. Vertices and cells keep their numbers.
+/// of CELL_DATA are skipped. Vertices that no cell uses are dropped, and the others numbered
+/// without them; else vertices and cells keep their numbers.
 ///
+/// \param notes gets the dropped vertices, unless it is null
 /// \throws FileError with the line, if the file is malformed or holds cells of other types;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
-ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path);
+ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, ReadNotes* notes = nullptr);
 
 /// The same for a file that is in memory already.
 /// \param path for messages
 /// \param bytes the whole file
-ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes);
+ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes,
+                                   ReadNotes* notes = nullptr);
 
 /// Writes a lattice as ASCII, version 3.0, so that it reads back the same: positions, attributes
 /// and integers bit for bit, integers with their type, marks in canonical order.

@@ -20,15 +20,20 @@ public:
     LegacyReader(const std::filesystem::path& path, std::string_view bytes)
         : path_(path), data_(path, bytes) {}
 
-    Lattice read() {
+    Lattice read(ReadNotes* notes) {
         readHeader();
         while (!text().atEnd()) readPart(data_.keyword("a keyword"));
         VtkCellReader cells(path_, checkedIndex(path_, positions_.size(), "points"));
         addCells(cells);
         marks_.vertices = vertexMarksFromFile(path_, vertexSharpness_);
         addEdgeMarks();
-        return finishLattice(path_, cells.builder(), std::move(positions_), marks_,
-                             std::move(attributes_), std::move(integers_));
+        return finishLattice(path_, cells.takeBuilder(),
+                             {.complex = {},
+                              .positions = std::move(positions_),
+                              .marks = std::move(marks_),
+                              .attributes = std::move(attributes_),
+                              .integers = std::move(integers_)},
+                             notes);
     }
 
 private:
@@ -303,12 +308,12 @@ private:
 
 }  // namespace
 
-Lattice readVtkLegacy(const std::filesystem::path& path) {
-    return readVtkLegacy(path, readFile(path));
+Lattice readVtkLegacy(const std::filesystem::path& path, ReadNotes* notes) {
+    return readVtkLegacy(path, readFile(path), notes);
 }
 
-Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes) {
-    return LegacyReader(path, bytes).read();
+Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return LegacyReader(path, bytes).read(notes);
 }
 
 }  // namespace espalier::io

@@ -47,8 +47,7 @@ std::vector<Value> VtkXmlFile::inlineText(const VtkDataArray& array) const {
     return values;
 }
 
-std::string VtkXmlFile::payload(const VtkDataArray& array,
-                                std::optional<std::size_t> tuples) const {
+std::string VtkXmlFile::payload(const VtkDataArray& array, const Expected& expected) const {
     if (!unknownCompressor_.empty())
         failIn(array, "is compressed with " + inQuotes(unknownCompressor_) +
                           "; only vtkZLibDataCompressor and no compressor can be read");
@@ -66,8 +65,7 @@ std::string VtkXmlFile::payload(const VtkDataArray& array,
     try {
         const PayloadForm form = isAppended ? appendedForm_ : PayloadForm::Base64;
         // A small file can claim a large array: the claim is compared before anything is inflated.
-        if (tuples)
-            checkTuples(array, claimedSize(text, form, coding_) / byteSize(*array.type), *tuples);
+        checkCount(array, claimedSize(text, form, coding_) / byteSize(*array.type), expected);
         return decodePayload(text, form, coding_);
     } catch (const CodingError& error) {
         failIn(array, std::string("cannot be decoded: ") + error.what());
@@ -77,8 +75,7 @@ std::string VtkXmlFile::payload(const VtkDataArray& array,
 }
 
 template <class Value>
-std::vector<Value> VtkXmlFile::values(const VtkDataArray& array,
-                                      std::optional<std::size_t> tuples) const {
+std::vector<Value> VtkXmlFile::values(const VtkDataArray& array, const Expected& expected) const {
     if (!array.type) failIn(array, "does not hold numbers that can be read");
     if (std::is_integral_v<Value> && !isInteger(*array.type))
         failIn(array, std::string("holds ") + xmlName(*array.type) + "; expected integers");
@@ -86,7 +83,7 @@ std::vector<Value> VtkXmlFile::values(const VtkDataArray& array,
     if (array.format == VtkDataArray::Format::Ascii) {
         values = inlineText<Value>(array);
     } else {
-        const std::string bytes = payload(array, tuples);
+        const std::string bytes = payload(array, expected);
         if (bytes.size() % byteSize(*array.type) != 0)
             failIn(array, "has " + std::to_string(bytes.size()) +
                               " bytes, which are not a whole number of " + xmlName(*array.type));
@@ -97,31 +94,41 @@ std::vector<Value> VtkXmlFile::values(const VtkDataArray& array,
         failIn(array, "has " + std::to_string(values.size()) +
                           " numbers, which are not a whole number of tuples of " +
                           std::to_string(array.components));
-    if (tuples) checkTuples(array, values.size(), *tuples);
+    checkCount(array, values.size(), expected);
     return values;
 }
 
-void VtkXmlFile::checkTuples(const VtkDataArray& array, std::size_t got, std::size_t tuples) const {
-    if (got / array.components != tuples)
-        failIn(array, "has " + std::to_string(got) + " numbers; expected " +
-                          std::to_string(tuples) + " times " + std::to_string(array.components));
+void VtkXmlFile::checkCount(const VtkDataArray& array, std::size_t got,
+                            const Expected& expected) const {
+    const std::size_t tuples = got / expected.components;
+    if (tuples >= expected.leastTuples && tuples <= expected.mostTuples) return;
+    std::string text = "has " + std::to_string(got) + " numbers; expected ";
+    if (expected.leastTuples < expected.mostTuples) text += "at most ";
+    text += std::to_string(expected.mostTuples);
+    if (expected.components > 1) text += " times " + std::to_string(expected.components);
+    if (!expected.reason.empty()) text += ", " + std::string(expected.reason);
+    failIn(array, text);
 }
 
-std::vector<double> VtkXmlFile::reals(const VtkDataArray& array) const {
-    return values<double>(array);
+std::vector<double> VtkXmlFile::reals(const VtkDataArray& array, std::size_t tuples,
+                                      std::string_view reason) const {
+    return values<double>(array, {tuples, tuples, array.components, reason});
 }
 
-std::vector<std::int64_t> VtkXmlFile::integers(const VtkDataArray& array) const {
-    return values<std::int64_t>(array);
+std::vector<std::int64_t> VtkXmlFile::integers(const VtkDataArray& array, std::size_t tuples,
+                                               std::string_view reason) const {
+    return values<std::int64_t>(array, {tuples, tuples, array.components, reason});
 }
 
-std::vector<double> VtkXmlFile::reals(const VtkDataArray& array, std::size_t tuples) const {
-    return values<double>(array, tuples);
+std::vector<std::int64_t> VtkXmlFile::list(const VtkDataArray& array, std::size_t count,
+                                           std::string_view reason) const {
+    return values<std::int64_t>(array, {count, count, 1, reason});
 }
 
-std::vector<std::int64_t> VtkXmlFile::integers(const VtkDataArray& array,
-                                               std::size_t tuples) const {
-    return values<std::int64_t>(array, tuples);
+std::vector<std::int64_t> VtkXmlFile::integersUpTo(const VtkDataArray& array,
+                                                   std::size_t mostTuples,
+                                                   std::string_view reason) const {
+    return values<std::int64_t>(array, {0, mostTuples, array.components, reason});
 }
 
 void VtkXmlFile::fail(std::size_t line, const std::string& cause) const {

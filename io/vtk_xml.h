@@ -87,16 +87,24 @@ public:
     /// An array of a section. \throws FileError if it has none of this name
     const VtkDataArray& array(const VtkSection& section, const std::string& name) const;
 
-    /// All numbers of an array.
-    /// \throws FileError if they cannot be decoded, are not of this kind, or are not a whole number
-    ///         of tuples
-    std::vector<double> reals(const VtkDataArray& array) const;
-    std::vector<std::int64_t> integers(const VtkDataArray& array) const;
+    /// All numbers of an array. The caller says how many tuples there must be, so that a small file
+    /// that claims a large array is refused before the array is decoded.
+    ///
+    /// \param reason says in the message why this number is expected: "one a cell"
+    /// \throws FileError if the numbers cannot be decoded or are not of this kind, or if there is
+    ///         another number of tuples
+    std::vector<double> reals(const VtkDataArray& array, std::size_t tuples,
+                              std::string_view reason = {}) const;
+    std::vector<std::int64_t> integers(const VtkDataArray& array, std::size_t tuples,
+                                       std::string_view reason = {}) const;
 
-    /// As above. \throws FileError if the number of tuples is another: of coded data before they
-    ///         are decoded
-    std::vector<double> reals(const VtkDataArray& array, std::size_t tuples) const;
-    std::vector<std::int64_t> integers(const VtkDataArray& array, std::size_t tuples) const;
+    /// The same of a list of `count` numbers. The components that its array claims do not count.
+    std::vector<std::int64_t> list(const VtkDataArray& array, std::size_t count,
+                                   std::string_view reason) const;
+
+    /// The same of an array of at most `mostTuples`.
+    std::vector<std::int64_t> integersUpTo(const VtkDataArray& array, std::size_t mostTuples,
+                                           std::string_view reason) const;
 
     [[noreturn]] void fail(std::size_t line, const std::string& cause) const;
 
@@ -105,13 +113,20 @@ private:
 
     VtkXmlFile() = default;
 
+    /// How many tuples of this number of components an array must have, and why.
+    struct Expected {
+        std::size_t leastTuples;
+        std::size_t mostTuples;
+        std::size_t components;
+        std::string_view reason;
+    };
+
     template <class Value>
-    std::vector<Value> values(const VtkDataArray& array,
-                              std::optional<std::size_t> tuples = std::nullopt) const;
+    std::vector<Value> values(const VtkDataArray& array, const Expected& expected) const;
     template <class Value>
     std::vector<Value> inlineText(const VtkDataArray& array) const;
-    std::string payload(const VtkDataArray& array, std::optional<std::size_t> tuples) const;
-    void checkTuples(const VtkDataArray& array, std::size_t got, std::size_t tuples) const;
+    std::string payload(const VtkDataArray& array, const Expected& expected) const;
+    void checkCount(const VtkDataArray& array, std::size_t got, const Expected& expected) const;
     std::string nameOf(const VtkDataArray& array) const;
     [[noreturn]] void failIn(const VtkDataArray& array, const std::string& cause) const;
 

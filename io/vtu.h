@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/api.h>
+#include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
@@ -34,17 +35,23 @@ enum class VtuEncoding {
 /// byte_order, polyhedra in the layout of VTK 9.4 and in the one before.
 ///
 /// Several pieces become one lattice; their vertices are numbered through, and those that coincide
-/// are not welded. Vertices and cells keep their numbers.
+/// are not welded. Vertices that no cell uses are dropped, and the others numbered without them;
+/// else vertices and cells keep their numbers.
+///
+/// \param notes gets the dropped vertices, unless it is null
+/// The number of values of each array follows from counts and arrays that are read before it. An
+/// array whose header claims another number is refused before it is decoded.
 ///
 /// \throws FileError with the line, if the file is malformed, holds cells of other types or
 ///         a sharpness that is NaN, or has more than comments around its VTKFile element;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
-ESPALIER_API Lattice readVtu(const std::filesystem::path& path);
+ESPALIER_API Lattice readVtu(const std::filesystem::path& path, ReadNotes* notes = nullptr);
 
 /// The same for a file that is in memory already.
 /// \param path for messages
 /// \param bytes the whole file
-ESPALIER_API Lattice readVtu(const std::filesystem::path& path, std::string_view bytes);
+ESPALIER_API Lattice readVtu(const std::filesystem::path& path, std::string_view bytes,
+                             ReadNotes* notes = nullptr);
 
 /// Writes a lattice so that it reads back the same: positions, attributes and integers bit for bit,
 /// integers with their type, marks in canonical order. Files are little-endian, with 64-bit headers

@@ -14,27 +14,29 @@
 namespace espalier::io {
 namespace {
 
-/// Rows of an array, each of which ends at one of the offsets.
+constexpr std::string_view kOneACell = "one a cell";
+
+/// Rows of an array, each of which ends at one of the offsets. The offsets are read first: they say
+/// how many values there must be.
 class RowsOfFile {
 public:
-    /// \throws FileError if the offsets are not such; `what` names them
+    /// \param values and `offsets` name the arrays
+    /// \param count of the rows, and the reason for it (VtkXmlFile::list())
+    /// \throws FileError if the number of offsets or values is another, or the offsets descend
     RowsOfFile(const VtkXmlFile& file, const VtkSection& section, const char* values,
-               const char* offsets)
-        : values_(file.integers(file.array(section, values))),
-          ends_(file.integers(file.array(section, offsets))) {
+               const char* offsets, std::size_t count, std::string_view reason)
+        : ends_(file.list(file.array(section, offsets), count, reason)) {
         std::int64_t before = 0;
         for (const std::int64_t end : ends_) {
-            if (end < before || end > static_cast<std::int64_t>(values_.size()))
+            if (end < before)
                 file.fail(file.array(section, offsets).line,
                           "the array " + inQuotes(offsets) + " has " + std::to_string(end) +
-                              " after " + std::to_string(before) + "; the array " +
-                              inQuotes(values) + " has " + std::to_string(values_.size()) +
-                              " values");
+                              " after " + std::to_string(before) + "; expected ascending offsets");
             before = end;
         }
+        values_ = file.list(file.array(section, values), static_cast<std::size_t>(before),
+                            "the last of " + inQuotes(offsets));
     }
-
-    std::size_t count() const { return ends_.size(); }
 
     std::span<const std::int64_t> operator[](std::size_t row) const {
         const auto begin = static_cast<std::size_t>(row == 0 ? 0 : ends_[row - 1]);
@@ -51,7 +53,7 @@ public:
     VtuReader(const std::filesystem::path& path, std::string bytes)
         : file_(VtkXmlFile::read(path, std::move(bytes), "UnstructuredGrid")) {}
 
-    Lattice read() {
+    Lattice read(ReadNotes* notes) {
         for (const VtkPiece& piece : file_.pieces()) {
             const std::vector<Point3> points = readPoints(file_, piece);
             positions_.insert(positions_.end(), points.begin(), points.end());
@@ -65,10 +67,15 @@ public:
             readCells(piece, cells);
             firstVertex += count;
         }
-        readEdgeMarks();
+        readEdgeMarks(cells.mostEdges());
         marks_.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
-        return finishLattice(file_.path(), cells.builder(), std::move(positions_), marks_,
-                             std::move(attributes_), std::move(integers_));
+        return finishLattice(file_.path(), cells.takeBuilder(),
+                             {.complex = {},
+                              .positions = std::move(positions_),
+                              .marks = std::move(marks_),
+                              .attributes = std::move(attributes_),
+                              .integers = std::move(integers_)},
+                             notes);
     }
 
 private:
@@ -144,9 +151,8 @@ private:
         const std::size_t count = file_.count(piece, "NumberOfCells");
         if (count == 0) return;
         const VtkSection& section = file_.section(piece, "Cells");
-        const auto types = file_.integers(file_.array(section, "types"), count);
-        const RowsOfFile vertices(file_, section, "connectivity", "offsets");
-        checkCount(section, "offsets", vertices.count(), count);
+        const auto types = file_.list(file_.array(section, "types"), count, kOneACell);
+        const RowsOfFile vertices(file_, section, "connectivity", "offsets", count, kOneACell);
         const bool havePolyhedra =
             std::find(types.begin(), types.end(), kVtkPolyhedron) != types.end();
         const auto addStandard = [&](std::size_t cell) { cells.add(types[cell], vertices[cell]); };
@@ -162,9 +168,21 @@ private:
     template <class AddStandard>
     void addWithFaceLists(const VtkSection& section, const std::vector<std::int64_t>& types,
                           AddStandard addStandard, VtkCellReader& cells) {
-        const RowsOfFile loops(file_, section, "face_connectivity", "face_offsets");
-        const RowsOfFile faces(file_, section, "polyhedron_to_faces", "polyhedron_offsets");
-        checkCount(section, "polyhedron_offsets", faces.count(), types.size());
+        const RowsOfFile faces(file_, section, "polyhedron_to_faces", "polyhedron_offsets",
+                               types.size(), kOneACell);
+        std::int64_t lastFace = -1;
+        for (std::size_t cell = 0; cell < types.size(); ++cell)
+            for (const std::int64_t face : faces[cell]) {
+                if (face < 0)
+                    file_.fail(section.line, "cell " + std::to_string(cell) +
+                                                 " of the piece names face " +
+                                                 std::to_string(face) + "; expected 0 or more");
+                lastFace = std::max(lastFace, face);
+            }
+        const RowsOfFile loops(
+            file_, section, "face_connectivity", "face_offsets",
+            static_cast<std::size_t>(lastFace) + 1,
+            "as the last face that a polyhedron names is " + std::to_string(lastFace));
         std::vector<std::span<const std::int64_t>> cellLoops;
         for (std::size_t cell = 0; cell < types.size(); ++cell) {
             if (types[cell] != kVtkPolyhedron) {
@@ -172,14 +190,8 @@ private:
                 continue;
             }
             cellLoops.clear();
-            for (const std::int64_t face : faces[cell]) {
-                if (face < 0 || static_cast<std::uint64_t>(face) >= loops.count())
-                    file_.fail(section.line, "cell " + std::to_string(cell) +
-                                                 " of the piece names face " +
-                                                 std::to_string(face) + "; there are " +
-                                                 std::to_string(loops.count()));
+            for (const std::int64_t face : faces[cell])
                 cellLoops.push_back(loops[static_cast<std::size_t>(face)]);
-            }
             cells.addPolyhedron(cellLoops);
         }
     }
@@ -188,46 +200,45 @@ private:
     template <class AddStandard>
     void addWithFaceStreams(const VtkSection& section, const std::vector<std::int64_t>& types,
                             AddStandard addStandard, VtkCellReader& cells) {
-        const auto faces = file_.integers(file_.array(section, "faces"));
         const VtkDataArray& offsets = file_.array(section, "faceoffsets");
-        const auto ends = file_.integers(offsets, types.size());
-        std::int64_t begin = 0;
+        const auto ends = file_.list(offsets, types.size(), kOneACell);
+        std::int64_t before = 0;
+        for (std::size_t cell = 0; cell < types.size(); ++cell) {
+            if (types[cell] != kVtkPolyhedron) continue;
+            if (ends[cell] < before)
+                file_.fail(offsets.line, "the faces of cell " + std::to_string(cell) +
+                                             " of the piece run from " + std::to_string(before) +
+                                             " to " + std::to_string(ends[cell]));
+            before = ends[cell];
+        }
+        const auto faces =
+            file_.list(file_.array(section, "faces"), static_cast<std::size_t>(before),
+                       "the last of 'faceoffsets'");
+        std::size_t begin = 0;
         for (std::size_t cell = 0; cell < types.size(); ++cell) {
             if (types[cell] != kVtkPolyhedron) {
                 addStandard(cell);
                 continue;
             }
-            const std::int64_t end = ends[cell];
-            if (end < begin || end > static_cast<std::int64_t>(faces.size()))
-                file_.fail(offsets.line, "the faces of cell " + std::to_string(cell) +
-                                             " of the piece run from " + std::to_string(begin) +
-                                             " to " + std::to_string(end) +
-                                             "; the array 'faces' has " +
-                                             std::to_string(faces.size()) + " values");
-            cells.addPolyhedron(std::span(faces).subspan(static_cast<std::size_t>(begin),
-                                                         static_cast<std::size_t>(end - begin)));
+            const auto end = static_cast<std::size_t>(ends[cell]);
+            cells.addPolyhedron(std::span(faces).subspan(begin, end - begin));
             begin = end;
         }
     }
 
-    void checkCount(const VtkSection& section, const char* name, std::size_t got,
-                    std::size_t expected) {
-        if (got != expected)
-            file_.fail(file_.array(section, name).line,
-                       "the array " + inQuotes(name) + " has " + std::to_string(got) +
-                           " values; expected one a cell, " + std::to_string(expected));
-    }
-
-    void readEdgeMarks() {
+    /// \param mostEdges an upper bound of the number of edges that can be marked
+    void readEdgeMarks(std::size_t mostEdges) {
         const VtkDataArray* ends = file_.fieldData().find(kEdgeVertices);
         const VtkDataArray* sharpness = file_.fieldData().find(kEdgeSharpness);
         if (!ends && !sharpness) return;
-        if (!ends || !sharpness || ends->components != 2)
+        if (!ends || !sharpness || ends->components != 2 || sharpness->components != 1)
             file_.fail(file_.fieldData().line, std::string("marks need both arrays, ") +
                                                    kEdgeVertices + " of 2 components and " +
-                                                   kEdgeSharpness);
-        const auto values = file_.reals(*sharpness);
-        const auto vertices = file_.integers(*ends, values.size());
+                                                   kEdgeSharpness + " of 1");
+        const auto vertices =
+            file_.integersUpTo(*ends, mostEdges, "as the cells have no more edges");
+        const auto values = file_.reals(*sharpness, vertices.size() / 2,
+                                        "one an edge of " + inQuotes(kEdgeVertices));
         for (std::size_t mark = 0; mark < values.size(); ++mark) {
             if (!isMarkInFile(file_.path(), kEdgeSharpness, mark, values[mark])) continue;
             marks_.edges.push_back({{markedVertex(*ends, vertices[2 * mark]),
@@ -254,12 +265,12 @@ private:
 
 }  // namespace
 
-Lattice readVtu(const std::filesystem::path& path) {
-    return VtuReader(path, readFile(path)).read();
+Lattice readVtu(const std::filesystem::path& path, ReadNotes* notes) {
+    return VtuReader(path, readFile(path)).read(notes);
 }
 
-Lattice readVtu(const std::filesystem::path& path, std::string_view bytes) {
-    return VtuReader(path, std::string(bytes)).read();
+Lattice readVtu(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return VtuReader(path, std::string(bytes)).read(notes);
 }
 
 }  // namespace espalier::io

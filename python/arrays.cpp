@@ -9,10 +9,12 @@
 #include <limits>
 #include <memory>
 
+#include "names.h"
+
 namespace espalier::python {
 
 std::string textOf(const py::handle& object) {
-    return py::str(object).cast<std::string>();
+    return nameOfStr(py::str(object));
 }
 
 std::string typeName(const py::handle& object) {

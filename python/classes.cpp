@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <exception>
+#include <new>
 #include <string>
 
 #include "module.h"
@@ -22,7 +24,40 @@ py::tuple reduce(const py::object& self, const py::args&) {
                           self.attr("__getstate__")());
 }
 
+/// Lets a class, and objects of it, be changed in nothing: an object of one class that is given
+/// another, `lattice.__class__ = Binding`, would be read as what it is not. Python 3.9 cannot.
+void makeImmutable([[maybe_unused]] PyTypeObject* type) {
+#ifdef Py_TPFLAGS_IMMUTABLETYPE
+    type->tp_flags |= Py_TPFLAGS_IMMUTABLETYPE;
+#endif
+}
+
+/// In place of pybind11_object_new(), which throws through Python where a class has nothing of C++:
+/// pybind11_object itself, and classes that Python derives from that alone.
+PyObject* newObject(PyTypeObject* type, PyObject*, PyObject*) {
+    try {
+        if (py::detail::all_type_info(type).empty())
+            return PyErr_Format(PyExc_TypeError, "%.200s: No constructor defined!", type->tp_name);
+        PyObject* const self = type->tp_alloc(type, 0);
+        if (self != nullptr) reinterpret_cast<py::detail::instance*>(self)->allocate_layout();
+        return self;
+    } catch (const std::bad_alloc&) {
+        return PyErr_NoMemory();
+    } catch (const std::exception& error) {
+        PyErr_SetString(PyExc_RuntimeError, error.what());
+        return nullptr;
+    }
+}
+
 }  // namespace
+
+void protectBaseClass() {
+    const auto& internals = py::detail::get_internals();
+    auto* const base = reinterpret_cast<PyTypeObject*>(internals.instance_base);
+    base->tp_new = &newObject;
+    makeImmutable(base);
+    makeImmutable(internals.default_metaclass);
+}
 
 void protectClasses(const py::module_& module) {
     const py::dict attributes = module.attr("__dict__");
@@ -35,6 +70,7 @@ void protectClasses(const py::module_& module) {
         for (const char* method : {"__reduce__", "__reduce_ex__"})
             py::setattr(attribute, method,
                         py::cpp_function(&reduce, py::name(method), py::is_method(attribute)));
+        makeImmutable(type);
     }
 }
 

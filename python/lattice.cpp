@@ -18,6 +18,7 @@
 #include "choices.h"
 #include "lattice_arrays.h"
 #include "module.h"
+#include "names.h"
 #include "pickling.h"
 
 namespace espalier::python {
@@ -47,9 +48,13 @@ Index vertexCountOf(const std::vector<Point3>& positions) {
 LatticePointer makeLattice(far::CellComplex complex, std::vector<Point3> positions,
                            const Extras& extras) {
     auto marks = marksOf(complex, extras.edges, extras.vertices, extras.holes);
-    auto attributes = attributesOf(extras.attributes, positions.size());
-    return std::make_shared<Lattice>(
-        Lattice{std::move(complex), std::move(positions), std::move(marks), std::move(attributes)});
+    auto [attributes, integers] = vertexArraysOf(extras.attributes, positions.size());
+    return std::make_shared<Lattice>(Lattice{std::move(complex),
+                                             std::move(positions),
+                                             std::move(marks),
+                                             std::move(attributes),
+                                             {},
+                                             std::move(integers)});
 }
 
 LatticePointer ofCells(const ArrayLike& positions, const py::object& cells,
@@ -177,7 +182,7 @@ py::dict attributesIn(const py::object& self) {
     const auto& lattice = self.cast<const Lattice&>();
     py::dict arrays;
     for (const VertexAttribute& attribute : lattice.attributes)
-        arrays[attribute.name.c_str()] = viewOf(
+        arrays[strOfName(attribute.name)] = viewOf(
             std::span<const double>(attribute.values),
             {static_cast<py::ssize_t>(lattice.positions.size()), attribute.components}, self);
     return arrays;
@@ -191,7 +196,7 @@ py::dict integersIn(const py::object& self) {
         const auto view =
             viewOf(std::span<const std::int64_t>(integers.values),
                    {static_cast<py::ssize_t>(lattice.positions.size()), integers.components}, self);
-        arrays[integers.name.c_str()] =
+        arrays[strOfName(integers.name)] =
             integers.type == IntegerType::UInt64 ? view.attr("view")("uint64") : py::object(view);
     }
     return arrays;
@@ -254,12 +259,15 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
         .def_property_readonly("vertex_sharpness", &vertexSharpness,
                                "Vertices that are marked by hand: dict from int to float.")
         .def_property_readonly("attributes", &attributesIn,
-                               "What vertices carry besides: dict from names to arrays (V, k) of "
-                               "float64, read-only, not copies.")
+                               "Real numbers of vertices, which are refined with the positions: "
+                               "dict from names to arrays (V, k) of float64, read-only, not "
+                               "copies.")
         .def_property_readonly("integers", &integersIn,
-                               "Integers of vertices that a file has, which are never averaged: "
-                               "dict from names to arrays (V, k) of int64, or of uint64 where the "
-                               "file has that, read-only, not copies.")
+                               "Integers of vertices, which are never averaged; a vertex of a "
+                               "refined level that comes from no single vertex has -1, or the "
+                               "largest number of an unsigned type: dict from names to arrays "
+                               "(V, k) of int64, or of uint64 where they were given so, read-only, "
+                               "not copies.")
         .def_property_readonly("tags", &tagsOf,
                                "How the file asks to be refined, where it does: dict with any of "
                                "boundary, creasing and triangles.");
@@ -278,7 +286,9 @@ cells     : array (C, 8) of int, hexahedra in VTK's order; (C, 4) tetrahedra, (C
 edge_sharpness   : dict from pairs of vertices to a sharpness: inf (10 and more) is sharp, 0
                    smooth, what lies between semi-sharp, as OpenSubdiv has them
 vertex_sharpness : dict from vertices to a sharpness
-attributes       : dict from names to arrays (V,) or (V, k) that are refined with the positions
+attributes       : dict from names to arrays (V,) or (V, k). Those of real numbers are refined with
+                   the positions; those of integers, such as identifiers, are never averaged, and
+                   come back as `integers`
 
 Meshes and curves are lattices of dimension 2 and 1: mesh() and curve() make them.
 )");
@@ -336,9 +346,18 @@ linear : array (3, 3); translation : 3 float
     module.def(
         "read",
         [](const std::filesystem::path& path) {
-            return withoutGil([&] { return std::make_shared<Lattice>(io::readRefinable(path)); });
+            io::ReadNotes notes;
+            auto lattice = withoutGil(
+                [&] { return std::make_shared<Lattice>(io::readRefinable(path, &notes)); });
+            const std::string text = io::describe(path, notes);
+            if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
+                throw py::error_already_set();
+            return lattice;
         },
-        "path"_a, "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj.");
+        "path"_a,
+        "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj. Vertices that no "
+        "cell, or no line of a curve, uses are dropped with a UserWarning; the vertices after them "
+        "get lower numbers.");
 }
 
 }  // namespace espalier::python

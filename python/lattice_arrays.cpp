@@ -3,13 +3,16 @@
 
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/error.h>
+#include <espalier/far/printable.h>
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "arrays.h"
+#include "names.h"
 
 namespace espalier::python {
 namespace {
@@ -80,6 +83,46 @@ void addCell(far::ComplexBuilder& builder, const py::sequence& cell, const std::
     builder.addCell(loops);
 }
 
+/// The numbers that each vertex has in an array (V,) or (V, k).
+int componentsOf(const py::array& array, const std::string& name, std::size_t vertexCount) {
+    const bool fits = (array.ndim() == 1 || (array.ndim() == 2 && array.shape(1) > 0)) &&
+                      static_cast<std::size_t>(array.shape(0)) == vertexCount;
+    if (!fits)
+        throw Error(name + ": expected an array of shape (" + std::to_string(vertexCount) +
+                    ",) or (" + std::to_string(vertexCount) + ", k), got " + shapeText(array));
+    return array.ndim() == 1 ? 1 : static_cast<int>(array.shape(1));
+}
+
+bool isOfIntegers(const py::array& array) {
+    return array.dtype().kind() == 'i' || array.dtype().kind() == 'u';
+}
+
+/// In any order of their bytes.
+IntegerType integerType(const py::dtype& type) {
+    const bool isUnsigned = type.kind() == 'u';
+    switch (type.itemsize()) {
+        case 1:
+            return isUnsigned ? IntegerType::UInt8 : IntegerType::Int8;
+        case 2:
+            return isUnsigned ? IntegerType::UInt16 : IntegerType::Int16;
+        case 4:
+            return isUnsigned ? IntegerType::UInt32 : IntegerType::Int32;
+        default:
+            return isUnsigned ? IntegerType::UInt64 : IntegerType::Int64;
+    }
+}
+
+/// Of integers of 64 bits without sign the bits.
+std::vector<std::int64_t> integersOf(const py::array& array) {
+    const auto copied = [](const auto& wide) {
+        if (!wide) throw py::error_already_set();
+        return std::vector<std::int64_t>(wide.data(), wide.data() + wide.size());
+    };
+    return array.dtype().kind() == 'u'
+               ? copied(py::array_t<std::uint64_t, kReadable>::ensure(array))
+               : copied(py::array_t<std::int64_t, kReadable>::ensure(array));
+}
+
 }  // namespace
 
 far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
@@ -113,25 +156,28 @@ far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
     return withoutGil([&] { return builder.build(); });
 }
 
-std::vector<VertexAttribute> attributesOf(const py::dict& arrays, std::size_t vertexCount) {
-    std::vector<VertexAttribute> attributes;
+VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount) {
+    VertexArrays result;
     for (const auto& [key, value] : arrays) {
-        const auto attribute = textOf(key);
-        const std::string name = "attributes[\"" + attribute + "\"]";
+        if (!py::isinstance<py::str>(key))
+            throw Error("attributes: expected names that are str, got " + typeName(key));
+        const auto attribute = nameOfStr(py::reinterpret_borrow<py::str>(key));
+        const std::string name = "attributes[\"" + printable(attribute) + "\"]";
         if (attribute.starts_with(kReservedNames))
             throw Error(name + ": names that begin with \"" + std::string(kReservedNames) +
                         "\" are reserved, for what files of lattices hold besides attributes");
+        if (const auto integers = py::array::ensure(value); integers && isOfIntegers(integers)) {
+            const int components = componentsOf(integers, name, vertexCount);
+            result.integers.push_back(
+                {attribute, components, integerType(integers.dtype()), integersOf(integers)});
+            continue;
+        }
         const auto array = realArray<double>(value, name);
-        const bool fits = (array.ndim() == 1 || (array.ndim() == 2 && array.shape(1) > 0)) &&
-                          static_cast<std::size_t>(array.shape(0)) == vertexCount;
-        if (!fits)
-            throw Error(name + ": expected an array of shape (" + std::to_string(vertexCount) +
-                        ",) or (" + std::to_string(vertexCount) + ", k), got " + shapeText(array));
-        attributes.push_back({attribute,
-                              array.ndim() == 1 ? 1 : static_cast<int>(array.shape(1)),
-                              {array.data(), array.data() + array.size()}});
+        const int components = componentsOf(array, name, vertexCount);
+        result.attributes.push_back(
+            {attribute, components, {array.data(), array.data() + array.size()}});
     }
-    return attributes;
+    return result;
 }
 
 far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,

@@ -23,8 +23,15 @@ far::CellComplex complexOfCells(far::Index vertexCount, const py::object& cells)
 /// The complex of faces: an array (F, k), or a list of loops.
 far::CellComplex complexOfFaces(far::Index vertexCount, const py::object& faces);
 
-/// Attributes of a dictionary from names to arrays (V,) or (V, k).
-std::vector<VertexAttribute> attributesOf(const py::dict& arrays, std::size_t vertexCount);
+/// What vertices carry besides their positions.
+struct VertexArrays {
+    std::vector<VertexAttribute> attributes;
+    std::vector<VertexIntegers> integers;
+};
+
+/// Attributes of a dictionary from names to arrays (V,) or (V, k) of real numbers, and integers of
+/// arrays of integers, as the files of lattices have them.
+VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount);
 
 /// By the two vertices of an edge.
 using EdgeSharpness = std::map<std::pair<far::Index, far::Index>, double>;

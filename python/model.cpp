@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model.h"
 
+#include <espalier/far/printable.h>
 #include <espalier/io/file.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -80,7 +81,7 @@ it was, byte for byte. read_model() makes it.
             "Writes the model with these points, array (N, 3), in the format that it was read in.")
         .def("__repr__", [](const ModelFile& self) {
             return py::str("<espalier.Model: {}, {} points>")
-                .format(nameOf(self), self.model->positions().size());
+                .format(printable(self.name), self.model->positions().size());
         });
     module.def(
         "read_model",

@@ -10,6 +10,7 @@ PYBIND11_MODULE(_core, module) {
     // Where types and functions say that they are from.
     module.attr("__module__") = "espalier";
     translateErrors();
+    protectBaseClass();
     addLattice(module);
     addShapes(module);
     addModel(module);

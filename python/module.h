@@ -21,8 +21,13 @@ void addValidity(py::module_& module);
 void addHolding(py::module_& module);
 void addLimits(py::module_& module);
 
-/// Lets no object of the classes of a module be used before it has a value, and pickle raise where
-/// it would end the interpreter. After all classes were added.
+/// Lets no call of the class that pybind11 derives all classes from end the interpreter. That class
+/// is Espalier's alone (PYBIND11_COMPILER_TYPE). For _core, which is loaded first; before any
+/// class is added, since classes inherit from it.
+void protectBaseClass();
+
+/// Lets no object of the classes of a module be used before it has a value, pickle raise where it
+/// would end the interpreter, and no class be changed. After all classes were added.
 void protectClasses(const py::module_& module);
 
 /// Makes ValueError of Error, with the same text, in what this shared object throws.

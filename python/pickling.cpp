@@ -16,6 +16,7 @@
 
 #include "arrays.h"
 #include "choices.h"
+#include "names.h"
 #include "without_gil.h"
 
 namespace espalier::python {
@@ -30,6 +31,11 @@ using far::Offset;
 
 void requireState(bool isAsExpected) {
     if (!isAsExpected) refuseState();
+}
+
+std::string nameIn(const py::handle& object) {
+    requireState(py::isinstance<py::str>(object));
+    return nameOfStr(py::reinterpret_borrow<py::str>(object));
 }
 
 /// The numbers of an array of any shape. Container is a vector or a far::Array.
@@ -158,12 +164,12 @@ py::tuple stateOfLattice(const py::object& self) {
     py::list attributes;
     for (const VertexAttribute& attribute : lattice.attributes)
         attributes.append(
-            py::make_tuple(attribute.name, attribute.components,
+            py::make_tuple(strOfName(attribute.name), attribute.components,
                            viewOfAll(std::span<const double>(attribute.values), self)));
     py::list integers;
     for (const VertexIntegers& each : lattice.integers)
         integers.append(
-            py::make_tuple(each.name, each.components, static_cast<int>(each.type),
+            py::make_tuple(strOfName(each.name), each.components, static_cast<int>(each.type),
                            viewOfAll(std::span<const std::int64_t>(each.values), self)));
     const RefinementTags& tags = lattice.tags;
     return py::make_tuple(
@@ -185,7 +191,7 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
     for (const py::handle each : py::list(state[3])) {
         const auto parts = py::reinterpret_borrow<py::tuple>(each);
         requireState(py::isinstance<py::tuple>(each) && parts.size() == 3);
-        VertexAttribute attribute{parts[0].cast<std::string>(), parts[1].cast<int>(),
+        VertexAttribute attribute{nameIn(parts[0]), parts[1].cast<int>(),
                                   numbersOf<std::vector<double>>(parts[2])};
         requireState(attribute.components > 0 &&
                      attribute.values.size() ==
@@ -202,7 +208,7 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
         const int type = parts[2].cast<int>();
         requireState(type >= static_cast<int>(IntegerType::Int8) &&
                      type <= static_cast<int>(IntegerType::UInt64));
-        VertexIntegers integers{parts[0].cast<std::string>(), parts[1].cast<int>(),
+        VertexIntegers integers{nameIn(parts[0]), parts[1].cast<int>(),
                                 static_cast<IntegerType>(type),
                                 numbersOf<std::vector<std::int64_t>>(parts[3])};
         requireState(integers.components > 0 &&

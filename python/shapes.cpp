@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/memory.h>
+#include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/solids.h>
@@ -34,14 +36,7 @@ shapes::DiskPattern patternOf(int rings, const std::string& core) {
 /// A message of the library about options, about the arguments that they are of: minorRadius is
 /// minor_radius here, and what a joint has is a column of joints.
 std::string aboutArguments(const std::string& message) {
-    std::string text;
-    for (const char letter : message) {
-        const bool isCapital = letter >= 'A' && letter <= 'Z';
-        if (isCapital && !text.empty() && text.back() >= 'a' && text.back() <= 'z')
-            text += {'_', static_cast<char>(letter - 'A' + 'a')};
-        else
-            text += letter;
-    }
+    std::string text = shapes::withUnderscores(message);
     const std::pair<std::string, std::string> others[] = {
         {": from is ", ": start is "}, {": to is ", ": end is "}, {"`from`", "start"},
         {"].position", ", :3]"},       {"].radius", ", 3]"},      {"].twist", ", 4]"}};
@@ -58,6 +53,8 @@ std::shared_ptr<Lattice> make(Lattice (*shape)(const Options&), const Options& o
     return withoutGil([&] {
         try {
             return std::make_shared<Lattice>(shape(options));
+        } catch (const far::MemoryError&) {
+            throw;
         } catch (const Error& error) {
             throw Error(aboutArguments(error.what()));
         }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/error.h>
+#include <espalier/far/printable.h>
 
 #include <initializer_list>
 #include <string>
@@ -23,7 +24,7 @@ Choice chosen(const Words<Choice>& words, const std::string& argument, const std
         if (words[i].first == word) return words[i].second;
         names += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i].first;
     }
-    throw Error(argument + ": expected " + names + ", got \"" + word + "\"");
+    throw Error(argument + ": expected " + names + ", got \"" + printable(word) + "\"");
 }
 
 /// The word of a choice.

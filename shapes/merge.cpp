@@ -16,8 +16,8 @@ namespace {
 
 using far::Index;
 
-std::string latticeName(std::size_t number) {
-    return "lattice " + std::to_string(number);
+std::string latticeName(const MergeOptions& options, std::size_t number) {
+    return options.names.empty() ? "lattice " + std::to_string(number) : options.names[number];
 }
 
 // In what follows an Attribute is a VertexAttribute or VertexIntegers.
@@ -46,24 +46,24 @@ bool isSameType(const VertexIntegers& a, const VertexIntegers& b) {
 }
 
 template <class Attribute>
-void requireAttribute(const Attribute& wanted, std::size_t owner,
-                      const std::vector<Attribute>& attributes, std::size_t number) {
+void requireAttribute(const Attribute& wanted, const std::string& owner,
+                      const std::vector<Attribute>& attributes, const std::string& name) {
     const Attribute* found = findAttribute(attributes, wanted.name);
     if (found == nullptr || !isSameType(*found, wanted))
-        throw Error("merge: " + latticeName(number) + " lacks " + kindOf(wanted) +
-                    inQuotes(wanted.name) + ", which " + latticeName(owner) + " has");
+        throw Error("merge: " + name + " lacks " + kindOf(wanted) + inQuotes(wanted.name) +
+                    ", which " + owner + " has");
     if (found->components != wanted.components)
         throw Error("merge: attribute " + inQuotes(wanted.name) + " has " +
-                    std::to_string(found->components) + " components in " + latticeName(number) +
-                    ", but " + std::to_string(wanted.components) + " in " + latticeName(owner));
+                    std::to_string(found->components) + " components in " + name + ", but " +
+                    std::to_string(wanted.components) + " in " + owner);
 }
 
 /// That the first lattice and another one have the same attributes.
 template <class Attribute>
-void requireSame(const std::vector<Attribute>& ofFirst, const std::vector<Attribute>& others,
-                 std::size_t number) {
-    for (const Attribute& attribute : ofFirst) requireAttribute(attribute, 0, others, number);
-    for (const Attribute& attribute : others) requireAttribute(attribute, number, ofFirst, 0);
+void requireSame(const std::vector<Attribute>& ofFirst, const std::string& first,
+                 const std::vector<Attribute>& others, const std::string& other) {
+    for (const Attribute& attribute : ofFirst) requireAttribute(attribute, first, others, other);
+    for (const Attribute& attribute : others) requireAttribute(attribute, other, ofFirst, first);
 }
 
 /// The same attributes without values.
@@ -78,11 +78,15 @@ void check(std::span<const Lattice> lattices, const MergeOptions& options) {
     if (!(options.tolerance >= 0 && options.tolerance < 1))
         refuseField("merge", "tolerance", textOf(options.tolerance),
                     "numbers from 0 to below 1, a fraction of the whole size");
+    if (!options.names.empty() && options.names.size() != lattices.size())
+        throw Error("merge: got " + std::to_string(options.names.size()) + " names for " +
+                    std::to_string(lattices.size()) + " lattices");
+    const std::string first = latticeName(options, 0);
     for (std::size_t number = 0; number < lattices.size(); ++number) {
-        requireConsistent("merge", latticeName(number), lattices[number],
-                          lattices[0].complex.dimension());
-        requireSame(lattices[0].attributes, lattices[number].attributes, number);
-        requireSame(lattices[0].integers, lattices[number].integers, number);
+        const std::string name = latticeName(options, number);
+        requireConsistent("merge", name, lattices[number], lattices[0].complex.dimension());
+        requireSame(lattices[0].attributes, first, lattices[number].attributes, name);
+        requireSame(lattices[0].integers, first, lattices[number].integers, name);
     }
 }
 
@@ -131,45 +135,94 @@ void appendValues(const Attribute& from, std::span<const Index> newVertex, Attri
     }
 }
 
-/// The faces of the lattices that become one face of more than two cells: "face 1 of lattice 0,
-/// face 4 of lattice 1". Empty if there is none.
-std::string crowdedFace(std::span<const Lattice> lattices, std::span<const Index> newIndex) {
+/// A face or a cell of one of the lattices.
+struct Origin {
+    std::size_t lattice;
+    far::Entity entity;
+};
+
+std::string nameOf(const Origin& origin, const MergeOptions& options) {
+    return std::string(far::dimensionName(origin.entity.dimension)) + " " +
+           std::to_string(origin.entity.index) + " of " + latticeName(options, origin.lattice);
+}
+
+/// The merged vertices of a face, ascending.
+std::vector<Index> mergedVertices(const far::CellComplex& complex, Index face,
+                                  std::span<const Index> newVertex) {
+    std::vector<Index> vertices;
+    for (const Index vertex : complex.relation(2, 0)[face])
+        vertices.push_back(newVertex[static_cast<std::size_t>(vertex)]);
+    std::sort(vertices.begin(), vertices.end());
+    return vertices;
+}
+
+/// The faces of the lattices that become one face of more than two cells, up to the one that brings
+/// the third cell. Empty if there is none.
+std::vector<Origin> crowdedFace(std::span<const Lattice> lattices,
+                                std::span<const Index> newIndex) {
     struct Faces {
         std::size_t cellCount = 0;
-        std::string names;
+        std::vector<Origin> origins;
     };
-    std::map<std::vector<Index>, Faces> merged;  // by the new vertices, ascending
+    std::map<std::vector<Index>, Faces> merged;  // by the merged vertices
     for (std::size_t number = 0; number < lattices.size(); ++number) {
         const far::CellComplex& complex = lattices[number].complex;
         const auto newVertex = newIndex.first(lattices[number].positions.size());
         newIndex = newIndex.subspan(newVertex.size());
         for (Index face = 0; face < complex.count(2); ++face) {
-            std::vector<Index> vertices;
-            for (const Index vertex : complex.relation(2, 0)[face])
-                vertices.push_back(newVertex[static_cast<std::size_t>(vertex)]);
-            std::sort(vertices.begin(), vertices.end());
-            Faces& faces = merged[std::move(vertices)];
+            Faces& faces = merged[mergedVertices(complex, face, newVertex)];
             faces.cellCount += complex.relation(2, 3)[face].size();
-            faces.names += (faces.names.empty() ? "face " : ", face ") + std::to_string(face) +
-                           " of " + latticeName(number);
-            if (faces.cellCount > 2) return faces.names;
+            faces.origins.push_back({number, {2, face}});
+            if (faces.cellCount > 2) return faces.origins;
         }
     }
     return {};
 }
 
-/// Builds the merged complex. Errors name faces of the lattices, not of the result.
+/// The first two cells of the lattices that become cells of the same faces. Empty if there are
+/// none.
+std::vector<Origin> repeatedCell(std::span<const Lattice> lattices,
+                                 std::span<const Index> newIndex) {
+    std::map<std::vector<std::vector<Index>>, Origin>
+        merged;  // by the merged vertices of the faces
+    for (std::size_t number = 0; number < lattices.size(); ++number) {
+        const far::CellComplex& complex = lattices[number].complex;
+        const auto newVertex = newIndex.first(lattices[number].positions.size());
+        newIndex = newIndex.subspan(newVertex.size());
+        for (Index cell = 0; cell < complex.count(3); ++cell) {
+            std::vector<std::vector<Index>> faces;
+            for (const Index face : complex.relation(3, 2)[cell])
+                faces.push_back(mergedVertices(complex, face, newVertex));
+            std::sort(faces.begin(), faces.end());
+            const Origin origin = {number, {3, cell}};
+            const auto [other, isNew] = merged.try_emplace(std::move(faces), origin);
+            if (!isNew) return {other->second, origin};
+        }
+    }
+    return {};
+}
+
+/// Builds the merged complex. Errors name faces and cells of the lattices, not of the result.
 far::CellComplex buildMerged(const far::ComplexBuilder& builder, std::span<const Lattice> lattices,
-                             std::span<const Index> newIndex) {
+                             std::span<const Index> newIndex, const MergeOptions& options) {
     try {
         return builder.build();
     } catch (const far::TopologyError& error) {
-        if (error.cause() != far::TopologyCause::CrowdedFace) throw;
-        const std::string names = crowdedFace(lattices, newIndex);
-        if (names.empty()) throw;
-        throw far::TopologyError(
-            error.cause(), error.entity(),
-            "merge: " + names + " would become one face of more than two cells");
+        const bool isCell = error.cause() == far::TopologyCause::RepeatedCell;
+        std::vector<Origin> origins;
+        if (isCell) origins = repeatedCell(lattices, newIndex);
+        if (error.cause() == far::TopologyCause::CrowdedFace)
+            origins = crowdedFace(lattices, newIndex);
+        if (origins.empty())
+            throw far::TopologyError(error.cause(), error.entity(),
+                                     "merge: in the merged lattice, " + std::string(error.what()));
+        std::string names;
+        for (const Origin& origin : origins)
+            names += (names.empty() ? "" : ", ") + nameOf(origin, options);
+        throw far::TopologyError(error.cause(), origins.back().entity,
+                                 "merge: " + names + " would become one " +
+                                     (isCell ? "cell; each cell may be in one lattice only"
+                                             : "face of more than two cells"));
     }
 }
 
@@ -194,7 +247,7 @@ Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
         const Lattice& lattice = lattices[number];
         const auto newVertex = remaining.first(lattice.positions.size());
         remaining = remaining.subspan(lattice.positions.size());
-        requireCellsKept(lattice.complex, newVertex, latticeName(number), distance);
+        requireCellsKept(lattice.complex, newVertex, latticeName(options, number), distance);
         addAll(lattice.complex, newVertex, builder);
         appendMarks(lattice.marks, newVertex, result.marks);
         for (VertexAttribute& attribute : result.attributes)
@@ -202,7 +255,7 @@ Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
         for (VertexIntegers& integers : result.integers)
             appendValues(*findAttribute(lattice.integers, integers.name), newVertex, integers);
     }
-    result.complex = buildMerged(builder, lattices, welding.newIndex);
+    result.complex = buildMerged(builder, lattices, welding.newIndex, options);
     result.positions = std::move(welding.positions);
     return result;
 }

@@ -5,6 +5,8 @@
 #include <espalier/shapes/lattice.h>
 
 #include <span>
+#include <string>
+#include <vector>
 
 namespace espalier::shapes {
 
@@ -15,6 +17,9 @@ struct MergeOptions {
     /// the spacing of vertices that are meant to differ. Positions that went through a file of
     /// floats need about 1e-6.
     double tolerance = 1e-9;
+    /// Names of the lattices in messages: one a lattice, for example the paths of their files.
+    /// Empty for "lattice 0", "lattice 1" and so on.
+    std::vector<std::string> names = {};
 };
 
 /// Joins lattices (or meshes, or curves) by welding vertices that coincide. Faces whose vertices
@@ -30,10 +35,11 @@ struct MergeOptions {
 /// joined at the vertices that they have in common.
 ///
 /// \param lattices at least one, all of one dimension and with the same attributes
-/// \throws Error for no lattice, a tolerance out of range, or an attribute that one lattice lacks
-///         or has with another number of components or, of integers, another type;
-///         far::TopologyError for a cell of which two vertices would become one, a cell that is in
-///         two lattices, or a face of three cells
+/// \throws Error for no lattice, a tolerance out of range, another number of names than of
+///         lattices, or an attribute that one lattice lacks or has with another number of
+///         components or, of integers, another type; far::TopologyError for a cell of which two
+///         vertices would become one, a cell that is in two lattices, or a face of three cells.
+///         These messages name the lattices, and number cells and faces as their own lattice does
 /// \cost O(n log n) in the number of entries of the result; the search for coincident vertices is
 ///       linear while the vertices are spread out, as those of a lattice are
 /// \cite MacCracken & Joy 1996, section 5

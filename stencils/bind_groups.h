@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/far/memory.h>
 #include <espalier/far/parallel.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/stencils/length_unit.h>
@@ -9,6 +10,7 @@
 
 #include <atomic>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "group_binder.h"
@@ -29,14 +31,19 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
     const std::vector<Index> order = alongCurve(points);
     std::vector<std::vector<BoundPart<Table>>> groups(
         static_cast<std::size_t>((pointCount + groupSize - 1) / groupSize));
-    std::atomic<Offset> done = 0;
+    std::atomic<Offset> done = 0, entryCount = 0;
     far::parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;
         for (Offset i = first; i < last; ++i) own.push_back(unit.toUnits(points[order[i]]));
         auto& parts = groups[first / groupSize];
         parts = binder.bind(own);
-        for (BoundPart<Table>& part : parts)
+        for (BoundPart<Table>& part : parts) {
             for (Index& point : part.points) point = order[first + point];
+            entryCount += pointRows(part.table).entryCount();
+        }
+        // The rows of the groups are held until all are gathered.
+        far::requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(Real)),
+                           "a table of the " + std::to_string(entryCount) + " weights so far");
         if (progress) progress(done += last - first);
     });
 
@@ -52,10 +59,10 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
             parts.push_back(std::move(part));
         }
     if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
-    model.binding.table = TableForm<Table>::gather(parts, static_cast<Index>(pointCount),
-                                                   base.level(0).complex.count(0));
+    gatherRows(parts, static_cast<Index>(pointCount), base.level(0).complex.count(0),
+               model.binding.table);
     model.binding.topologyHash = far::topologyHash(base.level(0).complex);
-    const auto& rows = TableForm<Table>::rowsOf(model.binding.table);
+    const auto& rows = pointRows(model.binding.table);
     for (Index i = 0; i < rows.rowCount(); ++i) {
         if (!rows.columns(i).empty()) continue;
         model.binding.kept.push_back(i);

@@ -43,13 +43,23 @@ std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vec
     return bound;
 }
 
+const CellBounds::Box& CellBounds::boxOf(Index cell) {
+    // Where all is regular, nobody asks.
+    if (ofCell_.empty()) ofCell_.resize(static_cast<std::size_t>(level_.complex.count(3)));
+    auto& box = ofCell_[cell];
+    if (!box) {
+        box.emplace();
+        for (const Index corner : level_.complex.relation(3, 0)[cell])
+            box->extend(positionOf(corner));
+    }
+    return *box;
+}
+
 const CellBounds::Box& CellBounds::boxAround(Index vertex) {
     auto& box = aroundVertex_[vertex];
     if (!box) {
         box.emplace();
-        for (const Index cell : level_.complex.relation(0, 3)[vertex])
-            for (const Index corner : level_.complex.relation(3, 0)[cell])
-                box->extend(positionOf(corner));
+        for (const Index cell : level_.complex.relation(0, 3)[vertex]) box->extend(boxOf(cell));
     }
     return *box;
 }

@@ -92,7 +92,9 @@ BoundPart<Table> PartBinder<Table>::bindInside(std::span<const Point3> points,
             return LocatedPoint{PointStatus::Outside, {}, 0, 0};
         },
         [&](const Embedding& embedding) {
-            return TableForm<Table>::build(found->refiner, found->tables, embedding);
+            Table table;
+            buildRows(found->refiner, found->tables, embedding, table);
+            return table;
         });
 }
 
@@ -115,7 +117,9 @@ BoundPart<Table> PartBinder<Table>::bindBeside(std::span<const Point3> points) c
             return solver.locateBeside(point, CellId(nearest.second), seekNearest_);
         },
         [&](const Embedding& embedding) {
-            return TableForm<Table>::build(found->refiner, found->tables, embedding);
+            Table table;
+            buildRows(found->refiner, found->tables, embedding, table);
+            return table;
         });
 }
 
@@ -142,8 +146,10 @@ std::vector<BoundPart<Table>> WholeBinder<Table>::bind(std::span<const Point3> p
         points.size(), complex_.count(0),
         [&](Index i) { return locator_->locate(points[i], seekNearest_); },
         [&](const Embedding& embedding) {
-            return TableForm<Table>::build(buildEmbeddingTable(complex_, embedding), stencils_,
-                                           orderByBaseCell(embedding, baseCells_, baseCellCount_));
+            Table table;
+            buildRows(buildEmbeddingTable(complex_, embedding), stencils_,
+                      orderByBaseCell(embedding, baseCells_, baseCellCount_), table);
+            return table;
         }));
     return parts;
 }

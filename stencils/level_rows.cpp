@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "level_rows.h"
 
+#include <espalier/far/memory.h>
 #include <espalier/stencils/composition.h>
 
 #include <Eigen/QR>
@@ -14,6 +15,9 @@
 
 namespace espalier::stencils {
 namespace {
+
+/// Entries of a row that counts as long, from here on.
+constexpr Offset kLongRow = 256;
 
 /// A table over some of its columns, which hold all of its entries.
 /// \param columns ascending
@@ -50,6 +54,8 @@ StencilTable<double> carried(const StencilTable<double>& own, const StencilTable
                                       const auto factors = step.weights(columns[i]);
                                       for (std::size_t k = 0; k < next.size(); ++k)
                                           accumulator.add(next[k], weights[i] * factors[k]);
+                                      // Thousands of long rows may go by before a loop looks.
+                                      if (std::ssize(next) > kLongRow) far::checkMemory();
                                   }
                                   if (areDerivatives) accumulator.makeSumZero();
                               });
@@ -109,9 +115,7 @@ std::vector<Index> rowCounts(std::span<const StencilTable<double>> tables) {
     return counts;
 }
 
-constexpr Offset kLongRow = 256;
-
-/// Whether a row of a relation has more entries than that.
+/// Whether a row of a relation has more than kLongRow entries.
 bool hasLongRow(std::span<const Offset> offsets) {
     for (std::size_t row = 1; row < offsets.size(); ++row)
         if (offsets[row] - offsets[row - 1] > kLongRow) return true;
@@ -154,6 +158,13 @@ std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>
             rows.pop_back();
         }
         std::vector<StencilTable<Real>> result;
+        if (last > 0 && below.rowCount() == counts.back()) {
+            // No level between has rows, as for points: long ones are not copied.
+            result.push_back(convertTable<Real>(std::move(rows[0])));
+            while (result.size() < last) result.push_back(selectRows<Real>(result[0], {}));
+            result.push_back(convertTable<Real>(std::move(below)));
+            return result;
+        }
         appendParts(convertTable<Real>(last > 0 ? concatenated(rows[0], below) : rows[0]), counts,
                     result);
         return result;

@@ -15,6 +15,29 @@
 #include "table_builder.h"
 
 namespace espalier::stencils {
+
+// For bindGroups(), which finds them by the namespace of LimitTable.
+template <class Real>
+const StencilTable<Real>& pointRows(const LimitTable<Real>& table) {
+    return table.points;
+}
+
+template <class Real>
+void gatherRows(std::vector<BoundPart<LimitTable<Real>>>& parts, Index rowCount, Index columnCount,
+                LimitTable<Real>& result) {
+    std::vector<BoundPart<StencilTable<Real>>> rows(parts.size());
+    for (std::size_t p = 0; p < parts.size(); ++p) rows[p].points = std::move(parts[p].points);
+    const auto gather = [&](auto tableOf) {
+        for (std::size_t p = 0; p < parts.size(); ++p)
+            rows[p].table = std::move(tableOf(parts[p].table));
+        gatherRows(rows, rowCount, columnCount, tableOf(result));
+    };
+    using Rows = StencilTable<Real>;
+    gather([](LimitTable<Real>& table) -> Rows& { return table.points; });
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        gather([axis](LimitTable<Real>& table) -> Rows& { return table.gradients[axis]; });
+}
+
 namespace {
 
 using Eigen::Matrix3d;

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/memory.h>
 #include <espalier/stencils/local_binding.h>
 
+#include <cmath>
+#include <random>
+#include <string>
+#include <type_traits>
 #include <utility>
 
 #include "bind_groups.h"
@@ -31,6 +36,57 @@ std::unique_ptr<const GroupBinder<Table>> makeBinder(const far::TopologyRefiner&
     return std::make_unique<PartBinder<Table>>(base, positions, level, rules, options);
 }
 
+/// A lower bound of the mean of numbers between 0 and 1, of which a random sample has the mean
+/// `sampleMean`. One in a million of such bounds is wrong.
+///
+/// Chernoff's: for a smaller mean, the probability of such a sample is at most
+/// exp(−count · D(sampleMean ‖ mean)), with D the divergence of two coins.
+double leastMean(double sampleMean, int count) {
+    const double divergence = std::log(1e6) / count;
+    const auto term = [](double p, double q) { return p > 0 ? p * std::log(p / q) : 0; };
+    double low = 0, high = sampleMean;
+    for (int i = 0; i < 50; ++i) {
+        const double mean = (low + high) / 2;
+        const bool isTooFar = term(sampleMean, mean) + term(1 - sampleMean, 1 - mean) > divergence;
+        (isTooFar ? low : high) = mean;
+    }
+    return low;
+}
+
+/// Refuses rows of D that are more than memory holds, before they are made: where each row may have
+/// thousands of entries, making them takes minutes. How many they have, some of the points tell.
+/// \throws far::MemoryError
+template <class Real>
+void requireForRows(const GroupBinder<StencilTable<Real>>& binder, const LengthUnit& unit,
+                    std::span<const Point3> points, Index columnCount) {
+    constexpr int kSampleSize = 64;
+    if (points.size() < 4 * kSampleSize) return;
+    // The rows of the groups, and D, in which they are gathered.
+    constexpr auto kEntryBytes = static_cast<double>(2 * (sizeof(Index) + sizeof(Real)));
+    const double mostEntries = static_cast<double>(points.size()) * columnCount;
+    const auto require = [&](double entries, double rowLength) {
+        // A limit of more than 2⁶³ bytes is none.
+        const double bytes = std::min(kEntryBytes * entries, 0x1p63);
+        far::requireMemory(static_cast<std::uint64_t>(bytes),
+                           "binding " + std::to_string(points.size()) + " points with some " +
+                               std::to_string(std::llround(rowLength)) + " weights each");
+    };
+    try {
+        return require(mostEntries, columnCount);
+    } catch (const far::MemoryError&) {
+        // Most rows may be shorter, or empty.
+    }
+    std::mt19937 random(1);
+    std::vector<Point3> sample;
+    for (int i = 0; i < kSampleSize; ++i)
+        sample.push_back(unit.toUnits(points[random() % points.size()]));
+    Offset entryCount = 0;
+    for (const BoundPart<StencilTable<Real>>& part : binder.bind(sample))
+        entryCount += part.table.entryCount();
+    const double rowLength = static_cast<double>(entryCount) / kSampleSize;
+    require(mostEntries * leastMean(rowLength / columnCount, kSampleSize), rowLength);
+}
+
 /// Binds points in either form.
 template <class Real, class Table>
 BoundModel<Real, Table> bind(const far::TopologyRefiner& base, std::span<const Point3> positions,
@@ -42,6 +98,10 @@ BoundModel<Real, Table> bind(const far::TopologyRefiner& base, std::span<const P
     const LengthUnit unit(positions);
     const std::vector<Point3> inUnits = unit.toUnits(positions);
     const auto binder = makeBinder<Table>(base, inUnits, level, rules, std::ssize(points), options);
+    const far::CellComplex& complex = base.level(0).complex;
+    if constexpr (std::is_same_v<Table, StencilTable<Real>>)
+        if (compositionAbove(complex) == Composition::FromRows)
+            requireForRows<Real>(*binder, unit, points, complex.count(0));
     // Larger groups share more of the cells around theirs; but their levels are held at once, some
     // 100 kB a level for a point that shares none, as most do on the fine levels.
     const Offset groupSize = level < 7 ? 1 << 14 : 1 << 11;

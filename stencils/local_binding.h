@@ -38,7 +38,9 @@ struct BoundModel {
 /// \param level 1 to kMostLevelOfPoints
 /// \param progress called now and then with the number of points done, from any thread, or empty
 /// \throws Error as embedPoints(), and for a base of other levels; TopologyError as
-///         far::TopologyRefiner::refineUniform()
+///         far::TopologyRefiner::refineUniform(); far::MemoryError if D is beyond a
+///         far::MemoryLimit: within seconds where cells have hundreds of vertices, and so rows of D
+///         thousands of weights
 /// \cost O(points · (level + log base cells + entries of D a point)), once the cells are smaller
 ///       than the distances between points. In parallel; the result does not depend on the number
 ///       of threads

@@ -2,6 +2,7 @@
 #include "table_form.h"
 
 #include <espalier/far/error.h>
+#include <espalier/far/memory.h>
 #include <espalier/far/parallel.h>
 #include <espalier/stencils/composition.h>
 
@@ -20,6 +21,9 @@ public:
     /// \param lengths of the rows, behind a 0
     explicit RowPlaces(Array<Offset> lengths) : offsets_(std::move(lengths)) {
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
+        far::requireMemory(
+            static_cast<std::uint64_t>(offsets_.back()) * (sizeof(Index) + sizeof(Real)),
+            "a table of " + std::to_string(offsets_.back()) + " weights");
         columns_.resize(static_cast<std::size_t>(offsets_.back()));
         weights_.resize(columns_.size());
     }
@@ -76,54 +80,52 @@ StencilTable<Real> gatherPoints(std::vector<BoundPart<Table>>& parts, Index rowC
 }  // namespace
 
 template <class Real>
-StencilTable<Real> TableForm<StencilTable<Real>>::build(
-    const far::TopologyRefiner& refiner, std::span<const StencilTable<double>> tables,
-    const Embedding& embedding) {
-    return buildDeformationTable<Real>(refiner, tables, embedding);
+void buildRows(const far::TopologyRefiner& refiner, std::span<const StencilTable<double>> tables,
+               const Embedding& embedding, StencilTable<Real>& result) {
+    result = buildDeformationTable<Real>(refiner, tables, embedding);
 }
 
 template <class Real>
-StencilTable<Real> TableForm<StencilTable<Real>>::build(StencilTable<double> weights,
-                                                        const StencilTable<double>& stencils,
-                                                        const RowOrder& order) {
-    return multiply<Real>(weights, stencils, order);
+void buildRows(const far::TopologyRefiner& refiner, std::span<const StencilTable<double>> tables,
+               const Embedding& embedding, FactoredTable<Real>& result) {
+    result = buildFactoredTable<Real>(refiner, tables, embedding);
 }
 
 template <class Real>
-StencilTable<Real> TableForm<StencilTable<Real>>::gather(std::vector<BoundPart<Table>>& parts,
-                                                         Index rowCount, Index columnCount) {
-    const std::vector<Index> none(parts.size(), 0);
-    return gatherPoints<Real>(parts, rowCount, columnCount, none,
-                              [](Table& table) -> Table& { return table; });
+void buildRows(StencilTable<double> weights, const StencilTable<double>& stencils,
+               const RowOrder& order, StencilTable<Real>& result) {
+    result = multiply<Real>(weights, stencils, order);
 }
 
 template <class Real>
-FactoredTable<Real> TableForm<FactoredTable<Real>>::build(
-    const far::TopologyRefiner& refiner, std::span<const StencilTable<double>> tables,
-    const Embedding& embedding) {
-    return buildFactoredTable<Real>(refiner, tables, embedding);
-}
-
-template <class Real>
-FactoredTable<Real> TableForm<FactoredTable<Real>>::build(StencilTable<double> weights,
-                                                          const StencilTable<double>& stencils,
-                                                          const RowOrder&) {
+void buildRows(StencilTable<double> weights, const StencilTable<double>& stencils, const RowOrder&,
+               FactoredTable<Real>& result) {
     CompactTable compact = compactColumns(std::move(weights));
-    return {convertTable<Real>(selectRows(stencils, compact.columns)),
-            convertTable<Real>(std::move(compact.table))};
+    result = {convertTable<Real>(selectRows(stencils, compact.columns)),
+              convertTable<Real>(std::move(compact.table))};
 }
 
 template <class Real>
-FactoredTable<Real> TableForm<FactoredTable<Real>>::gather(std::vector<BoundPart<Table>>& parts,
-                                                           Index rowCount, Index columnCount) {
+void gatherRows(std::vector<BoundPart<StencilTable<Real>>>& parts, Index rowCount,
+                Index columnCount, StencilTable<Real>& result) {
+    const std::vector<Index> none(parts.size(), 0);
+    result =
+        gatherPoints<Real>(parts, rowCount, columnCount, none,
+                           [](StencilTable<Real>& table) -> StencilTable<Real>& { return table; });
+}
+
+template <class Real>
+void gatherRows(std::vector<BoundPart<FactoredTable<Real>>>& parts, Index rowCount,
+                Index columnCount, FactoredTable<Real>& result) {
     Offset vertexTotal = 0;
-    for (const BoundPart<Table>& part : parts) vertexTotal += part.table.vertices.rowCount();
+    for (const BoundPart<FactoredTable<Real>>& part : parts)
+        vertexTotal += part.table.vertices.rowCount();
     if (vertexTotal > far::kMaxIndex)
         throw Error("the factors would have " + std::to_string(vertexTotal) +
                     " vertices, more than an index counts: bind fewer points at once");
     std::vector<Index> shifts;
     Array<Offset> lengths = {0};
-    for (const BoundPart<Table>& part : parts) {
+    for (const BoundPart<FactoredTable<Real>>& part : parts) {
         const StencilTable<Real>& vertices = part.table.vertices;
         shifts.push_back(static_cast<Index>(lengths.size()) - 1);
         for (Index row = 0; row < vertices.rowCount(); ++row)
@@ -139,32 +141,35 @@ FactoredTable<Real> TableForm<FactoredTable<Real>>::gather(std::vector<BoundPart
                 places.set(shifts[part] + row, vertices.columns(row), vertices.weights(row), 0);
         }
     });
-    StencilTable<Real> points =
-        gatherPoints<Real>(parts, rowCount, vertexCount, shifts,
-                           [](Table& table) -> StencilTable<Real>& { return table.points; });
-    return {places.take(columnCount), std::move(points)};
+    StencilTable<Real> points = gatherPoints<Real>(
+        parts, rowCount, vertexCount, shifts,
+        [](FactoredTable<Real>& table) -> StencilTable<Real>& { return table.points; });
+    result = {places.take(columnCount), std::move(points)};
 }
 
-template <class Real>
-LimitTable<Real> TableForm<LimitTable<Real>>::gather(std::vector<BoundPart<Table>>& parts,
-                                                     Index rowCount, Index columnCount) {
-    const std::vector<Index> none(parts.size(), 0);
-    LimitTable<Real> result;
-    result.points =
-        gatherPoints<Real>(parts, rowCount, columnCount, none,
-                           [](Table& table) -> StencilTable<Real>& { return table.points; });
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        result.gradients[axis] = gatherPoints<Real>(
-            parts, rowCount, columnCount, none,
-            [&](Table& table) -> StencilTable<Real>& { return table.gradients[axis]; });
-    return result;
-}
-
-template struct TableForm<StencilTable<float>>;
-template struct TableForm<StencilTable<double>>;
-template struct TableForm<FactoredTable<float>>;
-template struct TableForm<FactoredTable<double>>;
-template struct TableForm<LimitTable<float>>;
-template struct TableForm<LimitTable<double>>;
+template void buildRows(const far::TopologyRefiner&, std::span<const StencilTable<double>>,
+                        const Embedding&, StencilTable<float>&);
+template void buildRows(StencilTable<double>, const StencilTable<double>&, const RowOrder&,
+                        StencilTable<float>&);
+template void gatherRows(std::vector<BoundPart<StencilTable<float>>>&, Index, Index,
+                         StencilTable<float>&);
+template void buildRows(const far::TopologyRefiner&, std::span<const StencilTable<double>>,
+                        const Embedding&, FactoredTable<float>&);
+template void buildRows(StencilTable<double>, const StencilTable<double>&, const RowOrder&,
+                        FactoredTable<float>&);
+template void gatherRows(std::vector<BoundPart<FactoredTable<float>>>&, Index, Index,
+                         FactoredTable<float>&);
+template void buildRows(const far::TopologyRefiner&, std::span<const StencilTable<double>>,
+                        const Embedding&, StencilTable<double>&);
+template void buildRows(StencilTable<double>, const StencilTable<double>&, const RowOrder&,
+                        StencilTable<double>&);
+template void gatherRows(std::vector<BoundPart<StencilTable<double>>>&, Index, Index,
+                         StencilTable<double>&);
+template void buildRows(const far::TopologyRefiner&, std::span<const StencilTable<double>>,
+                        const Embedding&, FactoredTable<double>&);
+template void buildRows(StencilTable<double>, const StencilTable<double>&, const RowOrder&,
+                        FactoredTable<double>&);
+template void gatherRows(std::vector<BoundPart<FactoredTable<double>>>&, Index, Index,
+                         FactoredTable<double>&);
 
 }  // namespace espalier::stencils

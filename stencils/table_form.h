@@ -3,13 +3,13 @@
 
 #include <espalier/stencils/embedding.h>
 #include <espalier/stencils/factored_table.h>
-#include <espalier/stencils/limit_binding.h>
 
 #include <span>
 #include <vector>
 
-// The forms in which points are bound: D, its factors, or D with its gradients. What binding does
-// differently for each is here.
+// Points are bound to D or to its factors. These overloads are the steps that differ between the
+// two. The limit binds to D with its gradients, and adds overloads of pointRows() and gatherRows()
+// (limit_binding.cpp).
 namespace espalier::stencils {
 
 /// Some of the points of a group, as they were bound.
@@ -21,50 +21,44 @@ struct BoundPart {
     Table table;  ///< a row for each, without entries where it has no place
 };
 
-template <class Table>
-struct TableForm;
-
+/// The rows that tell which points have a place.
 template <class Real>
-struct TableForm<StencilTable<Real>> {
-    using Table = StencilTable<Real>;
-
-    /// \param tables the level tables of `refiner`
-    static Table build(const far::TopologyRefiner& refiner,
-                       std::span<const StencilTable<double>> tables, const Embedding& embedding);
-
-    /// \param weights W of the points
-    /// \param stencils S of the whole level
-    /// \param order of the rows of W
-    static Table build(StencilTable<double> weights, const StencilTable<double>& stencils,
-                       const RowOrder& order);
-
-    /// The rows that tell which points have a place.
-    static const StencilTable<Real>& rowsOf(const Table& table) { return table; }
-
-    /// Puts the rows of all parts into one table, and empties theirs.
-    /// \param parts with the numbers of their points in the whole model
-    static Table gather(std::vector<BoundPart<Table>>& parts, Index rowCount, Index columnCount);
-};
-
-/// Vertices between the points of two groups are there twice.
+const StencilTable<Real>& pointRows(const StencilTable<Real>& table) {
+    return table;
+}
 template <class Real>
-struct TableForm<FactoredTable<Real>> {
-    using Table = FactoredTable<Real>;
+const StencilTable<Real>& pointRows(const FactoredTable<Real>& table) {
+    return table.points;
+}
 
-    static Table build(const far::TopologyRefiner& refiner,
-                       std::span<const StencilTable<double>> tables, const Embedding& embedding);
-    static Table build(StencilTable<double> weights, const StencilTable<double>& stencils,
-                       const RowOrder& order);
-    static const StencilTable<Real>& rowsOf(const Table& table) { return table.points; }
-    static Table gather(std::vector<BoundPart<Table>>& parts, Index rowCount, Index columnCount);
-};
-
+/// Makes the table of points whose cells are cells of a level.
+/// \param tables the level tables of `refiner`
 template <class Real>
-struct TableForm<LimitTable<Real>> {
-    using Table = LimitTable<Real>;
+void buildRows(const far::TopologyRefiner& refiner, std::span<const StencilTable<double>> tables,
+               const Embedding& embedding, StencilTable<Real>& result);
+template <class Real>
+void buildRows(const far::TopologyRefiner& refiner, std::span<const StencilTable<double>> tables,
+               const Embedding& embedding, FactoredTable<Real>& result);
 
-    static const StencilTable<Real>& rowsOf(const Table& table) { return table.points; }
-    static Table gather(std::vector<BoundPart<Table>>& parts, Index rowCount, Index columnCount);
-};
+/// The same from the stencils of the whole level.
+/// \param weights W of the points
+/// \param stencils S of the whole level
+/// \param order of the rows of W
+template <class Real>
+void buildRows(StencilTable<double> weights, const StencilTable<double>& stencils,
+               const RowOrder& order, StencilTable<Real>& result);
+template <class Real>
+void buildRows(StencilTable<double> weights, const StencilTable<double>& stencils,
+               const RowOrder& order, FactoredTable<Real>& result);
+
+/// Puts the rows of all parts into one table, and empties the tables of the parts. A vertex of
+/// factors that several parts use is repeated for each of them. \param parts with the numbers of
+/// their points in the whole model
+template <class Real>
+void gatherRows(std::vector<BoundPart<StencilTable<Real>>>& parts, Index rowCount,
+                Index columnCount, StencilTable<Real>& result);
+template <class Real>
+void gatherRows(std::vector<BoundPart<FactoredTable<Real>>>& parts, Index rowCount,
+                Index columnCount, FactoredTable<Real>& result);
 
 }  // namespace espalier::stencils

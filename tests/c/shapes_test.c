@@ -46,7 +46,8 @@ static void test_torus(void) {
     CHECK(fabs(largest(l, 0) - 2.5) < 1e-12 && fabs(largest(l, 2) - 0.5) < 1e-12);
     check_counts(&l, 8 * 16, 8 * 9);
     options.minor_radius = 3;
-    REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT, "minorRadius");
+    REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT,
+            "torus: minor_radius is 3; allowed: numbers below major_radius, which is 2");
     options = espalier_default_torus_options();
     options.section = 2;
     REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT, "section is 2");
@@ -76,11 +77,24 @@ static void test_star(void) {
     CHECK(fabs(largest(l, 0) - 3) < 1e-12 && fabs(largest(l, 2) - 1) < 1e-12);
     check_counts(&l, 5 * 12, 4 * 7);
     options.inner_radius = 0;
-    REFUSED(espalier_lattice_create_star(&options, &l), ESPALIER_ERROR_INPUT, "innerRadius");
+    REFUSED(espalier_lattice_create_star(&options, &l), ESPALIER_ERROR_INPUT, "inner_radius is ");
     options.size = 0;
     REFUSED(espalier_lattice_create_star(&options, &l), ESPALIER_ERROR_INPUT,
             "espalier_default_star_options()");
     REFUSED(espalier_lattice_create_star(NULL, NULL), ESPALIER_ERROR_INPUT, "lattice is null");
+    CHECK(l == NULL);
+}
+
+/* Memory that a limit refuses is not called input. */
+static void test_memory(void) {
+    const int32_t many[3] = {100, 100, 100};
+    const double min[3] = {0, 0, 0}, max[3] = {1, 1, 1};
+    espalier_lattice* l = NULL;
+    espalier_memory_limit* limit = NULL;
+    OK(espalier_memory_limit_create(1, &limit));
+    REFUSED(espalier_lattice_create_box(many, min, max, &l), ESPALIER_ERROR_MEMORY,
+            "the limit is 1");
+    espalier_memory_limit_destroy(limit);
     CHECK(l == NULL);
 }
 
@@ -109,6 +123,10 @@ static void test_barbell(void) {
     l = NULL;
     options.roundness = 2;
     REFUSED(espalier_lattice_create_barbell(&options, &l), ESPALIER_ERROR_INPUT, "roundness");
+    options = espalier_default_barbell_options();
+    options.end_segments = 2;
+    REFUSED(espalier_lattice_create_barbell(&options, &l), ESPALIER_ERROR_INPUT,
+            "barbell: end_segments is 2; allowed: ");
     options.size = 0;
     REFUSED(espalier_lattice_create_barbell(&options, &l), ESPALIER_ERROR_INPUT,
             "espalier_default_barbell_options()");
@@ -176,6 +194,7 @@ int main(void) {
     test_torus();
     test_star();
     test_barbell();
+    test_memory();
     test_arm();
     test_solids();
     return 0;

@@ -54,6 +54,30 @@ class Shapes(CliTest):
         self.assertEqual(self.info("ab.ovm", "-n", 0)["levels"][0]["counts"],
                          {"vertices": 12, "edges": 20, "faces": 11, "cells": 2})
 
+    def test_refused_merges_name_the_files(self):
+        self.run_program("shape", "box", "-o", "a.ovm")
+        self.run_program("shape", "box", "--min", 5, 0, 0, "--max", 6, 1, 1, "-o", "far.ovm")
+        self.run_program("shape", "merge", "far.ovm", "a.ovm", "-o", "two.vtu")
+        self.assertEqual(self.error_of("shape", "merge", "two.vtu", "a.ovm", "-o", "m.vtu"),
+                         "espalier: merge: cell 1 of two.vtu, cell 0 of a.ovm would become one cell; "
+                         "each cell may be in one lattice only\n")
+        self.run_program("shape", "box", "--cells", 2, 1, 1, "--max", 2, 1, 1, "-o", "row.ovm")
+        self.assertRegex(self.error_of("shape", "merge", "row.ovm", "a.ovm", "-o", "m.vtu"),
+                         r"^espalier: merge: face \d+ of row.ovm, face \d of a.ovm would become one "
+                         r"face of more than two cells\n$")
+        self.assertRegex(self.error_of("shape", "merge", "far.ovm", "a.ovm", "--tolerance", 0.5,
+                                       "-o", "m.vtu"),
+                         r"^espalier: merge: vertices \d and \d of cell 0 of far.ovm would become")
+        self.assertFalse((self.path / "m.vtu").exists())
+
+    def test_a_merge_does_not_replace_an_input(self):
+        self.run_program("shape", "box", "-o", "a.ovm")
+        self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "b.ovm")
+        before = (self.path / "b.ovm").read_bytes()
+        self.assertIn("b.ovm: is also an input",
+                      self.error_of("shape", "merge", "a.ovm", "b.ovm", "-o", "b.ovm"))
+        self.assertEqual((self.path / "b.ovm").read_bytes(), before)
+
 
 class Info(CliTest):
     def test_counts_strata_and_types(self):
@@ -319,6 +343,39 @@ class Compare(CliTest):
             self.assertNotIn(outside, report)
         self.assertIn("mesh.obj", self.error_of("compare", "mesh.obj", "--html", "mesh.obj"))
 
+    def write_creased_octahedron(self, name):
+        """Where semi-sharp edges meet, OpenSubdiv and we add up their sharpness in single precision,
+        in different orders: weights differ by some 1e-9, more than the bound of 1e-14."""
+        positions = ["1 0 0", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1", "0 0 -1"]
+        faces = ["1 3 5", "3 2 5", "2 4 5", "4 1 5", "3 1 6", "2 3 6", "4 2 6", "1 4 6"]
+        sharpness = {(0, 2): 2.8, (0, 3): 1.8, (0, 4): 1.9, (0, 5): 2.4, (1, 2): 3.8, (1, 3): 1.8,
+                     (1, 4): 2.9, (1, 5): 1.4, (2, 4): 2.3, (2, 5): 1.1, (3, 4): 3.4, (3, 5): 1.7}
+        lines = [f"v {position}" for position in positions] + [f"f {face}" for face in faces]
+        lines += [f"t crease 2/1/0 {a} {b} {value}" for (a, b), value in sharpness.items()]
+        (self.path / name).write_text("\n".join(lines) + "\n")
+
+    def test_differences_have_an_exit_code_of_their_own(self):
+        self.write_mesh()
+        self.write_creased_octahedron("creased.obj")
+        arguments = ["mesh.obj", "creased.obj", "-n", 3, "--creasing", "chaikin"]
+        result = self.run_program("compare", *arguments, "--html", "report.html", code=3)
+        self.assertRegex(result.stderr, r"^espalier: creased.obj: differs from OpenSubdiv \S+ at level "
+                                        r"[23]\n$")
+        lines = result.stdout.splitlines()
+        self.assertEqual([line.split()[-1] for line in lines if line.startswith("mesh.obj")],
+                         ["agrees"] * 3)
+        self.assertRegex(result.stdout, r"\ncreased.obj  level 3 [^\n]* DIFFERS\n")
+        self.assertIn("note: Where three or more semi-sharp values meet", result.stdout)
+        self.assertNotIn("files agree", result.stdout)
+        self.assertIn("differs", (self.path / "report.html").read_text())
+        self.assertEqual(self.run_program("compare", *arguments, "--quiet", code=3).stdout, "")
+        # A file that cannot be compared counts for more.
+        self.run_program("compare", *arguments, "none.obj", "--quiet", code=1)
+        # The tags are what differs: without them both agree.
+        text = (self.path / "creased.obj").read_text()
+        (self.path / "creased.obj").write_text(text.split("t crease")[0])
+        self.run_program("compare", *arguments)
+
     def test_what_cannot_be_compared_is_named_and_fails(self):
         self.write_mesh()
         self.run_program("shape", "box", "--cells", 3, 3, 3, "-o", "box.ovm")
@@ -462,6 +519,65 @@ class Deform(CliTest):
             self.assertNotEqual((self.path / f"out.{extension}").read_bytes(),
                                 (self.path / f"m.{extension}").read_bytes())
         self.assertIn("1 -0.5 1.25", (self.path / "out.ply").read_text())
+
+    def add_unused_vertex(self, name, to):
+        """The same .ovm with one vertex more, before the others, that no edge uses."""
+        lines = (self.path / name).read_text().splitlines()
+        at, edges = lines.index("Vertices"), lines.index("Edges")
+        count = int(lines[edges + 1])
+        lines[edges + 2:edges + 2 + count] = [
+            " ".join(str(int(end) + 1) for end in line.split())
+            for line in lines[edges + 2:edges + 2 + count]]
+        lines[at + 1:at + 2] = [str(int(lines[at + 1]) + 1), "9 9 9"]
+        (self.path / to).write_text("\n".join(lines) + "\n")
+
+    def test_unused_vertices_are_dropped_with_a_note(self):
+        self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "rest.ovm")
+        self.run_program("shape", "box", "--cells", 2, 2, 2, *self.POSE, "-o", "pose.ovm")
+        for name in ["rest", "pose"]:
+            self.add_unused_vertex(f"{name}.ovm", f"{name}+.ovm")
+
+        def note(*names):
+            return "".join(f"espalier: {name}: dropped 1 unused vertex (vertex 0)\n"
+                           for name in names)
+
+        def deform(rest, *poses, out="out.obj"):
+            return self.run_program("deform", "model.obj", "--rest", rest, "--to", *poses, "-n", 2,
+                                    "-o", out, "--quiet").stderr
+
+        deform("rest.ovm", "pose.ovm", out="plain.obj")
+        plain = (self.path / "plain.obj").read_bytes()
+        for rest, pose in [("rest+.ovm", "pose+.ovm"), ("rest.ovm", "pose+.ovm"),
+                           ("rest+.ovm", "pose.ovm")]:
+            names = [name for name in [rest, pose] if "+" in name]
+            self.assertEqual(deform(rest, pose), note(*names))
+            self.assertEqual((self.path / "out.obj").read_bytes(), plain)
+        # Of many poses with the same vertex, the first has the note.
+        self.assertEqual(deform("rest+.ovm", "pose+.ovm", "rest+.ovm", "pose.ovm", "pose+.ovm"),
+                         note("rest+.ovm", "pose+.ovm", "pose+.ovm"))
+
+        quiet = ["-n", 1, "--quiet"]
+        self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "--cells", 2, 2, 2,
+                         "-o", "other.ovm")
+        for arguments in [["bind", "model.obj", "--rest", "rest+.ovm", "-n", 2, "-o", "m.espb",
+                           "--quiet"],
+                          ["refine", "rest+.ovm", "-o", "refined.ovm", *quiet],
+                          ["stencils", "rest+.ovm", "-o", "S.mtx", *quiet],
+                          ["shape", "merge", "rest+.ovm", "other.ovm", "-o", "merged.ovm"],
+                          ["info", "rest+.ovm", "--json"]]:
+            self.assertEqual(self.run_program(*arguments).stderr, note("rest+.ovm"), arguments)
+        self.assertEqual(self.info("rest+.ovm", "-n", 0)["levels"][0]["counts"]["vertices"], 27)
+        self.assertEqual(self.run_program("apply", "m.espb", "--to", "pose+.ovm", "-o", "out.obj",
+                                          "--quiet").stderr, note("pose+.ovm"))
+        self.assertEqual((self.path / "out.obj").read_bytes(), plain)
+        self.assertEqual(self.run_program("check", "pose+.ovm", "--rest", "rest+.ovm", *quiet).stderr,
+                         note("rest+.ovm", "pose+.ovm"))
+        # A pose that is written lacks the vertex, and is one of either lattice.
+        result = self.run_program("fit", "model.obj", "--rest", "rest+.ovm", "--targets",
+                                  "plain.obj", "-o", "fitted.ovm", *quiet)
+        self.assertEqual(result.stderr, note("rest+.ovm"))
+        self.assertEqual(len(self.read_ovm_positions("fitted.ovm")), 27)
+        self.assertEqual(deform("rest+.ovm", "fitted.ovm"), note("rest+.ovm"))
 
     def test_pose_of_another_topology_is_refused(self):
         self.run_program("shape", "box", "--cells", 2, 2, 1, "-o", "other.ovm")

@@ -252,35 +252,65 @@ class Files(FaultsTest):
         two = ["pipe.vtu", "link.vtu"]
         rest = ["--rest", "pipe.vtu"]
         output = ["-o", "out.obj"]
-        for name, command in [
-                ("pipe.vtu", ["deform", "model.obj", *rest, "--to", "pipe.vtu", *output]),
-                ("link.vtu", ["deform", "model.obj", "--rest", "rest.vtu", "--to", *two, "-o",
-                              "out%04d.obj"]),
-                ("pipe.vtu", ["deform", "link.vtu", *rest, "--to", "rest.vtu", *output]),
-                ("pipe.vtu", ["bind", "link.vtu", *rest, "-o", "out.espb"]),
-                ("link.vtu", ["apply", "bound.espb", "--to", *two, "-o", "out%04d.obj"]),
-                ("link.obj", ["fit", "pipe.obj", "--rest", "rest.vtu", "--targets", "link.obj",
-                              "-o", "out.vtu"]),
-                ("link.txt", ["fit", "pipe.obj", "--rest", "rest.vtu", "--targets", "link.txt",
-                              "-o", "out.vtu"]),
-                ("pipe.vtu", ["check", "link.vtu", *rest]),
-                ("link.vtu", ["compare", *two]),
-                ("link.vtu", ["stencils", "pipe.vtu", "--points", "link.vtu", "-o", "out.mtx"]),
-                ("pipe.vtu", ["bench", "link.vtu", *rest]),
-                ("link.vtu", ["shape", "merge", *two, "-o", "out.vtu"])]:
+        alias = " (also called pipe.{})".format
+        for name, given, command in [
+                ("pipe.vtu", "for --rest and for --to",
+                 ["deform", "model.obj", *rest, "--to", "pipe.vtu", *output]),
+                ("link.vtu", "twice for --to" + alias("vtu"),
+                 ["deform", "model.obj", "--rest", "rest.vtu", "--to", *two, "-o", "out%04d.obj"]),
+                ("pipe.vtu", "for MODEL and for --rest (also called link.vtu)",
+                 ["deform", "link.vtu", *rest, "--to", "rest.vtu", *output]),
+                ("pipe.vtu", "for MODEL and for --rest (also called link.vtu)",
+                 ["bind", "link.vtu", *rest, "-o", "out.espb"]),
+                ("link.vtu", "twice for --to" + alias("vtu"),
+                 ["apply", "bound.espb", "--to", *two, "-o", "out%04d.obj"]),
+                ("link.obj", "for MODEL and for --targets" + alias("obj"),
+                 ["fit", "pipe.obj", "--rest", "rest.vtu", "--targets", "link.obj", "-o",
+                  "out.vtu"]),
+                ("link.txt", "for MODEL and for --targets" + alias("obj"),
+                 ["fit", "pipe.obj", "--rest", "rest.vtu", "--targets", "link.txt", "-o",
+                  "out.vtu"]),
+                ("pipe.vtu", "for LATTICE and for --rest (also called link.vtu)",
+                 ["check", "link.vtu", *rest]),
+                ("link.vtu", "twice for FILE" + alias("vtu"), ["compare", *two]),
+                ("link.vtu", "for LATTICE and for --points" + alias("vtu"),
+                 ["stencils", "pipe.vtu", "--points", "link.vtu", "-o", "out.mtx"]),
+                ("pipe.vtu", "for MODEL and for --rest (also called link.vtu)",
+                 ["bench", "link.vtu", *rest]),
+                ("link.vtu", "twice for LATTICE" + alias("vtu"),
+                 ["shape", "merge", *two, "-o", "out.vtu"])]:
             if command[0] == "compare" and "--html" not in self.run_program("compare", "--help").stdout:
                 continue
-            self.assert_fails(f"{name}: is named for two inputs, but is no regular file and can "
-                              "be read only once; copy it to a file first", *command)
+            self.assert_fails(f"{name}: is given {given}, but is no regular file and can be read only "
+                              "once; copy it to a file first", *command)
+
+    def test_a_pipe_that_stands_for_an_input_and_an_output(self):
+        os.mkfifo(self.path / "pipe.obj")
+        (self.path / "link.obj").symlink_to("pipe.obj")
+        self.assert_fails("link.obj: is also an input (MODEL): writing it would lose that", "deform",
+                          "pipe.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "-o", "link.obj")
+        os.mkfifo(self.path / "pipe.vtu")
+        self.assert_fails("pipe.vtu: is also an input (LATTICE|MESH|CURVE): writing it would lose "
+                          "that", "refine", "pipe.vtu", "-o", "pipe.vtu")
 
     def test_standard_input_as_two_inputs(self):
         (self.path / "a.vtu").symlink_to("/dev/stdin")
         reader, writer = os.pipe()  # which nobody closes
         self.addCleanup(os.close, writer)
         self.addCleanup(os.close, reader)
-        self.assert_fails("a.vtu: is named for two inputs, but is no regular file and can be read "
-                          "only once; copy it to a file first", "deform", "model.obj", "--rest",
+        self.assert_fails("a.vtu: is given for --rest and for --to, but is no regular file and can be "
+                          "read only once; copy it to a file first", "deform", "model.obj", "--rest",
                           "a.vtu", "--to", "a.vtu", "-o", "out.obj", stdin=reader)
+
+    def test_a_dash_is_no_name_of_standard_input(self):
+        hint = ("to read standard input, for one argument, name a link to /dev/stdin with the "
+                "extension of the format")
+        for arguments, command in [
+                ("--rest and --to", ["deform", "model.obj", "--rest", "-", "--to", "-", "-o", "o.obj"]),
+                ("MODEL, --rest and --to", ["deform", "-", "--rest", "-", "--to", "-", "-o", "o.obj"]),
+                ("LATTICE", ["shape", "merge", "-", "-", "-o", "o.vtu"]),
+                ("--rest", ["bind", "model.obj", "--rest", "-", "-o", "o.espb"])]:
+            self.assert_fails(f"-: is no file (given for {arguments}); {hint}", *command)
 
     def test_a_pipe_as_one_input_is_read(self):
         os.mkfifo(self.path / "pipe.vtu")

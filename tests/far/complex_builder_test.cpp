@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/error.h>
+#include <espalier/far/topology_match.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -283,6 +284,23 @@ TEST(ComplexBuilderRefuses, EdgesWithTwoHeads) {
     boundaries[1] = SignedIncidence(Rows<Signed>{{0, 3}, {{0, 1}, {1, 1}, {2, 1}}});
     expectRefused(TopologyCause::NotOrientable, {1, 2}, "does not run from its first vertex on",
                   [&] { validate(CellComplex(2, 3, boundaries)); });
+}
+
+TEST(ComplexBuilder, DropsVerticesThatNothingNames) {
+    ComplexBuilder builder(3, 7);
+    builder.addCell(StandardCell::Tetrahedron, {6, 1, 4, 2});
+    EXPECT_EQ(builder.dropUnusedVertices(), (std::vector<Index>{0, 3, 5}));
+    EXPECT_TRUE(builder.dropUnusedVertices().empty());
+    // 6, 1, 4 and 2 are 3, 0, 2 and 1.
+    ComplexBuilder expected(3, 4);
+    expected.addCell(StandardCell::Tetrahedron, {3, 0, 2, 1});
+    EXPECT_EQ(topologyDifference(builder.build(), expected.build()), std::nullopt);
+    // A vertex that comes later is a new one.
+    EXPECT_EQ(builder.addVertex(), 4);
+    EXPECT_EQ(builder.dropUnusedVertices(), (std::vector<Index>{4}));
+
+    ComplexBuilder empty(3, 2);
+    EXPECT_EQ(empty.dropUnusedVertices(), (std::vector<Index>{0, 1}));
 }
 
 TEST(ComplexBuilderRefuses, UnusedVertexAndEmptyComplexes) {

@@ -6,7 +6,7 @@
 namespace espalier::test {
 namespace {
 
-using testing::HasSubstr;
+using testing::StartsWith;
 
 // A polygon 0 – 1 – 2 – 3.
 const std::string kPolygonPoints = "v 0 0 0\nv 1 2 0\nv 3 2 0\nv 4 0 0\n";  // 4 lines
@@ -84,26 +84,23 @@ TEST(ObjCurve, ComesBackAsItWas) {
 
 TEST(ObjCurve, RefusalsNameTheLine) {
     EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l 1 2 5\n"),
-                HasSubstr("a.obj:5: a line names vertex 5"));
-    EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l 1 0\n"),
-                HasSubstr("a.obj:5: a line names vertex 0"));
+                StartsWith(":5: a line names vertex 5"));
+    EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l 1 0\n"), StartsWith(":5: a line names vertex 0"));
     EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l -5 1\n"),
-                HasSubstr("a.obj:5: a line names vertex -5; there are 4 before it"));
+                StartsWith(":5: a line names vertex -5; there are 4 before it"));
     EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l 1 x\n"),
-                HasSubstr("a.obj:5: 'x' is not a corner of a line; expected v, v/vt"));
+                StartsWith(":5: 'x' is not a corner of a line; expected v, v/vt"));
     EXPECT_THAT(refusalOfMesh(kPolygon + "l 1\n"),
-                HasSubstr("a.obj:6: a line names 1 vertex; expected two"));
+                StartsWith(":6: a line names 1 vertex; expected two"));
     EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l\n"),
-                HasSubstr("a.obj:5: a line names 0 vertices; expected two"));
+                StartsWith(":5: a line names 0 vertices; expected two"));
     EXPECT_THAT(refusalOfMesh(kPolygon + "l 4 1\nl 2 1\n"),
-                HasSubstr("a.obj:7: vertex 1 and vertex 2 are joined twice"));
+                StartsWith(":7: vertex 1 and vertex 2 are joined twice"));
     EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l 1 2 2 3 4\n"),
-                HasSubstr("a.obj:5: a line names vertex 2 twice in a row"));
-    EXPECT_THAT(refusalOfMesh(kPolygonPoints + "l 1 2 3\n"),
-                HasSubstr("a.obj: vertex 4 is on no line"));
+                StartsWith(":5: a line names vertex 2 twice in a row"));
     EXPECT_THAT(refusalOfMesh(kPolygon + "t hole 1/0/0 0\n"),
-                HasSubstr("a.obj:6: a tag names face 0; there are none"));
-    EXPECT_THAT(refusalOfMesh(kPolygonPoints), HasSubstr("a.obj: there is no face, and no line"));
+                StartsWith(":6: a tag names face 0; there are none"));
+    EXPECT_THAT(refusalOfMesh(kPolygonPoints), StartsWith(": there is no face, and no line"));
 }
 
 }  // namespace

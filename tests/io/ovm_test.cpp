@@ -170,7 +170,9 @@ TEST(Ovm, NothingIsDroppedInSilence) {
     EXPECT_THAT(refusal(edge), HasSubstr(": edge 6 belongs to no face"));
     std::string vertex = changed("0 0 1", "0 0 1\n9 9 9");
     vertex.replace(vertex.find("Vertices\n4"), 10, "Vertices\n5");
-    EXPECT_THAT(refusal(vertex), HasSubstr(": vertex 4 belongs to no edge"));
+    io::ReadNotes notes;
+    expectSameLattice(io::readLattice("a.ovm", vertex, &notes), read(kTetrahedron));
+    EXPECT_THAT(notes.droppedVertices, ElementsAre(4));
 }
 
 TEST(Ovm, TopologyErrorsKeepTheirCauseAndNameTheFile) {

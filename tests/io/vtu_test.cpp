@@ -2,6 +2,7 @@
 #include "lattice_samples.h"
 
 #include <espalier/far/error.h>
+#include <espalier/io/base64.h>
 #include <espalier/io/file.h>
 #include <espalier/io/vtk_xml_writer.h>
 
@@ -182,16 +183,24 @@ TEST(Vtu, RefusalsNameTheOffender) {
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 -1", "4", "10")).refusal(),
                 HasSubstr("cell 0 names vertex -1"));
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "5", "10")).refusal(),
-                HasSubstr("the array 'offsets' has 5 after 0; the array 'connectivity' has 4"));
+                HasSubstr("the array 'connectivity' has 4 numbers; expected 5, the last of "
+                          "'offsets'"));
+    EXPECT_THAT(Vtu().piece({4, 2}, kTetrahedronPoints, cells("0 1 2 3", "4 3", "10 10")).refusal(),
+                HasSubstr("the array 'offsets' has 3 after 4; expected ascending offsets"));
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "4 4", "10")).refusal(),
-                HasSubstr("the array 'offsets' has 2 values; expected one a cell, 1"));
-    EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2 3", "3", "10")).refusal(),
+                HasSubstr("the array 'offsets' has 2 numbers; expected 1, one a cell"));
+    EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, cells("0 1 2", "3", "10")).refusal(),
                 HasSubstr("cell 0 has 3 vertices; expected 4"));
     EXPECT_THAT(Vtu().piece({5, 1}, kTetrahedronPoints, tetrahedronCells()).refusal(),
                 HasSubstr("the array 'Points' has 12 numbers; expected 5 times 3"));
     EXPECT_THAT(Vtu().piece({4, 1}, "0 0 0 1 0 0 0 1 0 0 0 nan", tetrahedronCells()).refusal(),
                 HasSubstr("point 3 is not finite"));
     EXPECT_THAT(Vtu().piece({4, 1}, kTetrahedronPoints, Vtu::array("types", "10")).refusal(),
+                HasSubstr("there is no array 'offsets'"));
+    EXPECT_THAT(Vtu()
+                    .piece({4, 1}, kTetrahedronPoints,
+                           Vtu::array("types", "10") + Vtu::array("offsets", "4"))
+                    .refusal(),
                 HasSubstr("there is no array 'connectivity'"));
     EXPECT_THAT(Vtu().piece({4, 1}, "0 0 0\n1 0 0\n0 x 0\n0 0 1", tetrahedronCells()).refusal(),
                 StartsWith(":11: 'x' is not a number"));
@@ -207,11 +216,14 @@ TEST(Vtu, RefusalsOfPolyhedraNameTheOffender) {
     const auto streams = [&](const std::string& faces, const std::string& offsets) {
         return refusal(Vtu::array("faces", faces) + Vtu::array("faceoffsets", offsets));
     };
-    EXPECT_THAT(refusal(""), HasSubstr("there is no array 'faces'"));
+    EXPECT_THAT(refusal(""), HasSubstr("there is no array 'faceoffsets'"));
+    EXPECT_THAT(refusal(Vtu::array("faceoffsets", "17")), HasSubstr("there is no array 'faces'"));
     EXPECT_EQ(streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "17"), "");
-    EXPECT_THAT(streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "18"), HasSubstr("run from 0 to 18"));
+    EXPECT_THAT(
+        streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "18"),
+        HasSubstr("the array 'faces' has 17 numbers; expected 18, the last of 'faceoffsets'"));
     EXPECT_THAT(streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "-1"), HasSubstr("run from 0 to -1"));
-    EXPECT_THAT(streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "16"),
+    EXPECT_THAT(streams("4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0", "16"),
                 HasSubstr("the number of vertices of a face is 3, but 2 numbers are left"));
     EXPECT_THAT(streams("3 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3", "17"),
                 HasSubstr("cell 0 has 4 numbers after its last face"));
@@ -224,9 +236,14 @@ TEST(Vtu, RefusalsOfPolyhedraNameTheOffender) {
                        Vtu::array("polyhedron_offsets", offsets));
     };
     EXPECT_EQ(lists("0 1 2 3", "4"), "");
-    EXPECT_THAT(lists("0 1 2 4", "4"), HasSubstr("names face 4; there are 4"));
-    EXPECT_THAT(lists("0 1 2 3", "4 4"), HasSubstr("has 2 values; expected one a cell, 1"));
-    EXPECT_THAT(lists("0 1 2 3", "5"), HasSubstr("has 5 after 0"));
+    EXPECT_THAT(lists("0 1 2 4", "4"),
+                HasSubstr("the array 'face_offsets' has 4 numbers; expected 5, as the last face "
+                          "that a polyhedron names is 4"));
+    EXPECT_THAT(lists("0 1 2 -3", "4"), HasSubstr("cell 0 of the piece names face -3"));
+    EXPECT_THAT(lists("0 1 2 3", "4 4"),
+                HasSubstr("'polyhedron_offsets' has 2 numbers; expected 1, one a cell"));
+    EXPECT_THAT(lists("0 1 2 3", "5"),
+                HasSubstr("'polyhedron_to_faces' has 4 numbers; expected 5, the last of"));
 }
 
 TEST(Vtu, RefusalsOfMarksNameTheOffender) {
@@ -234,7 +251,12 @@ TEST(Vtu, RefusalsOfMarksNameTheOffender) {
     vtu.fieldData = Vtu::array("espalier:edge_vertices", "0 1", "Int64", 2);
     EXPECT_THAT(vtu.refusal(), HasSubstr("marks need both arrays"));
     vtu.fieldData += Vtu::array("espalier:edge_sharpness", "1 2", "Float64");
-    EXPECT_THAT(vtu.refusal(), HasSubstr("has 2 numbers; expected 2 times 2"));
+    EXPECT_THAT(vtu.refusal(),
+                HasSubstr("'espalier:edge_sharpness' has 2 numbers; expected 1, one an edge of "
+                          "'espalier:edge_vertices'"));
+    vtu.fieldData = Vtu::array("espalier:edge_vertices", "0 1", "Int64", 2) +
+                    Vtu::array("espalier:edge_sharpness", "1 2", "Float64", 2);
+    EXPECT_THAT(vtu.refusal(), HasSubstr("marks need both arrays"));
     vtu.fieldData = Vtu::array("espalier:edge_vertices", "0 4", "Int64", 2) +
                     Vtu::array("espalier:edge_sharpness", "1", "Float64");
     EXPECT_THAT(vtu.refusal(), HasSubstr("a mark names vertex 4; there are 4"));
@@ -362,6 +384,97 @@ TEST(Vtu, ClaimsAreCheckedBeforeMemoryIsTaken) {
         text = tetrahedron().text();
         text.replace(text.find("NumberOfComponents=\"3\"") + 20, 1, claim);
         EXPECT_NE(refusalOf("a.vtu", text), "") << claim;
+    }
+}
+
+/// An array whose header claims 3 GB, and nothing behind it: who decodes it gets another error.
+std::string claimOf3Gigabytes(const std::string& name, const std::string& type = "Int64",
+                              int components = 1) {
+    // 3072 blocks of 2^20 bytes, the last one whole.
+    std::string header(24, '\0');
+    header[1] = 12;
+    header[10] = 16;
+    return "<DataArray type=\"" + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
+           std::to_string(components) + "\" format=\"binary\">" + io::encodeBase64(header) +
+           "</DataArray>\n";
+}
+
+TEST(Vtu, ClaimsAreComparedBeforeArraysAreDecoded) {
+    const std::string connectivity = Vtu::array("connectivity", "0 1 2 3");
+    const std::string offsets = Vtu::array("offsets", "4");
+    const std::string types = Vtu::array("types", "42", "UInt8");
+    const std::string standard = connectivity + offsets + types;
+    const std::string toFaces =
+        Vtu::array("polyhedron_to_faces", "0 1 2 3") + Vtu::array("polyhedron_offsets", "4");
+    const std::string count = " has 402653184 numbers; expected ";
+    const std::pair<std::string, std::string> kCellClaims[] = {
+        {connectivity + offsets + claimOf3Gigabytes("types", "UInt8"),
+         "'types' has 3221225472 numbers; expected 1, one a cell"},
+        {connectivity + claimOf3Gigabytes("offsets") + types,
+         "'offsets'" + count + "1, one a cell"},
+        {claimOf3Gigabytes("connectivity") + offsets + types,
+         "'connectivity'" + count + "4, the last of 'offsets'"},
+        {standard + Vtu::array("faces", "0") + claimOf3Gigabytes("faceoffsets"),
+         "'faceoffsets'" + count + "1, one a cell"},
+        {standard + claimOf3Gigabytes("faces") + Vtu::array("faceoffsets", "17"),
+         "'faces'" + count + "17, the last of 'faceoffsets'"},
+        {standard + claimOf3Gigabytes("polyhedron_offsets"),
+         "'polyhedron_offsets'" + count + "1, one a cell"},
+        {standard + Vtu::array("polyhedron_offsets", "4") +
+             claimOf3Gigabytes("polyhedron_to_faces"),
+         "'polyhedron_to_faces'" + count + "4, the last of 'polyhedron_offsets'"},
+        {standard + toFaces + claimOf3Gigabytes("face_offsets"),
+         "'face_offsets'" + count + "4, as the last face that a polyhedron names is 3"},
+        {standard + toFaces + Vtu::array("face_offsets", "3 6 9 12") +
+             claimOf3Gigabytes("face_connectivity"),
+         "'face_connectivity'" + count + "12, the last of 'face_offsets'"}};
+    for (const auto& [cellArrays, cause] : kCellClaims) {
+        Vtu vtu;
+        vtu.fileAttributes = "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"";
+        vtu.piece({4, 1}, kTetrahedronPoints, cellArrays);
+        EXPECT_THAT(vtu.refusal(), HasSubstr(cause));
+    }
+
+    Vtu vtu = tetrahedron();
+    vtu.fileAttributes = "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"";
+    vtu.fieldData = claimOf3Gigabytes("espalier:edge_vertices", "Int64", 2) +
+                    claimOf3Gigabytes("espalier:edge_sharpness", "Float64");
+    EXPECT_THAT(vtu.refusal(), HasSubstr("'espalier:edge_vertices'" + count +
+                                         "at most 12 times 2, as the cells have no more edges"));
+    vtu.fieldData = Vtu::array("espalier:edge_vertices", "0 1 1 2", "Int64", 2) +
+                    claimOf3Gigabytes("espalier:edge_sharpness", "Float64");
+    EXPECT_THAT(vtu.refusal(), HasSubstr("'espalier:edge_sharpness'" + count + "2, one an edge"));
+}
+
+/// Some programs write the lists of Cells with several components.
+TEST(Vtu, ComponentsOfListsDoNotCount) {
+    const Lattice lattice =
+        Vtu()
+            .piece({4, 1}, kTetrahedronPoints,
+                   Vtu::array("connectivity", "0 1 2 3", "Int64", 4) + Vtu::array("offsets", "4") +
+                       Vtu::array("types", "10", "UInt8"))
+            .read();
+    expectSameLattice(lattice, tetrahedron().read());
+    // Types of two components were once two a cell.
+    EXPECT_THAT(Vtu()
+                    .piece({4, 1}, kTetrahedronPoints,
+                           Vtu::array("connectivity", "0 1 2 3") + Vtu::array("offsets", "4") +
+                               Vtu::array("types", "42 10", "UInt8", 2) +
+                               Vtu::array("faces", "4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3") +
+                               Vtu::array("faceoffsets", "17 -1"))
+                    .refusal(),
+                HasSubstr("the array 'types' has 2 numbers; expected 1, one a cell"));
+}
+
+/// Marks of every edge of cells of every kind are read: the bound of their number is large enough.
+TEST(Vtu, AllEdgesMayBeMarked) {
+    for (Lattice lattice : {boxLattice(), mixedLattice(), polyhedralLattice()}) {
+        for (far::Index edge = 0; edge < lattice.complex.count(1); ++edge) {
+            const auto ends = lattice.complex.relation(1, 0)[edge];
+            lattice.marks.edges.push_back({{ends[0], ends[1]}, 1.5});
+        }
+        const Lattice got = latticeOf("a.vtu", writtenLattice("a.vtu", lattice));
+        EXPECT_EQ(got.marks.edges.size(), lattice.marks.edges.size());
     }
 }
 

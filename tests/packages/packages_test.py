@@ -143,6 +143,24 @@ class Packages(unittest.TestCase):
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             self.assertEqual([error for error in pool.map(compile_alone, headers) if error], [])
 
+    def test_headers_of_c(self):
+        path = ":".join(str(p) for p in self.prefix.glob("lib*/**/pkgconfig"))
+        flags = shlex.split(self.run_program("pkg-config", "--cflags", "--libs", "espalier-c",
+                                             env=self.environment(PKG_CONFIG_PATH=path)))
+        headers = sorted(path.name for path in self.prefix.glob("include/*.h"))
+        self.assertEqual(headers, ["espalier.h", "espalier_shapes.h", "espalier_solve.h"])
+        # Each alone, and twice, in C and in C++; and functions of each are in the library.
+        calls = ["espalier_version()", "espalier_lattice_create_star(0, 0)",
+                 "espalier_validity_base_cell(0, 0, 0)"]
+        for header, call in zip(headers, calls):
+            for compiler, language in (("cc", "c"), ("c++", "c++")):
+                source = self.folder / f"uses_{header}.{language}"
+                source.write_text(f"#include <{header}>\n" * 2 +
+                                  f"int main(void) {{ return {call} ? 0 : 1; }}\n")
+                self.run_program(compiler, f"-std={'c99' if language == 'c' else 'c++20'}",
+                                 *WARNINGS, source, "-o", "uses", *flags)
+                self.run_program("./uses", env=self.environment())
+
     def test_nothing_of_the_build_is_left_in_the_package(self):
         for path in [*self.prefix.glob("**/*.cmake"), *self.prefix.glob("**/*.pc")]:
             text = path.read_text(encoding="utf-8")

@@ -6,6 +6,7 @@ return or raise an Exception; SystemError is none that a call should raise.
 """
 
 import copy
+import copyreg
 import importlib
 import inspect
 import pickle
@@ -36,7 +37,24 @@ try:
 except ImportError:
     pass  # built without OpenSubdiv
 CLASSES = [each for module in MODULES for each in vars(module).values() if isinstance(each, type)]
-EMPTY = [each.__new__(each) for each in CLASSES]
+# What they are derived from, and what they are objects of: pybind11's own classes.
+BASES = sorted({each for made in CLASSES for each in (*made.__mro__, *type(made).__mro__)
+                if each not in CLASSES and each not in (object, type)}, key=repr)
+
+
+class Derived(espalier.Lattice):
+    """As a user derives classes."""
+
+
+class OfTwo(espalier.Lattice, espalier.Refiner):
+    """With two values, one of each."""
+
+
+class OfNone(BASES[0]):
+    """With no value of C++."""
+
+
+EMPTY = [each.__new__(each) for each in (*CLASSES, Derived, OfTwo)]
 READ_ONLY = np.zeros((12, 3))
 READ_ONLY.setflags(write=False)
 VALUES = OBJECTS + EMPTY + [
@@ -98,8 +116,46 @@ def check_without_value(made):
     attempt(repr, made), attempt(copy.deepcopy, made)
 
 
+def check_bases():
+    """They make no objects, and are not changed; whatever else is called of them raises."""
+    assert [each.__name__ for each in BASES] == ["pybind11_object", "pybind11_type"], BASES
+    base, metaclass = BASES
+    for made in base, OfNone, metaclass("OfNoneHere", (base,), {}):
+        for make in (made, made.__new__, metaclass.__call__, type.__call__):
+            arguments = () if make is made else (made,)
+            assert isinstance(attempt(make, *arguments), TypeError), (made, make)
+    for made in OBJECTS:
+        for protocol in range(6):
+            attempt(object.__reduce_ex__, made, protocol)
+        attempt(object.__reduce__, made), attempt(copyreg.__reduce_ex__, made, 0)
+        attempt(copyreg._reconstructor, type(made), base, made)
+    for each in BASES:
+        call_with_all(each, 500)
+        for name, member in vars(each).items():
+            for function in (member, attempt(getattr, each, name)):
+                if callable(function) and not skips(name):
+                    call_with_all(function, 200)
+                    for made in (*OBJECTS, *EMPTY, *CLASSES, *BASES, OfNone):
+                        attempt(function, made), attempt(function, made, (), {})
+                        attempt(function, made, random.choice(SMALL))
+
+
+def check_classes_are_not_changed():
+    """An object is not read as one of another class."""
+    for made in OBJECTS + EMPTY:
+        for other in (*CLASSES, Derived, OfTwo, OfNone):
+            if other is not type(made) and {other, type(made)} & set(CLASSES):
+                assert isinstance(attempt(setattr, made, "__class__", other), TypeError)
+    for each in (*CLASSES, *BASES):
+        for name, value in (("__bases__", (OfNone,)), ("__new__", object.__new__), ("more", 1)):
+            assert isinstance(attempt(setattr, each, name, value), TypeError), (each, name)
+
+
 def main():
     assert len(CLASSES) >= 15, CLASSES
+    check_bases()
+    if sys.version_info >= (3, 10):
+        check_classes_are_not_changed()
     for made in EMPTY:
         check_without_value(made)
     with espalier.MemoryLimit(3 * 10**9):

@@ -228,6 +228,8 @@ def test_results_do_not_depend_on_the_number_of_threads(rest, points, pose):
 
 
 def test_more_memory_than_a_limit_allows_is_a_memory_error(rest, points):
+    with espalier.MemoryLimit(1), pytest.raises(MemoryError, match="the limit is 1 B"):
+        espalier.shapes.box(cells=(100, 100, 100))
     with espalier.MemoryLimit(1) as limit:
         with pytest.raises(MemoryError, match="the limit is 1 B"):
             espalier.bind(rest, points, level=3)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -110,6 +111,25 @@ def test_files_give_the_lattice_back(tmp_path, extension):
     assert again.edge_sharpness == cube.edge_sharpness
 
 
+def test_unused_vertices_of_a_file_are_dropped_with_a_warning(tmp_path):
+    path = tmp_path / "cube.vtk"
+    espalier.Lattice(CUBE, [range(8)]).write(path)
+    text = path.read_text()
+    assert "POINTS 8 double\n" in text and "CELLS 1 9\n" in text
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cube = espalier.read(path)
+    path.write_text(text.replace("POINTS 8 double\n", "POINTS 9 double\n")
+                    .replace("CELLS 1 9\n", "9 9 9\nCELLS 1 9\n"))
+    with pytest.warns(UserWarning, match=r"cube.vtk: dropped 1 unused vertex \(vertex 8\)$"):
+        again = espalier.read(path)
+    assert cube.topology_difference(again) is None
+    np.testing.assert_array_equal(again.positions, cube.positions)
+    with warnings.catch_warnings(), pytest.raises(UserWarning):
+        warnings.simplefilter("error")
+        espalier.read(path)
+
+
 def test_integers_of_a_file_are_carried_and_not_averaged(tmp_path):
     path = tmp_path / "cube.vtk"
     espalier.Lattice(CUBE, [range(8)]).write(path)
@@ -126,6 +146,96 @@ def test_integers_of_a_file_are_carried_and_not_averaged(tmp_path):
         assert lattice.integers["gid"][:, 0].tolist() == gids + [-1] * rest
         assert lattice.integers["large"].dtype == np.uint64
         assert lattice.integers["large"][:, 0].tolist() == large + [2**64 - 1] * rest
+
+
+INTEGERS = [f"{order}{kind}{size}" for size in (1, 2, 4, 8) for kind in "iu" for order in "<>"]
+
+
+def extremes(dtype):
+    """(8, 1) numbers of a type, its least and its largest among them."""
+    limits = np.iinfo(dtype)
+    return np.array([limits.min, limits.max, 0, 1, 2, limits.max - 1, 5, 7], dtype)[:, None]
+
+
+@pytest.mark.parametrize("dtype", INTEGERS)
+def test_integers_that_are_given_are_integers(tmp_path, dtype):
+    given = extremes(dtype)
+    wide = np.uint64 if dtype.endswith("u8") else np.int64
+    none = np.iinfo(dtype).max if dtype[1] == "u" else -1
+    for made in (espalier.Lattice(CUBE, [range(8)], attributes={"id": given, "z": CUBE[:, 2]}),
+                 espalier.Lattice(CUBE, [range(8)], attributes={"z": CUBE[:, 2],
+                                                                "id": given[:, 0]})):
+        for extension in "vtk", "vtu":  # .ovm has no integers of 8 bits
+            made.write(tmp_path / f"cube.{extension}")
+            for lattice in (made, espalier.read(tmp_path / f"cube.{extension}"),
+                            made.with_positions(CUBE + 1), pickle.loads(pickle.dumps(made))):
+                assert list(lattice.attributes) == ["z"] and list(lattice.integers) == ["id"]
+                assert lattice.integers["id"].dtype == wide
+                np.testing.assert_array_equal(lattice.integers["id"], given)
+        refined = espalier.refine(made).integers["id"]
+        np.testing.assert_array_equal(refined[:8], given)
+        assert set(refined[8:, 0].tolist()) == {none}
+        name = {"i": "Int", "u": "UInt"}[dtype[1]] + str(8 * int(dtype[2]))
+        assert f'type="{name}" Name="id"' in (tmp_path / "cube.vtu").read_text()
+
+
+def test_integers_of_other_shapes():
+    pairs = np.arange(16).reshape(8, 2)
+    curve = espalier.Lattice.curve(CUBE, attributes={"pair": np.asfortranarray(pairs),
+                                                     "list": list(range(8))})
+    again = espalier.Lattice.curve(CUBE, attributes={**curve.attributes, **curve.integers})
+    for each in curve, again:
+        np.testing.assert_array_equal(each.integers["pair"], pairs)
+        np.testing.assert_array_equal(each.integers["list"][:, 0], range(8))
+    for wrong in (np.arange(7), np.zeros((8, 0), int), np.zeros((8, 1, 1), int)):
+        with pytest.raises(ValueError, match=r'^attributes\["id"\]: expected an array of shape'):
+            espalier.Lattice(CUBE, [range(8)], attributes={"id": wrong})
+    with pytest.raises(ValueError, match=r'^attributes\["id"\]: expected an array of real numbers'):
+        espalier.Lattice(CUBE, [range(8)], attributes={"id": [True] * 8})
+
+
+# A byte that is not UTF-8, a surrogate in UTF-8, half a letter, and letters.
+NAMES = [b"m\xff", b"\xed\xa0\x80", b"\xc3", "größe μ 😀".encode()]
+
+
+def str_of(name):
+    return name.decode("utf-8", "surrogateescape")
+
+
+@pytest.mark.parametrize("name", [*NAMES, b"a\0b"])
+def test_names_that_are_not_utf_8(name):
+    text = str_of(name)
+    cube = espalier.Lattice(CUBE, [range(8)], attributes={text: CUBE[:, 2]})
+    merged = espalier.shapes.merge([cube, cube.with_positions(CUBE + [1, 0, 0])])
+    for lattice in (cube, pickle.loads(pickle.dumps(cube)), espalier.refine(cube), merged):
+        assert list(lattice.attributes) == [text]
+        assert list(espalier.Lattice(lattice.positions, lattice.cells,
+                                     attributes=lattice.attributes).attributes) == [text]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("extension", ["ovm", "vtk"])
+def test_names_of_files_come_back_as_the_same_bytes(tmp_path, extension, name):
+    path, again = (tmp_path / f"{each}.{extension}" for each in "ab")
+    espalier.Lattice(CUBE, [range(8)], attributes={"MARK": CUBE[:, 2]}).write(path)
+    written = name.replace(b" ", b"%20") if extension == "vtk" else name
+    path.write_bytes(path.read_bytes().replace(b"MARK", written))
+    read = espalier.read(path)
+    assert list(read.attributes) == [str_of(name)]
+    read.write(again)
+    assert list(espalier.read(again).attributes) == [str_of(name)]
+    if extension == "ovm":  # .vtk has "%FF" for some bytes
+        assert again.read_bytes() == path.read_bytes()
+
+
+def test_names_of_attributes_are_str():
+    for name in (1, b"a", None):
+        with pytest.raises(ValueError, match="^attributes: expected names that are str, got "):
+            espalier.Lattice(CUBE, [range(8)], attributes={name: CUBE[:, 2]})
+    with pytest.raises(ValueError, match="surrogates not allowed"):
+        espalier.Lattice(CUBE, [range(8)], attributes={"\ud800": CUBE[:, 2]})
+    with pytest.raises(ValueError, match=r'^attributes\["m\\xFF"\]: expected an array of shape'):
+        espalier.Lattice(CUBE, [range(8)], attributes={"m\udcff": CUBE[:3]})
 
 
 def test_meshes_and_curves(tmp_path):

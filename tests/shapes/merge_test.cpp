@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/complex_builder.h>
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/transform.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -111,6 +114,16 @@ TEST(Merge, refusesACellThatWouldCollapse) {
 
 TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
     EXPECT_EQ(causeOf([] { merge(box(), box()); }), far::TopologyCause::RepeatedCell);
+    EXPECT_EQ(
+        errorOf([] { merge(box(), box()); }),
+        "merge: cell 0 of lattice 0, cell 0 of lattice 1 would become one cell; each cell may "
+        "be in one lattice only");
+    // The cell is number 1 of its lattice, and number 2 of the result.
+    const Lattice again[] = {boxFrom(5, 1, 1), merge(boxFrom(10, 1, 1), box()), box()};
+    EXPECT_EQ(
+        errorOf([&] { merge(again); }),
+        "merge: cell 2 of lattice 1, cell 0 of lattice 2 would become one cell; each cell may "
+        "be in one lattice only");
     // A third cell at the face x = 1, in the place of the first but for its far end.
     Lattice other = box();
     for (const Index vertex : {0, 2, 4, 6}) other.positions[vertex][0] = 0.5;
@@ -130,6 +143,65 @@ TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
     EXPECT_EQ(errorOf([&] { merge(all); }), "merge: " + faceAtOne(0) + ", " + faceAtOne(1) + ", " +
                                                 faceAtOne(2) +
                                                 " would become one face of more than two cells");
+    EXPECT_THAT(errorOf([&] {
+                    merge(all, {.names = {"a.vtu", "b.vtu", "c.vtu"}});
+                }),
+                testing::MatchesRegex("merge: face . of a.vtu, face . of b.vtu, face . of c.vtu "
+                                      "would become one face of more than two cells"));
+}
+
+/// A hexahedron from one square to another, corner on corner.
+void addHexahedron(far::ComplexBuilder& builder, std::array<Index, 4> from,
+                   std::array<Index, 4> to) {
+    std::vector<Index> corners(from.begin(), from.end());
+    corners.insert(corners.end(), to.begin(), to.end());
+    builder.addCell(far::StandardCell::Hexahedron, corners);
+}
+
+TEST(Merge, saysWhichNumbersAreOfTheResult) {
+    // Three squares on a circle, and cells from each to the next; the last one, mirrored, makes a
+    // ring that has no orientation.
+    std::vector<Point3> positions;
+    for (const double turn : {0.0, 2.0, 4.0})
+        for (const auto& [r, z] :
+             {std::pair(1, 0), std::pair(2, 0), std::pair(2, 1), std::pair(1, 1)})
+            positions.push_back({r * std::cos(turn), r * std::sin(turn), double(z)});
+    far::ComplexBuilder first(3, 12), last(3, 8);
+    addHexahedron(first, {0, 1, 2, 3}, {4, 5, 6, 7});
+    addHexahedron(first, {4, 5, 6, 7}, {8, 9, 10, 11});
+    addHexahedron(last, {0, 1, 2, 3}, {5, 4, 7, 6});
+    Lattice open, mirrored;
+    open.complex = first.build();
+    open.positions = positions;
+    mirrored.complex = last.build();
+    for (const std::size_t v : {8, 9, 10, 11, 0, 1, 2, 3})
+        mirrored.positions.push_back(positions[v]);
+    EXPECT_EQ(causeOf([&] { merge(open, mirrored); }), far::TopologyCause::NotOrientable);
+    EXPECT_THAT(errorOf([&] { merge(open, mirrored); }),
+                testing::StartsWith("merge: in the merged lattice, face "));
+}
+
+TEST(Merge, namesTheLatticesInMessages) {
+    const MergeOptions named = {.tolerance = 1e-6, .names = {"a.vtu", "b.vtu"}};
+    const Lattice thin = box({{1, 1, 2}, {0, 0, 0}, {100, 1, 1e-6}});
+    EXPECT_THAT(errorOf([&] { merge(box(), thin, named); }),
+                testing::StartsWith("merge: vertices 0 and 4 of cell 0 of b.vtu would become one"));
+    EXPECT_EQ(errorOf([&] { merge(box(), box(), named); }),
+              "merge: cell 0 of a.vtu, cell 0 of b.vtu would become one cell; each cell may be in "
+              "one lattice only");
+    Lattice lacking = boxFrom(1, 1, 1), left = boxFrom(0, 1, 1);
+    left.attributes.push_back({"heat", 1, std::vector<double>(12)});
+    EXPECT_EQ(errorOf([&] { merge(left, lacking, named); }),
+              "merge: b.vtu lacks attribute 'heat', which a.vtu has");
+    EXPECT_EQ(errorOf([&] { merge(lacking, left, named); }),
+              "merge: a.vtu lacks attribute 'heat', which b.vtu has");
+    lacking.attributes.push_back({"heat", 2, std::vector<double>(24)});
+    EXPECT_EQ(errorOf([&] { merge(left, lacking, named); }),
+              "merge: attribute 'heat' has 2 components in b.vtu, but 1 in a.vtu");
+    EXPECT_EQ(errorOf([&] { merge(box(), gridMesh(), named); }),
+              "merge: b.vtu is a mesh; expected a lattice");
+    EXPECT_EQ(errorOf([&] { merge(left, lacking, {.names = {"a.vtu"}}); }),
+              "merge: got 1 names for 2 lattices");
 }
 
 TEST(Merge, refusesNothingAndMixedDimensions) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/error.h>
+#include <espalier/far/memory.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
@@ -413,6 +414,56 @@ TEST(LocalBinding, CellsOfManySides) {
                                        Eigen::MatrixXd(SparseView<double>(product).matrix());
     EXPECT_LT(difference.lpNorm<Eigen::Infinity>(), 1e-15);
     EXPECT_GT(table.columns(table.rowCount() - 1).size(), 500U);
+}
+
+/// Points on a spiral in the prism of radius 1 and height 1 around the origin; `scale` 1 or less.
+std::vector<Point3> spiral(int count, double scale) {
+    std::vector<Point3> points;
+    for (int i = 0; i < count; ++i) {
+        const double part = (i + 0.5) / count;
+        points.push_back({scale * 0.9 * part * std::cos(i), scale * 0.9 * part * std::sin(i),
+                          scale * (0.9 * part - 0.45)});
+    }
+    return points;
+}
+
+// Rows of D have all 600 vertices of the cell. D of 20,000 points takes 144 MB, and as much again
+// while the rows of the groups are gathered.
+TEST(LocalBinding, RefusesLongRowsBeforeTheyAreMade) {
+    const Lattice lattice = shapes::prism({.sides = 300});
+    const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+    const auto bind = [&](std::span<const Point3> points, std::atomic<int>& groups) {
+        return bindPoints<double>(base, lattice.positions, 2, Rules::Siggraph96, points, {},
+                                  [&](Offset) { ++groups; });
+    };
+    const far::MemoryLimit limit(far::residentMemory() + 150'000'000);
+    std::atomic<int> groups = 0;
+    try {
+        bind(spiral(20'000, 1), groups);
+        FAIL() << "took more than the limit";
+    } catch (const far::MemoryError& error) {
+        EXPECT_THAT(error.what(), ::testing::MatchesRegex(
+                                      "binding 20000 points with some 600 weights each takes some "
+                                      "2[0-9][0-9]\\.. MB of memory; the limit is .* are in use"));
+    }
+    EXPECT_EQ(groups, 0) << "points were bound before";
+}
+
+// What the lattice alone tells of D is far more than D takes.
+TEST(LocalBinding, AcceptsShortRowsBesideLongOnes) {
+    if (test::kIsSlow) GTEST_SKIP() << "memory that is free is held by the sanitizer";
+    const Lattice lattice = shapes::prism({.sides = 300});
+    const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+    std::vector<Point3> points = spiral(20'000, 1);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (i % 40 != 0) points[i][2] += 5;  // outside, without a row
+    const auto bind = [&] {
+        return bindPoints<double>(base, lattice.positions, 2, Rules::Siggraph96, points);
+    };
+    const auto without = bind();
+    EXPECT_EQ(without.count(PointStatus::Inside), 500);
+    const far::MemoryLimit limit(far::residentMemory() + 150'000'000);
+    EXPECT_TRUE(bind().binding == without.binding);
 }
 
 }  // namespace
