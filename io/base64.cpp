@@ -21,9 +21,9 @@ constexpr std::array<std::uint8_t, 256> makeDigits() {
     return digits;
 }
 
-constexpr std::array<std::uint8_t, 256> kDigits = makeDigits();
+constexpr std::array<std::uint8_t, 256> kBase64Digits = makeDigits();
 
-bool isSpace(char c) {
+bool isXmlSpace(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
@@ -44,7 +44,7 @@ std::string encodeBase64(std::string_view bytes) {
 }
 
 char Base64Reader::nextCharacter() {
-    while (position_ < text_.size() && isSpace(text_[position_])) ++position_;
+    while (position_ < text_.size() && isXmlSpace(text_[position_])) ++position_;
     if (position_ == text_.size()) throw CodingError("the base64 data ends too early");
     return text_[position_++];
 }
@@ -54,7 +54,7 @@ void Base64Reader::readQuad() {
     std::size_t padding = 0;
     for (std::size_t i = 0; i < 4; ++i) {
         const char c = nextCharacter();
-        const std::uint8_t digit = kDigits[static_cast<unsigned char>(c)];
+        const std::uint8_t digit = kBase64Digits[static_cast<unsigned char>(c)];
         if (c == kPadding && i >= 2)
             ++padding;
         else if (digit == kNoDigit || padding > 0)

@@ -14,7 +14,7 @@
 namespace espalier::io {
 namespace {
 
-constexpr std::string_view kMagic = "ESPALIER";
+constexpr std::string_view kBindingMagic = "ESPALIER";
 constexpr std::uint32_t kWithoutGradients = 1, kWithGradients = 2;  // versions
 
 using stencils::StencilTable;
@@ -98,9 +98,9 @@ bool fitTheRest(const Sizes& sizes, std::size_t left) {
 Sizes readHeader(const std::filesystem::path& path, NumberReader& in, std::uint64_t& hash) {
     constexpr std::size_t kHeaderSize = 8 + 4 + 4 + 8 + 6 * 8;
     constexpr std::size_t kGradientSizes = 3 * 8;
-    if (in.left() < kMagic.size() || in.bytes(kMagic.size()) != kMagic)
+    if (in.left() < kBindingMagic.size() || in.bytes(kBindingMagic.size()) != kBindingMagic)
         throw FileError(path, "is not a bound model");
-    if (in.left() + kMagic.size() < kHeaderSize) throw FileError(path, "is truncated");
+    if (in.left() + kBindingMagic.size() < kHeaderSize) throw FileError(path, "is truncated");
     const auto version = in.number<std::uint32_t>();
     if (version != kWithoutGradients && version != kWithGradients)
         throw FileError(path, "has version " + std::to_string(version) + "; expected 1 or 2");
@@ -182,7 +182,7 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model)
     if (model.gradients) checkShape(*model.gradients, table);
     writeFile(path, [&](std::ostream& stream) {
         ChecksummedOutput out(stream, std::endian::little);
-        out.bytes(kMagic);
+        out.bytes(kBindingMagic);
         out.number(model.gradients ? kWithGradients : kWithoutGradients);
         out.number(std::uint32_t{0});
         out.number(model.binding.topologyHash);

@@ -43,7 +43,7 @@ struct ::stat statusOf(const fs::path& path, const Descriptor& file) {
     return status;
 }
 
-bool isSame(const ::timespec& a, const ::timespec& b) {
+bool isSameTime(const ::timespec& a, const ::timespec& b) {
     return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
 }
 
@@ -128,7 +128,7 @@ std::string readFile(const fs::path& path) {
     bytes.resize(size);
     const struct ::stat after = statusOf(path, file);
     if (S_ISREG(before.st_mode) &&
-        (after.st_size != before.st_size || !isSame(after.st_mtim, before.st_mtim)))
+        (after.st_size != before.st_size || !isSameTime(after.st_mtim, before.st_mtim)))
         throw FileError(path, "has changed while it was read");
     return bytes;
 }

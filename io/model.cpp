@@ -41,20 +41,20 @@ struct ModelFormat {
     std::unique_ptr<Model> (*read)(const std::filesystem::path&, std::string bytes);
 };
 
-constexpr ModelFormat kFormats[] = {
+constexpr ModelFormat kModelFormats[] = {
     {".obj", readObj}, {".ply", readPly}, {".stl", readStl}, {".vtu", readGrid}};
 
-const ModelFormat* findFormat(const std::filesystem::path& path) {
+const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());
-    for (const ModelFormat& format : kFormats)
+    for (const ModelFormat& format : kModelFormats)
         if (format.extension == extension) return &format;
     return nullptr;
 }
 
 const ModelFormat& requireFormat(const std::filesystem::path& path) {
-    if (const ModelFormat* format = findFormat(path)) return *format;
+    if (const ModelFormat* format = findModelFormat(path)) return *format;
     std::string known;
-    for (const ModelFormat& format : kFormats)
+    for (const ModelFormat& format : kModelFormats)
         known.append(known.empty() ? "" : ", ").append(format.extension);
     throw FileError(path, "is not of a model format; expected the extension " + known);
 }
@@ -76,7 +76,7 @@ void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std
 }  // namespace
 
 void Model::checkTarget(const std::filesystem::path& path) const {
-    const ModelFormat* format = findFormat(path);
+    const ModelFormat* format = findModelFormat(path);
     if (format && format->extension != extension())
         throw FileError(path, "the model was read as " + std::string(extension()) +
                                   " and can only be written as that");

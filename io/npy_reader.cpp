@@ -149,25 +149,26 @@ far::Array<Number> readAs(const NpyArray& array) {
 }
 
 template <class Number>
-struct NumberReader {
+struct NpyNumberReader {
     char kind;
     std::size_t size;
     far::Array<Number> (*read)(const NpyArray&);
 };
 
 template <class Number>
-constexpr NumberReader<Number> kIntegerReaders[] = {
+constexpr NpyNumberReader<Number> kIntegerReaders[] = {
     {'i', 1, readAs<std::int8_t>},   {'i', 2, readAs<std::int16_t>},
     {'i', 4, readAs<std::int32_t>},  {'i', 8, readAs<std::int64_t>},
     {'u', 1, readAs<std::uint8_t>},  {'u', 2, readAs<std::uint16_t>},
     {'u', 4, readAs<std::uint32_t>}, {'u', 8, readAs<std::uint64_t>}};
 
-constexpr NumberReader<double> kRealReaders[] = {{'f', 4, readAs<float>}, {'f', 8, readAs<double>}};
+constexpr NpyNumberReader<double> kRealReaders[] = {{'f', 4, readAs<float>},
+                                                    {'f', 8, readAs<double>}};
 
 template <class Number>
-const NumberReader<Number>* findReader(std::span<const NumberReader<Number>> readers,
-                                       const NpyType& type) {
-    for (const NumberReader<Number>& reader : readers)
+const NpyNumberReader<Number>* findReader(std::span<const NpyNumberReader<Number>> readers,
+                                          const NpyType& type) {
+    for (const NpyNumberReader<Number>& reader : readers)
         if (reader.kind == type.kind && reader.size == type.size) return &reader;
     return nullptr;
 }

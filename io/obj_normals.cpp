@@ -82,7 +82,7 @@ std::optional<Corner> cornerOf(std::string_view word) {
 }
 
 /// What precedes a statement.
-struct Counts {
+struct CountsBefore {
     std::size_t points = 0;
     std::size_t normals = 0;
 };
@@ -92,7 +92,7 @@ struct Counts {
 template <class OnPoint, class OnNormal, class OnCorner>
 void walk(const std::filesystem::path& path, std::string_view text, OnPoint onPoint,
           OnNormal onNormal, OnCorner onCorner) {
-    Counts counts;
+    CountsBefore counts;
     forEachObjStatement(path, text, [&](ObjWords& words, std::size_t) {
         const std::string_view keyword = words.next();
         if (keyword == "v") {
@@ -146,12 +146,13 @@ public:
         : path_(path), text_(text), gradients_(gradients) {
         walk(
             path_, text_, kPassOver,
-            [&](ObjWords& words, const Counts&) { normals_.push_back(readNormal(words)); },
+            [&](ObjWords& words, const CountsBefore&) { normals_.push_back(readNormal(words)); },
             kPassOver);
-        walk(path_, text_, kPassOver, kPassOver, [&](const Corner& corner, const Counts& before) {
-            if (const auto normal = normalOf(corner, before))
-                targets_.push_back(targetOf(corner, normal->index, before));
-        });
+        walk(path_, text_, kPassOver, kPassOver,
+             [&](const Corner& corner, const CountsBefore& before) {
+                 if (const auto normal = normalOf(corner, before))
+                     targets_.push_back(targetOf(corner, normal->index, before));
+             });
         placeAdditions();
     }
 
@@ -160,12 +161,12 @@ public:
         TextPatch patch(out, text_);
         std::size_t corners = 0;
         walk(
-            path_, text_, [&](const Counts& before) { moves.apply(patch, before.points); },
-            [&](ObjWords& words, const Counts& before) {
+            path_, text_, [&](const CountsBefore& before) { moves.apply(patch, before.points); },
+            [&](ObjWords& words, const CountsBefore& before) {
                 replaceNormal(patch, words, normals_[before.normals]);
                 insertAdditions(patch, words.end(), before.normals);
             },
-            [&](const Corner& corner, const Counts& before) {
+            [&](const Corner& corner, const CountsBefore& before) {
                 const auto normal = normalOf(corner, before);
                 if (!normal) return;
                 const std::int64_t number = numberFor(targets_[corners++], *normal, before);
@@ -183,11 +184,11 @@ private:
         return normal;
     }
 
-    std::optional<Reference> normalOf(const Corner& corner, const Counts& before) const {
+    std::optional<Reference> normalOf(const Corner& corner, const CountsBefore& before) const {
         return referenceOf(corner.normal, before.normals, normals_.size());
     }
 
-    std::size_t targetOf(const Corner& corner, std::size_t index, const Counts& before) {
+    std::size_t targetOf(const Corner& corner, std::size_t index, const CountsBefore& before) {
         Normal& normal = normals_[index];
         const auto point = referenceOf(corner.point, before.points, gradients_.size());
         if (!point || !isDirection(normal.value, Precision::Double)) return index;
@@ -219,7 +220,8 @@ private:
     }
 
     /// The number by which a corner names its version in the new file, counting back if it did.
-    std::int64_t numberFor(std::size_t target, const Reference& old, const Counts& before) const {
+    std::int64_t numberFor(std::size_t target, const Reference& old,
+                           const CountsBefore& before) const {
         std::size_t index = 0;
         if (target < normals_.size()) {
             index = target + additionsBefore_[target];

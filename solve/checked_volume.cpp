@@ -25,7 +25,7 @@ Index CheckedVolume::partCount() const {
 }
 
 Index CheckedVolume::cellOf(Index part) const {
-    return limit_ ? limit_->parts()[static_cast<std::size_t>(part)].baseCell : part;
+    return limit_ ? limit_->parts()[part].baseCell : part;
 }
 
 stencils::LimitPositions CheckedVolume::place(std::span<const Point3> positions) const {

@@ -29,16 +29,12 @@ Matrix evaluated(const Expression& expression) {
 /// Directions in which the square of the matrix is below this part of its largest count as open.
 constexpr double kOpen = 1e-10;
 
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
 void check(const StencilTable<double>& deformation, std::span<const Point3> misses,
            const far::CellComplex& base, const FitOptions& options) {
     if (deformation.columnCount() != base.count(0))
         throw Error("the points are bound to " + std::to_string(deformation.columnCount()) +
                     " vertices; the lattice has " + std::to_string(base.count(0)));
-    if (misses.size() != at(deformation.rowCount()))
+    if (std::ssize(misses) != deformation.rowCount())
         throw Error("got " + std::to_string(misses.size()) + " targets for " +
                     std::to_string(deformation.rowCount()) + " points");
     if (misses.empty()) throw Error("there are no targets");
@@ -82,10 +78,10 @@ struct FreeVertices {
     std::vector<Index> vertices;
 
     FreeVertices(Index count, std::span<const Index> frozen) {
-        std::vector<char> isFree(at(count), 1);
-        for (const Index vertex : frozen) isFree[at(vertex)] = 0;
+        std::vector<char> isFree(count, 1);
+        for (const Index vertex : frozen) isFree[vertex] = 0;
         for (Index vertex = 0; vertex < count; ++vertex)
-            if (isFree[at(vertex)]) vertices.push_back(vertex);
+            if (isFree[vertex]) vertices.push_back(vertex);
         if (vertices.empty()) throw Error("all vertices are frozen");
     }
 
@@ -95,7 +91,7 @@ struct FreeVertices {
     Matrix columnsOf(const Matrix& matrix) const {
         Matrix selection(matrix.cols(), count());
         selection.reserve(Eigen::VectorXi::Constant(count(), 1));
-        for (Index i = 0; i < count(); ++i) selection.insert(vertices[at(i)], i) = 1;
+        for (Index i = 0; i < count(); ++i) selection.insert(vertices[i], i) = 1;
         return evaluated(matrix * selection);
     }
 };
@@ -217,7 +213,7 @@ LatticeFit fitLattice(const StencilTable<double>& deformation, std::span<const P
         Eigen::Index most = 0;
         least.direction.cwiseAbs().maxCoeff(&most);
         throw Error("the targets leave vertex " +
-                    std::to_string(free.vertices[at(static_cast<Index>(most))]) +
+                    std::to_string(free.vertices[static_cast<Index>(most)]) +
                     " of the lattice undetermined");
     }
 
@@ -226,13 +222,12 @@ LatticeFit fitLattice(const StencilTable<double>& deformation, std::span<const P
         for (std::size_t c = 0; c < 3; ++c)
             wanted(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) = misses[i][c];
     const Columns solution = equations.solve(wanted);
-    fit.displacements.assign(at(base.count(0)), Point3{});
+    fit.displacements.assign(base.count(0), Point3{});
     Columns all = Columns::Zero(base.count(0), 3);
     for (Index i = 0; i < free.count(); ++i) {
-        all.row(free.vertices[at(i)]) = solution.row(i);
+        all.row(free.vertices[i]) = solution.row(i);
         for (std::size_t c = 0; c < 3; ++c)
-            fit.displacements[at(free.vertices[at(i)])][c] =
-                solution(i, static_cast<Eigen::Index>(c));
+            fit.displacements[free.vertices[i]][c] = solution(i, static_cast<Eigen::Index>(c));
     }
     const Eigen::VectorXd distances = (view.matrix() * all - wanted).rowwise().norm();
     fit.largestMiss = distances.maxCoeff();

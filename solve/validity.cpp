@@ -17,20 +17,16 @@ using far::CellComplex;
 using far::Offset;
 using stencils::LimitPositions;
 
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
 /// \param name of the positions, in messages
 void checkPositions(const CellComplex& complex, std::span<const Point3> positions,
                     const char* name) {
-    constexpr double kMost = 1e90;
-    if (positions.size() != at(complex.count(0)))
+    constexpr double kMaxCoordinate = 1e90;
+    if (std::ssize(positions) != complex.count(0))
         throw Error("got " + std::to_string(positions.size()) + " positions of the " + name +
                     " for " + std::to_string(complex.count(0)) + " vertices");
     for (std::size_t vertex = 0; vertex < positions.size(); ++vertex)
         for (const double coordinate : positions[vertex])
-            if (!(std::abs(coordinate) <= kMost))
+            if (!(std::abs(coordinate) <= kMaxCoordinate))
                 throw Error(
                     "the " + std::string(name) + " of vertex " + std::to_string(vertex) +
                     (std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
@@ -67,7 +63,7 @@ std::int8_t orientationOf(const CheckedVolume& volume, Index part, const LimitPo
 
 /// A cell has the orientation that all of its parts have.
 void join(std::vector<std::optional<std::int8_t>>& ofCells, Index cell, std::int8_t ofPart) {
-    auto& common = ofCells[at(cell)];
+    auto& common = ofCells[cell];
     common = common.value_or(ofPart) == ofPart ? ofPart : 0;
 }
 
@@ -79,26 +75,26 @@ void dropTurned(const CellComplex& complex, std::vector<std::int8_t>& orientatio
     std::vector<char> isSeen(orientation.size(), 0);
     std::vector<Index> joined;
     for (Index start = 0; start < complex.count(3); ++start) {
-        if (isSeen[at(start)]) continue;
+        if (isSeen[start]) continue;
         joined = {start};
-        isSeen[at(start)] = 1;
+        isSeen[start] = 1;
         Index sum = 0;
         std::int8_t first = 0;
         for (std::size_t i = 0; i < joined.size(); ++i) {
-            sum += orientation[at(joined[i])];
+            sum += orientation[joined[i]];
             for (const Index face : faces[joined[i]])
                 for (const Index cell : cells[face]) {
-                    if (isSeen[at(cell)]) continue;
-                    isSeen[at(cell)] = 1;
+                    if (isSeen[cell]) continue;
+                    isSeen[cell] = 1;
                     joined.push_back(cell);
                 }
         }
         std::sort(joined.begin(), joined.end());
         for (const Index cell : joined)
-            if (first == 0) first = orientation[at(cell)];
+            if (first == 0) first = orientation[cell];
         const std::int8_t usual = sum > 0 ? 1 : sum < 0 ? -1 : first;
         for (const Index cell : joined)
-            if (orientation[at(cell)] != usual) orientation[at(cell)] = 0;
+            if (orientation[cell] != usual) orientation[cell] = 0;
     }
 }
 
@@ -173,39 +169,38 @@ ValidityCheck::ValidityCheck(CheckedVolume checked, std::span<const Point3> rest
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.cells(), rest, "rest");
     rest_ = volume.place(rest);
-    std::vector<std::int8_t> ofParts(at(volume.partCount()));
+    std::vector<std::int8_t> ofParts(volume.partCount());
     forEachPart(volume, [&](std::size_t, Index part) {
-        ofParts[at(part)] = orientationOf(volume, part, rest_);
+        ofParts[part] = orientationOf(volume, part, rest_);
     });
-    std::vector<std::optional<std::int8_t>> ofCells(at(volume.cells().count(3)));
+    std::vector<std::optional<std::int8_t>> ofCells(volume.cells().count(3));
     for (Index part = 0; part < volume.partCount(); ++part)
-        join(ofCells, volume.cellOf(part), ofParts[at(part)]);
+        join(ofCells, volume.cellOf(part), ofParts[part]);
     for (const auto& orientation : ofCells) orientation_.push_back(orientation.value_or(0));
     dropTurned(volume.cells(), orientation_);
     for (Index cell = 0; cell < volume.cells().count(3); ++cell)
-        if (ofCells[at(cell)] && orientation_[at(cell)] == 0) badAtRest_.push_back(cell);
+        if (ofCells[cell] && orientation_[cell] == 0) badAtRest_.push_back(cell);
 }
 
 PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.cells(), pose, "pose");
     const LimitPositions posed = volume.place(pose);
-    std::vector<double> ofParts(at(volume.partCount()));
+    std::vector<double> ofParts(volume.partCount());
     forEachPart(volume, [&](std::size_t, Index part) {
-        const int orientation = orientation_[at(volume.cellOf(part))];
-        if (orientation != 0)
-            ofParts[at(part)] = leastRatio(volume, part, orientation, rest_, posed);
+        const int orientation = orientation_[volume.cellOf(part)];
+        if (orientation != 0) ofParts[part] = leastRatio(volume, part, orientation, rest_, posed);
     });
     PoseValidity result;
     result.ratios.resize(orientation_.size());
     for (Index part = 0; part < volume.partCount(); ++part) {
         const Index cell = volume.cellOf(part);
-        if (orientation_[at(cell)] == 0) continue;
-        auto& ratio = result.ratios[at(cell)];
-        ratio = std::min(ratio.value_or(ofParts[at(part)]), ofParts[at(part)]);
+        if (orientation_[cell] == 0) continue;
+        auto& ratio = result.ratios[cell];
+        ratio = std::min(ratio.value_or(ofParts[part]), ofParts[part]);
     }
     for (Index cell = 0; cell < volume.cells().count(3); ++cell) {
-        const auto& ratio = result.ratios[at(cell)];
+        const auto& ratio = result.ratios[cell];
         if (!ratio) continue;
         if (!(*ratio > 0)) result.inverted.push_back(cell);
         if (!result.smallest || *ratio < result.smallest->value) result.smallest = {cell, *ratio};
@@ -214,8 +209,8 @@ PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
 }
 
 LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most) const {
-    constexpr double kMostAsked = 1e6;
-    if (!(most > 0 && most <= kMostAsked))
+    constexpr double kMaxAsked = 1e6;
+    if (!(most > 0 && most <= kMaxAsked))
         throw Error("the largest step was asked for up to " + std::to_string(most) +
                     "; expected a number above 0, up to a million");
     const CheckedVolume& volume = *volume_;
@@ -231,7 +226,7 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most
         static_cast<std::size_t>((volume.partCount() + volume.grain() - 1) / volume.grain()),
         {1, {}, true});
     forEachPart(volume, [&](std::size_t range, Index part) {
-        const int orientation = orientation_[at(volume.cellOf(part))];
+        const int orientation = orientation_[volume.cellOf(part)];
         if (orientation != 0) shorten(ofRanges[range], volume, part, orientation, rest_, end, most);
     });
     LargestStep result{1, {}, true};

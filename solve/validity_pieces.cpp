@@ -12,10 +12,6 @@
 namespace espalier::solve {
 namespace {
 
-const Point3& at(std::span<const Point3> positions, Index vertex) {
-    return positions[static_cast<std::size_t>(vertex)];
-}
-
 /// The corner of a hexahedron at places (0 or 1) along u, v and w, in VTK's order.
 std::size_t cornerAt(const std::array<std::size_t, 3>& place) {
     return 4 * place[2] + (place[1] == 1 ? 3 - place[0] : place[0]);
@@ -92,7 +88,7 @@ Index CellPieces::count() const {
 Piece<1> CellPieces::piece(Index number, std::span<const Point3> positions) const {
     Piece<1> piece = corners_ ? hexahedron(positions) : tetrahedron(number, positions);
     for (const Index vertex : complex_.relation(3, 0)[cell_.value])
-        for (const double coordinate : at(positions, vertex))
+        for (const double coordinate : positions[vertex])
             piece.size.uncertainty =
                 std::max(piece.size.uncertainty, 16 * kUnit * std::abs(coordinate));
     return piece;
@@ -101,18 +97,18 @@ Piece<1> CellPieces::piece(Index number, std::span<const Point3> positions) cons
 Piece<1> CellPieces::hexahedron(std::span<const Point3> positions) const {
     std::array<Point3, 8> points;
     for (std::size_t i = 0; i < 8; ++i)
-        points[i] = at(positions, (*corners_)[cornerAt({i % 2, i / 2 % 2, i / 4})]);
+        points[i] = positions[(*corners_)[cornerAt({i % 2, i / 2 % 2, i / 4})]];
     return pieceOf<1>(points);
 }
 
 Piece<1> CellPieces::tetrahedron(Index number, std::span<const Point3> positions) const {
     // From one of the vertices, so that where the cell lies does not cost digits.
     const auto vertices = complex_.relation(3, 0)[cell_.value];
-    const Point3& origin = at(positions, vertices.front());
+    const Point3& origin = positions[vertices.front()];
     Point3 apex{};
     double size = 0;
     for (const Index vertex : vertices) {
-        const Point3 offset = difference(at(positions, vertex), origin);
+        const Point3 offset = difference(positions[vertex], origin);
         size = std::max(size, length(offset));
         for (std::size_t c = 0; c < 3; ++c)
             apex[c] += offset[c] / static_cast<double>(vertices.size());
@@ -122,8 +118,7 @@ Piece<1> CellPieces::tetrahedron(Index number, std::span<const Point3> positions
     if (complex_.boundary(3).signs(cell_.value)[face] < 0) std::swap(base[1], base[2]);
     Piece<1> piece;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        piece.derivatives[axis].fill(
-            difference(difference(at(positions, base[axis]), origin), apex));
+        piece.derivatives[axis].fill(difference(difference(positions[base[axis]], origin), apex));
         piece.size.lengths[axis] = size;
     }
     return piece;

@@ -34,13 +34,11 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
     std::atomic<Offset> done = 0, entryCount = 0;
     far::parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;
-        for (Offset i = first; i < last; ++i)
-            own.push_back(
-                unit.toUnits(points[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])]));
-        auto& parts = groups[static_cast<std::size_t>(first / groupSize)];
+        for (Offset i = first; i < last; ++i) own.push_back(unit.toUnits(points[order[i]]));
+        auto& parts = groups[first / groupSize];
         parts = binder.bind(own);
         for (BoundPart<Table>& part : parts) {
-            for (Index& point : part.points) point = order[static_cast<std::size_t>(first + point)];
+            for (Index& point : part.points) point = order[first + point];
             entryCount += pointRows(part.table).entryCount();
         }
         // The rows of the groups are held until all are gathered.
@@ -55,7 +53,7 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
     for (auto& group : groups)
         for (BoundPart<Table>& part : group) {
             for (std::size_t i = 0; i < part.points.size(); ++i)
-                model.statuses[static_cast<std::size_t>(part.points[i])] = part.statuses[i];
+                model.statuses[part.points[i]] = part.statuses[i];
             model.largestResidual =
                 std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
             parts.push_back(std::move(part));
@@ -68,7 +66,7 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
     for (Index i = 0; i < rows.rowCount(); ++i) {
         if (!rows.columns(i).empty()) continue;
         model.binding.kept.push_back(i);
-        model.binding.keptAt.push_back(points[static_cast<std::size_t>(i)]);
+        model.binding.keptAt.push_back(points[i]);
     }
     return model;
 }

@@ -58,7 +58,7 @@ BoxTree::BoxTree(std::span<const Box> boxes) {
     boxes_.reserve(boxes.size());
     for (const CurvePlace& place : places) {
         order_.push_back(place.item);
-        boxes_.push_back(boxes[static_cast<std::size_t>(place.item)]);
+        boxes_.push_back(boxes[place.item]);
     }
     if (!places.empty()) build(places, 0, static_cast<Index>(places.size()));
 }
@@ -68,8 +68,7 @@ void BoxTree::build(std::span<const CurvePlace> places, Index first, Index count
     nodes_.emplace_back();
     Box box;
     if (count <= kLeafSize) {
-        for (Index i = first; i < first + count; ++i)
-            box.extend(boxes_[static_cast<std::size_t>(i)]);
+        for (Index i = first; i < first + count; ++i) box.extend(boxes_[i]);
         nodes_[at] = {box, first, count, 1};
         return;
     }
@@ -91,8 +90,7 @@ void BoxTree::collect(IsIn isIn, std::vector<Index>& found) const {
         const bool enters = isIn(node.box);
         if (enters)
             for (Index i = node.first; i < node.first + node.count; ++i)
-                if (isIn(boxes_[static_cast<std::size_t>(i)]))
-                    found.push_back(order_[static_cast<std::size_t>(i)]);
+                if (isIn(boxes_[i])) found.push_back(order_[i]);
         at += enters ? 1 : static_cast<std::size_t>(node.size);
     }
 }
@@ -122,9 +120,8 @@ BoxTree::Nearest BoxTree::findNearest(const Eigen::Vector3d& point,
         const Node& node = nodes_[at];
         if (node.isLeaf()) {
             for (Index i = node.first; i < node.first + node.count; ++i) {
-                if (boxes_[static_cast<std::size_t>(i)].exteriorDistance(point) > best.distance)
-                    continue;
-                const Index item = order_[static_cast<std::size_t>(i)];
+                if (boxes_[i].exteriorDistance(point) > best.distance) continue;
+                const Index item = order_[i];
                 const double d = distance(item);
                 if (std::pair(d, item) < std::pair(best.distance, best.index)) best = {item, d};
             }

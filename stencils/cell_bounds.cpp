@@ -46,7 +46,7 @@ std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vec
 const CellBounds::Box& CellBounds::boxOf(Index cell) {
     // Where all is regular, nobody asks.
     if (ofCell_.empty()) ofCell_.resize(static_cast<std::size_t>(level_.complex.count(3)));
-    auto& box = ofCell_[static_cast<std::size_t>(cell)];
+    auto& box = ofCell_[cell];
     if (!box) {
         box.emplace();
         for (const Index corner : level_.complex.relation(3, 0)[cell])
@@ -56,7 +56,7 @@ const CellBounds::Box& CellBounds::boxOf(Index cell) {
 }
 
 const CellBounds::Box& CellBounds::boxAround(Index vertex) {
-    auto& box = aroundVertex_[static_cast<std::size_t>(vertex)];
+    auto& box = aroundVertex_[vertex];
     if (!box) {
         box.emplace();
         for (const Index cell : level_.complex.relation(0, 3)[vertex]) box->extend(boxOf(cell));
@@ -118,7 +118,7 @@ std::vector<Index> CellBounds::ringOf(Index cell) const {
 bool CellBounds::staysInHull(Index cell) {
     const auto vertices = level_.complex.relation(3, 0)[cell];
     return !mayExtrapolate_ && std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
-        auto& stays = staysInHull_[static_cast<std::size_t>(vertex)];
+        auto& stays = staysInHull_[vertex];
         if (!stays) stays = isConvexAround(vertex);
         return *stays;
     });
@@ -174,7 +174,7 @@ Vector3d CellBounds::largestSecondDifference(const std::vector<Index>& ring) con
     for (const auto& corners : cells)
         for (std::size_t i = 0; i < 8; ++i) {
             const auto at = std::lower_bound(vertices.begin(), vertices.end(), corners[i]);
-            Neighbours& neighbours = around[static_cast<std::size_t>(at - vertices.begin())];
+            Neighbours& neighbours = around[at - vertices.begin()];
             std::array<std::size_t, 3> places;
             unsigned together = 0;
             for (std::size_t k = 0; k < 3; ++k) {

@@ -73,7 +73,7 @@ private:
     std::vector<Index> ringOf(Index cell) const;
 
     Eigen::Vector3d positionOf(Index vertex) const {
-        return Eigen::Vector3d(positions_[static_cast<std::size_t>(vertex)].data());
+        return Eigen::Vector3d(positions_[vertex].data());
     }
 
     const far::Level& level_;

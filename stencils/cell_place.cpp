@@ -9,8 +9,7 @@ using far::Index;
 
 std::array<Index, 3> tetrahedronBase(const far::CellComplex& complex, far::CellId cell,
                                      Index tetrahedron) {
-    const Index face =
-        complex.relation(3, 2)[cell.value][static_cast<std::size_t>(tetrahedron / 2)];
+    const Index face = complex.relation(3, 2)[cell.value][tetrahedron / 2];
     const auto loop = complex.relation(2, 0)[face];
     return tetrahedron % 2 == 0 ? std::array{loop[0], loop[1], loop[2]}
                                 : std::array{loop[0], loop[2], loop[3]};

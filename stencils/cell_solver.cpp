@@ -55,8 +55,7 @@ std::vector<std::optional<std::array<Index, 8>>> hexahedra(const far::CellComple
         static_cast<std::size_t>(complex.count(3)));
     far::parallelFor(complex.count(3), 4096, [&](far::Offset first, far::Offset last) {
         for (far::Offset cell = first; cell < last; ++cell)
-            corners[static_cast<std::size_t>(cell)] =
-                far::hexahedronVertices(complex, CellId(static_cast<Index>(cell)));
+            corners[cell] = far::hexahedronVertices(complex, CellId(static_cast<Index>(cell)));
     });
     return corners;
 }
@@ -65,8 +64,7 @@ std::vector<std::optional<std::array<Index, 8>>> hexahedra(const far::CellComple
 Trilinear mapAround(const std::array<Index, 8>& corners, std::span<const Point3> positions,
                     const Vector3d& point) {
     Trilinear::Corners offsets;
-    for (std::size_t i = 0; i < 8; ++i)
-        offsets[i] = Vector3d(positions[static_cast<std::size_t>(corners[i])].data()) - point;
+    for (std::size_t i = 0; i < 8; ++i) offsets[i] = Vector3d(positions[corners[i]].data()) - point;
     return Trilinear(offsets);
 }
 
@@ -126,8 +124,7 @@ CellSolver::Tetrahedron CellSolver::tetrahedron(CellId cell, Index number,
                                                 const Vector3d& centre) const {
     Tetrahedron result{centre, {}};
     const auto base = tetrahedronBase(complex_, cell, number);
-    for (Eigen::Index i = 0; i < 3; ++i)
-        result.edges.col(i) = positionOf(base[static_cast<std::size_t>(i)]) - centre;
+    for (Eigen::Index i = 0; i < 3; ++i) result.edges.col(i) = positionOf(base[i]) - centre;
     return result;
 }
 

@@ -53,10 +53,10 @@ void checkVertices(const far::TopologyRefiner& refiner, int level,
 
 CompactTable compactColumns(StencilTable<double> table) {
     std::vector<Index> place(static_cast<std::size_t>(table.columnCount()), 0);
-    for (const Index column : table.columns()) place[static_cast<std::size_t>(column)] = 1;
+    for (const Index column : table.columns()) place[column] = 1;
     CompactTable compact;
     for (Index column = 0; column < table.columnCount(); ++column) {
-        Index& at = place[static_cast<std::size_t>(column)];
+        Index& at = place[column];
         if (at == 0) continue;
         at = static_cast<Index>(compact.columns.size());
         compact.columns.push_back(column);
@@ -68,7 +68,7 @@ CompactTable compactColumns(StencilTable<double> table) {
     }
     Array<Index> columns(table.columns().size());
     std::transform(table.columns().begin(), table.columns().end(), columns.begin(),
-                   [&](Index column) { return place[static_cast<std::size_t>(column)]; });
+                   [&](Index column) { return place[column]; });
     compact.table =
         StencilTable<double>(Trusted{}, count, {table.offsets().begin(), table.offsets().end()},
                              std::move(columns), {table.weights().begin(), table.weights().end()});

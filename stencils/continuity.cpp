@@ -23,10 +23,6 @@ namespace {
 using Extent = far::TopologyRefiner::Extent;
 using Flags = std::vector<std::uint8_t>;
 
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
 std::vector<Index> flagged(const Flags& flags) {
     std::vector<Index> result;
     for (std::size_t i = 0; i < flags.size(); ++i)
@@ -36,10 +32,10 @@ std::vector<Index> flagged(const Flags& flags) {
 
 /// The columns with a weight above a limit, ascending.
 std::vector<Index> columnsOf(const StencilTable<double>& table, double limit) {
-    Flags isNamed(at(table.columnCount()));
+    Flags isNamed(table.columnCount());
     for (Index row = 0; row < table.rowCount(); ++row)
         for (std::size_t k = 0; k < table.columns(row).size(); ++k)
-            if (std::abs(table.weights(row)[k]) > limit) isNamed[at(table.columns(row)[k])] = 1;
+            if (std::abs(table.weights(row)[k]) > limit) isNamed[table.columns(row)[k]] = 1;
     return flagged(isNamed);
 }
 
@@ -57,17 +53,17 @@ double roundingOf(int level) {
 
 /// The cells with a marked vertex, ascending.
 std::vector<Index> cellsAt(const far::CellComplex& complex, const Flags& vertices) {
-    Flags isTouching(at(complex.count(3)));
+    Flags isTouching(complex.count(3));
     for (const Index vertex : flagged(vertices))
-        for (const Index cell : complex.relation(0, 3)[vertex]) isTouching[at(cell)] = 1;
+        for (const Index cell : complex.relation(0, 3)[vertex]) isTouching[cell] = 1;
     return flagged(isTouching);
 }
 
 /// Marks the vertices of cells.
 Flags verticesOf(const far::CellComplex& complex, std::span<const Index> cells) {
-    Flags isVertex(at(complex.count(0)));
+    Flags isVertex(complex.count(0));
     for (const Index cell : cells)
-        for (const Index vertex : complex.relation(3, 0)[cell]) isVertex[at(vertex)] = 1;
+        for (const Index vertex : complex.relation(3, 0)[cell]) isVertex[vertex] = 1;
     return isVertex;
 }
 
@@ -75,14 +71,14 @@ Flags verticesOf(const far::CellComplex& complex, std::span<const Index> cells) 
 far::ByEntity<std::uint8_t> closureOf(const far::CellComplex& complex,
                                       std::span<const Index> faces) {
     far::ByEntity<std::uint8_t> isIn;
-    for (int d = 0; d <= 3; ++d) isIn[at(d)].resize(at(complex.count(d)));
+    for (int d = 0; d <= 3; ++d) isIn[d].resize(complex.count(d));
     for (const Index face : faces) {
         if (face < 0 || face >= complex.count(2))
             throw Error("there is no face " + std::to_string(face) + " to hold; the lattice has " +
                         std::to_string(complex.count(2)));
-        isIn[2][at(face)] = 1;
+        isIn[2][face] = 1;
         for (int d = 0; d < 2; ++d)
-            for (const Index part : complex.relation(2, d)[face]) isIn[at(d)][at(part)] = 1;
+            for (const Index part : complex.relation(2, d)[face]) isIn[d][part] = 1;
     }
     return isIn;
 }
@@ -111,8 +107,8 @@ public:
         auto unsettled = searchInside(points, group);
         std::erase_if(unsettled, [&](Index i) {
             const auto beyond =
-                CellSolver::beyondReach(Eigen::Vector3d(points[at(i)].data()), seekNearest_);
-            if (beyond) group.statuses[at(i)] = beyond->status;
+                CellSolver::beyondReach(Eigen::Vector3d(points[i].data()), seekNearest_);
+            if (beyond) group.statuses[i] = beyond->status;
             return beyond.has_value();
         });
         if (!unsettled.empty()) searchBeside(points, unsettled, group);
@@ -120,17 +116,6 @@ public:
     }
 
 private:
-    /// The cells that were sought for each point.
-    static std::vector<std::vector<Index>> cellsOfPoints(const Descent& found,
-                                                         std::size_t pointCount) {
-        std::vector<std::vector<Index>> cellsOf(pointCount);
-        for (std::size_t i = 0; i < found.candidates.cells.size(); ++i)
-            for (Offset k = found.candidates.offsets[i]; k < found.candidates.offsets[i + 1]; ++k)
-                cellsOf[at(found.candidates.points[static_cast<std::size_t>(k)])].push_back(
-                    found.candidates.cells[i]);
-        return cellsOf;
-    }
-
     /// Adds what moves cells, or those around.
     void add(const Descent& found, std::span<const Index> cells, HeldGroup& group) const {
         const far::CellComplex& complex = found.refiner.level(level_).complex;
@@ -152,17 +137,17 @@ private:
             return unsettled;
         }
         const CellSolver solver(found->refiner.level(level_).complex, found->positions, scale_);
-        auto cellsOf = cellsOfPoints(*found, points.size());
+        const auto cells = found->candidates.cellsOfPoints(points.size(), [&](Index cell,
+                                                                              Index point) {
+            return solver.boxOf(far::CellId(cell)).contains(Eigen::Vector3d(points[point].data()));
+        });
         std::vector<Index> holding;
         for (std::size_t i = 0; i < points.size(); ++i) {
-            const Eigen::Vector3d point(points[i].data());
-            std::erase_if(cellsOf[i], [&](Index cell) {
-                return !solver.boxOf(far::CellId(cell)).contains(point);
-            });
-            if (const auto inside = solver.locateIn(point, cellsOf[i])) {
+            const auto held = cells.of(static_cast<Index>(i));
+            if (const auto inside = solver.locateIn(Eigen::Vector3d(points[i].data()), held)) {
                 group.statuses[i] = inside->status;
                 holding.push_back(inside->place->cell.value);
-            } else if (seekNearest_ || !cellsOf[i].empty()) {
+            } else if (seekNearest_ || !held.empty()) {
                 unsettled.push_back(static_cast<Index>(i));
             }
         }
@@ -174,19 +159,20 @@ private:
     void searchBeside(std::span<const Point3> points, std::span<const Index> numbers,
                       HeldGroup& group) const {
         std::vector<Point3> beside;
-        for (const Index i : numbers) beside.push_back(points[at(i)]);
+        for (const Index i : numbers) beside.push_back(points[i]);
         const auto found = descent_.descend(beside, level_, Sought::Nearest, Extent::Ring);
         const CellSolver solver(found->refiner.level(level_).complex, found->positions, scale_);
-        const auto cellsOf = cellsOfPoints(*found, beside.size());
+        const auto cells =
+            found->candidates.cellsOfPoints(beside.size(), [](Index, Index) { return true; });
         std::vector<Index> holding;
         for (std::size_t i = 0; i < beside.size(); ++i) {
             const Eigen::Vector3d point(beside[i].data());
             std::pair nearest(std::numeric_limits<double>::infinity(), far::kMaxIndex);
-            for (const Index cell : cellsOf[i])
+            for (const Index cell : cells.of(static_cast<Index>(i)))
                 nearest = std::min(nearest, {solver.distance(point, far::CellId(cell)), cell});
             const auto located =
                 solver.locateBeside(point, far::CellId(nearest.second), seekNearest_);
-            group.statuses[at(numbers[i])] = located.status;
+            group.statuses[numbers[i]] = located.status;
             if (located.place) holding.push_back(located.place->cell.value);
         }
         add(*found, holding, group);
@@ -261,17 +247,16 @@ std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
     std::vector<PointStatus> statuses(points.size());
     far::parallelFor(std::ssize(points), kGroupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;
-        for (Offset i = first; i < last; ++i)
-            own.push_back(inUnits[at(order[static_cast<std::size_t>(i)])]);
+        for (Offset i = first; i < last; ++i) own.push_back(inUnits[order[i]]);
         HeldGroup group = search.search(own);
         for (std::size_t i = 0; i < own.size(); ++i)
-            statuses[at(order[static_cast<std::size_t>(first) + i])] = group.statuses[i];
-        columns[static_cast<std::size_t>(first / kGroupSize)] = std::move(group.columns);
+            statuses[order[static_cast<std::size_t>(first) + i]] = group.statuses[i];
+        columns[first / kGroupSize] = std::move(group.columns);
     });
     if (options.outside == OutsidePolicy::Error) checkAllInside(points, statuses);
     Flags isFrozen(positions.size());
     for (const auto& group : columns)
-        for (const Index column : group) isFrozen[at(column)] = 1;
+        for (const Index column : group) isFrozen[column] = 1;
     return flagged(isFrozen);
 }
 

@@ -12,10 +12,6 @@
 namespace espalier::stencils {
 namespace {
 
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
 void checkAxis(int axis) {
     if (axis < 0 || axis > 2)
         throw Error("there is no axis " + std::to_string(axis) + "; expected 0 to 2");
@@ -36,12 +32,12 @@ public:
 
     /// \throws Error if a point has none, or several
     Index of(Index vertex) const {
-        Eigen::Vector3d image(positions_[at(vertex)].data());
+        Eigen::Vector3d image(positions_[vertex].data());
         image[axis_] = 2 * plane_ - image[axis_];
         std::vector<Index> found;
         tree_.findContaining(image, found);
         std::erase_if(found, [&](Index candidate) {
-            return (Eigen::Vector3d(positions_[at(candidate)].data()) - image).norm() > tolerance_;
+            return (Eigen::Vector3d(positions_[candidate].data()) - image).norm() > tolerance_;
         });
         if (found.size() == 1) return found.front();
         throw Error("vertex " + std::to_string(vertex) + " has " +
@@ -80,17 +76,17 @@ Index DesignVariables::coordinate(Index vertex, int axis) const {
 /// between.
 DesignVariables::Link DesignVariables::rootOf(Index coordinate) {
     std::vector<Index> path = {coordinate};
-    while (links_[at(path.back())].to != path.back()) path.push_back(links_[at(path.back())].to);
+    while (links_[path.back()].to != path.back()) path.push_back(links_[path.back()].to);
     Link root = {path.back(), 1};
     for (auto each = path.rbegin() + 1; each < path.rend(); ++each) {
-        root.factor *= links_[at(*each)].factor;
-        links_[at(*each)] = root;
+        root.factor *= links_[*each].factor;
+        links_[*each] = root;
     }
     return root;
 }
 
 void DesignVariables::freeze(Index vertex, int axis) {
-    isFrozen_[at(rootOf(coordinate(vertex, axis)).to)] = 1;
+    isFrozen_[rootOf(coordinate(vertex, axis)).to] = 1;
 }
 
 void DesignVariables::freeze(Index vertex) {
@@ -103,7 +99,7 @@ void DesignVariables::scale(Index vertex, int axis, double unit) {
     if (!std::isnormal(ofRoot))
         throw Error("vertex " + std::to_string(vertex) + " cannot be scaled by " +
                     std::to_string(unit));
-    units_[at(root.to)] = ofRoot;
+    units_[root.to] = ofRoot;
 }
 
 void DesignVariables::scale(Index vertex, double unit) {
@@ -128,7 +124,7 @@ void DesignVariables::join(Index coordinate, Index to, double factor) {
         // of a few products, only 0 is both.
         constexpr double kRounding = 1e-12;
         if (!(std::abs(own.factor - factor * other.factor) <= kRounding * std::abs(own.factor)))
-            isFrozen_[at(own.to)] = 1;
+            isFrozen_[own.to] = 1;
         return;
     }
     // The lower number stays a root, so that variables come in the order of coordinates.
@@ -138,8 +134,8 @@ void DesignVariables::join(Index coordinate, Index to, double factor) {
         std::swap(from, link.to);
         link.factor = 1 / link.factor;
     }
-    links_[at(from)] = link;
-    isFrozen_[at(link.to)] = isFrozen_[at(link.to)] || isFrozen_[at(from)];
+    links_[from] = link;
+    isFrozen_[link.to] = isFrozen_[link.to] || isFrozen_[from];
 }
 
 void DesignVariables::link(Index vertex, Index to, const std::array<double, 3>& factors) {
@@ -148,11 +144,9 @@ void DesignVariables::link(Index vertex, Index to, const std::array<double, 3>& 
             throw Error("vertex " + std::to_string(vertex) + " cannot be linked by the factor " +
                         std::to_string(factor));
     for (int axis = 0; axis < 3; ++axis)
-        joinedFactor(coordinate(vertex, axis), coordinate(to, axis),
-                     factors[static_cast<std::size_t>(axis)]);
+        joinedFactor(coordinate(vertex, axis), coordinate(to, axis), factors[axis]);
     for (int axis = 0; axis < 3; ++axis)
-        join(coordinate(vertex, axis), coordinate(to, axis),
-             factors[static_cast<std::size_t>(axis)]);
+        join(coordinate(vertex, axis), coordinate(to, axis), factors[axis]);
 }
 
 void DesignVariables::mirror(std::span<const Point3> positions, int axis, double at,
@@ -170,7 +164,7 @@ void DesignVariables::mirror(std::span<const Point3> positions, int axis, double
     for (Index vertex = 0; vertex < static_cast<Index>(positions.size()); ++vertex)
         found.push_back(images.of(vertex));
     std::array<double, 3> factors = {1, 1, 1};
-    factors[static_cast<std::size_t>(axis)] = -1;
+    factors[axis] = -1;
     for (std::size_t vertex = 0; vertex < found.size(); ++vertex)
         link(static_cast<Index>(vertex), found[vertex], factors);
 }
@@ -186,12 +180,12 @@ StencilTable<double> DesignVariables::matrix() const {
     for (std::size_t i = 0; i < links_.size(); ++i) {
         const Link& link = links_[i];
         const bool isRoot = link.to == static_cast<Index>(i);
-        const Link& next = roots[at(link.to)];
+        const Link& next = roots[link.to];
         roots[i] = isRoot ? link : Link{next.to, link.factor * next.factor};
         if (isRoot && !isFrozen_[i]) variables[i] = count++;
-        if (!isFrozen_[at(roots[i].to)]) {
-            columns.push_back(variables[at(roots[i].to)]);
-            weights.push_back(roots[i].factor * units_[at(roots[i].to)]);
+        if (!isFrozen_[roots[i].to]) {
+            columns.push_back(variables[roots[i].to]);
+            weights.push_back(roots[i].factor * units_[roots[i].to]);
         }
         offsets.push_back(static_cast<Offset>(columns.size()));
     }

@@ -43,8 +43,7 @@ std::vector<std::optional<SortedCorners>> allSortedCorners(const far::CellComple
     std::vector<std::optional<SortedCorners>> all(static_cast<std::size_t>(complex.count(3)));
     far::parallelFor(complex.count(3), 4096, [&](Offset first, Offset last) {
         for (Offset cell = first; cell < last; ++cell)
-            all[static_cast<std::size_t>(cell)] =
-                sortedCorners(complex, CellId(static_cast<Index>(cell)));
+            all[cell] = sortedCorners(complex, CellId(static_cast<Index>(cell)));
     });
     return all;
 }
@@ -96,26 +95,25 @@ StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
     std::vector<std::optional<SortedCorners>> all;
     if (pointCount > complex.count(3) / 4) all = allSortedCorners(complex);
     const auto cornersOf = [&](CellId cell) {
-        return all.empty() ? sortedCorners(complex, cell)
-                           : all[static_cast<std::size_t>(cell.value)];
+        return all.empty() ? sortedCorners(complex, cell) : all[cell.value];
     };
-    return buildTableByChunks<double>(
-        pointCount, complex.count(0), {}, [&](Offset first, Offset last, RowList<double>& rows) {
-            const auto count = static_cast<std::size_t>(last - first);
-            rows.columns.reserve(8 * count);
-            rows.weights.reserve(8 * count);
-            rows.ends.reserve(count);
-            for (Offset point = first; point < last; ++point) {
-                const auto& place = embedding.points[static_cast<std::size_t>(point)].place;
-                if (place) {
-                    if (const auto corners = cornersOf(place->cell))
-                        appendHexahedron(*corners, *place, rows);
-                    else
-                        appendTypeN(complex, *place, rows);
-                }
-                rows.endRow();
-            }
-        });
+    return buildTableByChunks<double>(pointCount, complex.count(0), {},
+                                      [&](Offset first, Offset last, RowList<double>& rows) {
+                                          const auto count = static_cast<std::size_t>(last - first);
+                                          rows.columns.reserve(8 * count);
+                                          rows.weights.reserve(8 * count);
+                                          rows.ends.reserve(count);
+                                          for (Offset point = first; point < last; ++point) {
+                                              const auto& place = embedding.points[point].place;
+                                              if (place) {
+                                                  if (const auto corners = cornersOf(place->cell))
+                                                      appendHexahedron(*corners, *place, rows);
+                                                  else
+                                                      appendTypeN(complex, *place, rows);
+                                              }
+                                              rows.endRow();
+                                          }
+                                      });
 }
 
 RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> baseCells,
@@ -123,8 +121,7 @@ RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> base
     std::vector<Index> groups;
     groups.reserve(embedding.points.size());
     for (const LocatedPoint& point : embedding.points)
-        groups.push_back(point.place ? baseCells[static_cast<std::size_t>(point.place->cell.value)]
-                                     : 0);
+        groups.push_back(point.place ? baseCells[point.place->cell.value] : 0);
     return RowOrder(groups, groupCount);
 }
 

@@ -16,43 +16,6 @@ using Eigen::Vector3d;
 using far::CellId;
 using Extent = far::TopologyRefiner::Extent;
 
-Vector3d at(std::span<const Point3> points, Index i) {
-    return Vector3d(points[static_cast<std::size_t>(i)].data());
-}
-
-/// The cells sought for each point: those of point i are cells[offsets[i]] to … [i + 1], ascending.
-struct CellsOfPoints {
-    std::vector<Offset> offsets;
-    std::vector<Index> cells;
-
-    std::span<const Index> of(Index point) const {
-        const auto i = static_cast<std::size_t>(point);
-        return std::span(cells).subspan(static_cast<std::size_t>(offsets[i]),
-                                        static_cast<std::size_t>(offsets[i + 1] - offsets[i]));
-    }
-};
-
-/// Turns the lists of cells round, and leaves the pairs of which isSought(cell, point) is true.
-template <class IsSought>
-CellsOfPoints cellsOfPoints(const Descent& found, std::size_t pointCount, IsSought isSought) {
-    CellsOfPoints result;
-    result.offsets.assign(pointCount + 1, 0);
-    std::vector<std::pair<Index, Index>> pairs;
-    for (std::size_t i = 0; i < found.candidates.cells.size(); ++i)
-        for (Offset k = found.candidates.offsets[i]; k < found.candidates.offsets[i + 1]; ++k) {
-            const Index point = found.candidates.points[static_cast<std::size_t>(k)];
-            if (!isSought(found.candidates.cells[i], point)) continue;
-            pairs.emplace_back(point, found.candidates.cells[i]);
-            ++result.offsets[static_cast<std::size_t>(point) + 1];
-        }
-    std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());
-    std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
-    result.cells.resize(pairs.size());
-    for (const auto& [point, cell] : pairs)
-        result.cells[static_cast<std::size_t>(next[static_cast<std::size_t>(point)]++)] = cell;
-    return result;
-}
-
 /// Locates points, and makes their rows.
 /// \param locate returns the LocatedPoint of point i
 /// \param tableOf makes the rows of an embedding
@@ -90,7 +53,7 @@ std::vector<BoundPart<Table>> PartBinder<Table>::bind(std::span<const Point3> po
     parts.push_back(bindInside(points, unsettled));
     if (unsettled.empty()) return parts;
     std::vector<Point3> left;
-    for (const Index i : unsettled) left.push_back(points[static_cast<std::size_t>(i)]);
+    for (const Index i : unsettled) left.push_back(points[i]);
     parts.push_back(bindBeside(left));
     parts.back().points = std::move(unsettled);
     return parts;
@@ -106,7 +69,8 @@ BoundPart<Table> PartBinder<Table>::bindInside(std::span<const Point3> points,
         return bindWith<Table>(
             points.size(), 0,
             [&](Index i) {
-                if (const auto beyond = CellSolver::beyondReach(at(points, i), seekNearest_))
+                if (const auto beyond =
+                        CellSolver::beyondReach(Vector3d(points[i].data()), seekNearest_))
                     return *beyond;
                 if (seekNearest_) unsettled.push_back(i);
                 return LocatedPoint{PointStatus::Outside, {}, 0, 0};
@@ -114,13 +78,13 @@ BoundPart<Table> PartBinder<Table>::bindInside(std::span<const Point3> points,
             [](const Embedding&) { return Table(); });
     const far::CellComplex& complex = found->refiner.level(level_).complex;
     const CellSolver solver(complex, found->positions, scale_);
-    const auto cells = cellsOfPoints(*found, points.size(), [&](Index cell, Index point) {
-        return solver.boxOf(CellId(cell)).contains(at(points, point));
+    const auto cells = found->candidates.cellsOfPoints(points.size(), [&](Index cell, Index point) {
+        return solver.boxOf(CellId(cell)).contains(Vector3d(points[point].data()));
     });
     return bindWith<Table>(
         points.size(), complex.count(0),
         [&](Index i) {
-            const Vector3d point = at(points, i);
+            const Vector3d point(points[i].data());
             if (const auto beyond = CellSolver::beyondReach(point, seekNearest_)) return *beyond;
             if (auto inside = solver.locateIn(point, cells.of(i))) return *inside;
             // A gap lies in the boxes of the cells beside it: a point in no box is outside.
@@ -141,11 +105,12 @@ BoundPart<Table> PartBinder<Table>::bindBeside(std::span<const Point3> points) c
     const auto found = descent_.descend(points, level_, Sought::Nearest, Extent::Ring);
     const far::CellComplex& complex = found->refiner.level(level_).complex;
     const CellSolver solver(complex, found->positions, scale_);
-    const auto cells = cellsOfPoints(*found, points.size(), [](Index, Index) { return true; });
+    const auto cells =
+        found->candidates.cellsOfPoints(points.size(), [](Index, Index) { return true; });
     return bindWith<Table>(
         points.size(), complex.count(0),
         [&](Index i) {
-            const Vector3d point = at(points, i);
+            const Vector3d point(points[i].data());
             std::pair nearest(std::numeric_limits<double>::infinity(), far::kMaxIndex);
             for (const Index cell : cells.of(i))
                 nearest = std::min(nearest, {solver.distance(point, CellId(cell)), cell});
@@ -179,9 +144,7 @@ std::vector<BoundPart<Table>> WholeBinder<Table>::bind(std::span<const Point3> p
     std::vector<BoundPart<Table>> parts;
     parts.push_back(bindWith<Table>(
         points.size(), complex_.count(0),
-        [&](Index i) {
-            return locator_->locate(points[static_cast<std::size_t>(i)], seekNearest_);
-        },
+        [&](Index i) { return locator_->locate(points[i], seekNearest_); },
         [&](const Embedding& embedding) {
             Table table;
             buildRows(buildEmbeddingTable(complex_, embedding), stencils_,

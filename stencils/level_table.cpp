@@ -75,7 +75,7 @@ void addCentroid(const far::Incidence& verticesOf, const Entity& entity, double 
 /// best among themselves (with 360 edges at a vertex, 2e-17 off instead of 2e-14).
 void addMask(const Neighbourhood& around, const Mask& mask, double scale, RowAccumulator& row) {
     for (int dimension = around.stratum; dimension >= around.entity.dimension; --dimension) {
-        const double weight = scale * mask[static_cast<std::size_t>(dimension)];
+        const double weight = scale * mask[dimension];
         if (weight == 0) continue;
         const Index count = around.count(dimension);
         const far::Incidence& verticesOf = around.level.complex.relation(dimension, 0);
@@ -149,7 +149,7 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
     const far::Level& parent = refiner.level(level - 1);
     return buildTable<double>(static_cast<Index>(vertices.size()), parent.complex.count(0),
                               [&](Index row, RowAccumulator& accumulator) {
-                                  const Index vertex = vertices[static_cast<std::size_t>(row)];
+                                  const Index vertex = vertices[row];
                                   const Entity entity = parents(vertex);
                                   if (rules == Rules::Rats)
                                       addRatsRow(parent, entity, accumulator);

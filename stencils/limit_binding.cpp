@@ -75,11 +75,9 @@ Matrix3d inverseAtRest(const StencilTable<double>& tangents, Index first,
         const auto weights = tangents.weights(first + row);
         if (columns.empty()) continue;
         // Rows sum to 0: seen from a vertex near by, coordinates are small.
-        const Vector3d origin(positions[static_cast<std::size_t>(columns.front())].data());
+        const Vector3d origin(positions[columns.front()].data());
         for (std::size_t k = 0; k < columns.size(); ++k) {
-            const Vector3d term =
-                weights[k] *
-                (Vector3d(positions[static_cast<std::size_t>(columns[k])].data()) - origin);
+            const Vector3d term = weights[k] * (Vector3d(positions[columns[k]].data()) - origin);
             atRest.row(row) += term.transpose();
             sizes[row] += term.norm();
         }
@@ -101,12 +99,12 @@ std::array<StencilTable<double>, 3> gradientsOf(const StencilTable<double>& tang
     const Index placeCount = tangents.rowCount() / 3;
     std::vector<Matrix3d> inverses(static_cast<std::size_t>(placeCount));
     for (Index i = 0; i < placeCount; ++i)
-        inverses[static_cast<std::size_t>(i)] = scale * inverseAtRest(tangents, 3 * i, positions);
+        inverses[i] = scale * inverseAtRest(tangents, 3 * i, positions);
     std::array<StencilTable<double>, 3> gradients;
     for (std::size_t axis = 0; axis < 3; ++axis)
         gradients[axis] = buildTable<double>(
             placeCount, tangents.columnCount(), [&](Index place, RowAccumulator& accumulator) {
-                const Matrix3d& inverse = inverses[static_cast<std::size_t>(place)];
+                const Matrix3d& inverse = inverses[place];
                 if (!inverse.allFinite()) return;
                 for (Index row = 0; row < 3; ++row) {
                     const double factor = inverse(static_cast<Eigen::Index>(axis), row);
@@ -122,7 +120,7 @@ std::array<StencilTable<double>, 3> gradientsOf(const StencilTable<double>& tang
 
 std::vector<Point3> chosen(std::span<const Point3> points, const std::vector<Index>& numbers) {
     std::vector<Point3> result;
-    for (const Index i : numbers) result.push_back(points[static_cast<std::size_t>(i)]);
+    for (const Index i : numbers) result.push_back(points[i]);
     return result;
 }
 
@@ -181,13 +179,12 @@ private:
         Part without;
         for (std::size_t i = 0; i < found.points.size(); ++i) {
             const LocatedInLimit& located = found.points[i];
-            Part& part =
-                located.place ? ofLevels[static_cast<std::size_t>(located.place->level)] : without;
+            Part& part = located.place ? ofLevels[located.place->level] : without;
             part.points.push_back(numbers[i]);
             part.statuses.push_back(located.status);
             if (!located.place) continue;
             part.largestResidual = std::max(part.largestResidual, located.residual);
-            places[static_cast<std::size_t>(located.place->level)].push_back(*located.place);
+            places[located.place->level].push_back(*located.place);
         }
         std::vector<StencilTable<double>> rows, directions;
         for (std::size_t level = 0; level < ofLevels.size(); ++level) {

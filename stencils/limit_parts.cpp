@@ -123,14 +123,13 @@ LimitPositions LimitParts::place(std::span<const Point3> positions) const {
     result.limits = result.levels.back();
     if (refined_->blended.empty()) return result;
     const auto limits = applyLevelTable(refined_->limits, result.levels.back());
-    for (std::size_t i = 0; i < limits.size(); ++i)
-        result.limits[static_cast<std::size_t>(refined_->blended[i])] = limits[i];
+    for (std::size_t i = 0; i < limits.size(); ++i) result.limits[refined_->blended[i]] = limits[i];
     return result;
 }
 
 BezierPatch LimitParts::bezierPatch(std::size_t patch, const LimitPositions& positions) const {
-    const auto control = refined_->patches[patch].controlPoints(
-        positions.levels[static_cast<std::size_t>(refined_->parts[patch].level)]);
+    const auto control =
+        refined_->patches[patch].controlPoints(positions.levels[refined_->parts[patch].level]);
     const auto bezier = bezierPoints(control);
     BezierPatch result;
     for (std::size_t i = 0; i < 64; ++i) {

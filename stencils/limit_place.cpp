@@ -52,8 +52,7 @@ StencilTable<double> blendedRows(const far::TopologyRefiner& refiner, int level,
         limits.rowCount(), limits.columnCount(), [&](Index row, RowAccumulator& accumulator) {
             for (std::size_t k = 0; k < limits.columns(row).size(); ++k)
                 accumulator.add(limits.columns(row)[k], limits.weights(row)[k]);
-            if (limits.columns(row).empty())
-                accumulator.add(vertices[static_cast<std::size_t>(row)], 1);
+            if (limits.columns(row).empty()) accumulator.add(vertices[row], 1);
         });
 }
 
@@ -106,9 +105,7 @@ std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int leve
     for (int k = 0; k <= level; ++k)
         selections.push_back(buildTable<double>(
             k < level ? 0 : static_cast<Index>(corners.size()), refiner.level(k).complex.count(0),
-            [&](Index row, RowAccumulator& accumulator) {
-                accumulator.add(corners[static_cast<std::size_t>(row)], 1);
-            }));
+            [&](Index row, RowAccumulator& accumulator) { accumulator.add(corners[row], 1); }));
     const auto rows =
         composeRows<double>(tables, std::move(selections), compositionOf(tables)).back();
     std::vector<std::uint8_t> result;

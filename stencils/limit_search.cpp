@@ -27,10 +27,6 @@ namespace {
 /// children would differ by little more than rounding.
 constexpr double kThinnest = 1e-13;
 
-Vector3d at(std::span<const Point3> points, Index i) {
-    return Vector3d(points[static_cast<std::size_t>(i)].data());
-}
-
 /// From this level on cells are so small that the nearest place of a patch is taken as it is, and
 /// what no patch gives back is left to the nearest place.
 constexpr int kMaxLevelOfPatches = 12;
@@ -95,15 +91,14 @@ private:
             // What is only far away may be blended of the vertices as they are.
             const auto limits = blendedRows(descent.refiner, level, search.rules_, corners);
             const auto places = applyLevelTable(limits, positions_);
-            for (std::size_t i = 0; i < corners.size(); ++i)
-                positions_[static_cast<std::size_t>(corners[i])] = places[i];
+            for (std::size_t i = 0; i < corners.size(); ++i) positions_[corners[i]] = places[i];
         }
         blend_.emplace(level_.complex, positions_, search.scale_);
 
         for (const Index cell : descent.candidates.cells) {
             boxes_.emplace_back();
             for (const Index vertex : level_.complex.relation(3, 0)[cell])
-                boxes_.back().extend(at(positions_, vertex));
+                boxes_.back().extend(Vector3d(positions_[vertex].data()));
         }
         if (!search.isFineEnough(level)) return;
         isBlended_ = areSmall(descent.refiner, level, descent.tables, descent.candidates.cells,
@@ -117,7 +112,8 @@ private:
         for (const Index v : vertices)
             for (const Index w : vertices)
                 if (w < v &&
-                    (at(positions_, v) - at(positions_, w)).norm() <= kThinnest * scale.size)
+                    (Vector3d(positions_[v].data()) - Vector3d(positions_[w].data())).norm() <=
+                        kThinnest * scale.size)
                     return true;
         return false;
     }
@@ -164,9 +160,9 @@ FoundPlaces LimitSearch::findInside(std::span<const Point3> points,
     auto result = search(points, Sought::Containing, [&](FoundPlaces& found, const Cells& cells) {
         const int level = found.descent.refiner.maxLevel();
         found.descent.candidates.filter([&](std::size_t i, Index p) {
-            LocatedInLimit& located = found.points[static_cast<std::size_t>(p)];
+            LocatedInLimit& located = found.points[p];
             if (located.place) return false;
-            const Vector3d point = at(points, p);
+            const Vector3d point(points[p].data());
             if (!point.allFinite()) return false;
             if (const PatchSolver* patch = cells.patch(i)) {
                 const auto [answer, uvw] = patch->find(point);
@@ -196,8 +192,7 @@ FoundPlaces LimitSearch::findInside(std::span<const Point3> points,
     for (std::size_t p = 0; p < points.size(); ++p) {
         LocatedInLimit& located = result.points[p];
         if (located.place) continue;
-        const auto beyond =
-            CellSolver::beyondReach(at(points, static_cast<Index>(p)), seekNearest_);
+        const auto beyond = CellSolver::beyondReach(Vector3d(points[p].data()), seekNearest_);
         if (beyond)
             located.status = beyond->status;
         else
@@ -214,7 +209,7 @@ void LimitSearch::keepFew(Descent& descent, std::span<const Point3> points,
     std::vector<std::vector<std::pair<double, Index>>> cellsOf(points.size());
     for (std::size_t i = 0; i < candidates.cells.size(); ++i)
         for (const Index p : candidates.pointsOf(i))
-            cellsOf[static_cast<std::size_t>(p)].emplace_back(0, candidates.cells[i]);
+            cellsOf[p].emplace_back(0, candidates.cells[i]);
     const bool areFew = std::all_of(cellsOf.begin(), cellsOf.end(),
                                     [&](const auto& cells) { return cells.size() <= most; });
     // Base cells may be of any kind, and have no distances yet.
@@ -225,7 +220,7 @@ void LimitSearch::keepFew(Descent& descent, std::span<const Point3> points,
         auto& cells = cellsOf[p];
         if (cells.size() <= most) continue;
         for (auto& [distance, cell] : cells)
-            distance = solver.distance(at(points, static_cast<Index>(p)), CellId(cell));
+            distance = solver.distance(Vector3d(points[p].data()), CellId(cell));
         std::nth_element(cells.begin(), cells.begin() + static_cast<std::ptrdiff_t>(most),
                          cells.end());
         cells.resize(most);
@@ -234,7 +229,7 @@ void LimitSearch::keepFew(Descent& descent, std::span<const Point3> points,
     }
     candidates.filter([&](std::size_t i, Index p) {
         // Ascending, as they were given.
-        const auto& cells = cellsOf[static_cast<std::size_t>(p)];
+        const auto& cells = cellsOf[p];
         const auto found =
             std::lower_bound(cells.begin(), cells.end(), candidates.cells[i],
                              [](const auto& cell, Index number) { return cell.second < number; });
@@ -250,11 +245,11 @@ FoundPlaces LimitSearch::findNearest(std::span<const Point3> points) const {
         const int level = found.descent.refiner.maxLevel();
         found.descent.candidates.filter([&](std::size_t i, Index p) {
             const PatchSolver* patch = cells.patch(i);
-            const Vector3d point = at(points, p);
+            const Vector3d point(points[p].data());
             const bool isPatch = patch && (patch->isNearlyLinear() || level >= kMaxLevelOfPatches);
             if (!isPatch && !cells.isBlended(i, point)) return true;
             const Index cell = found.descent.candidates.cells[i];
-            LocatedInLimit& located = found.points[static_cast<std::size_t>(p)];
+            LocatedInLimit& located = found.points[p];
             LimitPlace place{level, {}};
             double distance = 0;
             if (patch) {
@@ -269,7 +264,7 @@ FoundPlaces LimitSearch::findNearest(std::span<const Point3> points) const {
             }
             if (!located.place || distance < located.distance) {
                 located = {PointStatus::Outside, place, distance, 0};
-                double& known = nearest[static_cast<std::size_t>(p)];
+                double& known = nearest[p];
                 known = std::min(known, distance);
             }
             return false;
@@ -280,8 +275,7 @@ FoundPlaces LimitSearch::findNearest(std::span<const Point3> points) const {
         LocatedInLimit& located = result.points[p];
         // Nothing is as near as a gap is wide.
         if (!located.place && !seekNearest_) continue;
-        located =
-            continued(located, result.descent, result.positions, at(points, static_cast<Index>(p)));
+        located = continued(located, result.descent, result.positions, Vector3d(points[p].data()));
     }
     return result;
 }
@@ -301,7 +295,7 @@ LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const Desce
     const PlaceRows rows(descent.refiner, place.level, rules_, {&place, 1});
     const auto sum = [&](const Orders& orders) {
         return weightedSum(rows.weights(0, orders),
-                           [&](Index vertex) { return at(positions[level], vertex); });
+                           [&](Index vertex) { return Vector3d(positions[level][vertex].data()); });
     };
     const auto setOffset = [&](const Vector3d& offset) {
         std::visit([&](auto& where) { where.offset = toArray(offset); }, place.where);

@@ -79,7 +79,7 @@ void settle(Walk& walk, std::vector<Walker>& walkers, double tolerance) {
     std::erase_if(walkers, [&](const Walker& walker) {
         const bool isRegular = isRegularCell(here, walker.frame.cell);
         const auto cell = std::lower_bound(cells.begin(), cells.end(), walker.frame.cell);
-        if (!isRegular && !isSmall[static_cast<std::size_t>(cell - cells.begin())]) return false;
+        if (!isRegular && !isSmall[cell - cells.begin()]) return false;
         walk.locations.back().push_back(walker.location);
         walk.places.back().push_back({level, FramePlace{walker.frame, walker.uvw, {}, !isRegular}});
         return true;
@@ -164,8 +164,7 @@ StencilTable<double> rowsOf(const far::Level& level, const far::RefinerOptions& 
     }
     return buildTable<double>(static_cast<Index>(sources.size()), level.complex.count(0),
                               [&](Index row, RowAccumulator& accumulator) {
-                                  const auto& [table, source] =
-                                      sources[static_cast<std::size_t>(row)];
+                                  const auto& [table, source] = sources[row];
                                   const auto columns = table->columns(source);
                                   const auto weights = table->weights(source);
                                   for (std::size_t e = 0; e < columns.size(); ++e)
@@ -238,11 +237,9 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
     far::parallelFor(count, kGrain, [&](Offset first, Offset last) {
         std::vector<Walker> walkers;
         for (Offset i = first; i < last; ++i)
-            walkers.push_back(walkerAt(here.complex, static_cast<std::size_t>(i),
-                                       locations[static_cast<std::size_t>(i)]));
-        chunks[static_cast<std::size_t>(first / kGrain)] =
-            rowsOf(here, refiner.options(), rules, locations, std::move(walkers), orders,
-                   options.tolerance);
+            walkers.push_back(walkerAt(here.complex, static_cast<std::size_t>(i), locations[i]));
+        chunks[first / kGrain] = rowsOf(here, refiner.options(), rules, locations,
+                                        std::move(walkers), orders, options.tolerance);
     });
     const auto rows = buildTable<double>(
         static_cast<Index>(count * std::ssize(orders)), here.complex.count(0),
@@ -250,7 +247,7 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
             const Offset i = row % count, chunk = i / kGrain;
             const Offset size = std::min(kGrain, count - chunk * kGrain);
             const auto source = static_cast<Index>(row / count * size + i % kGrain);
-            const auto& table = chunks[static_cast<std::size_t>(chunk)];
+            const auto& table = chunks[chunk];
             for (std::size_t e = 0; e < table.columns(source).size(); ++e)
                 accumulator.add(table.columns(source)[e], table.weights(source)[e]);
         });
@@ -277,7 +274,7 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
                 const auto corner = static_cast<std::size_t>(
                     std::find(frame->corners.begin(), frame->corners.end(), vertex) -
                     frame->corners.begin());
-                rowOf[static_cast<std::size_t>(vertex)] = static_cast<Index>(locations.size());
+                rowOf[vertex] = static_cast<Index>(locations.size());
                 locations.push_back({cell,
                                      {double(bitOf(corner, 0)), double(bitOf(corner, 1)),
                                       double(bitOf(corner, 2))}});
@@ -288,7 +285,7 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
         const auto spread = [&](const StencilTable<Real>& table) {
             return buildTable<Real>(here.complex.count(0), table.columnCount(),
                                     [&](Index vertex, RowAccumulator& accumulator) {
-                                        const Index row = rowOf[static_cast<std::size_t>(vertex)];
+                                        const Index row = rowOf[vertex];
                                         if (row == far::kMaxIndex) return;
                                         for (std::size_t e = 0; e < table.columns(row).size(); ++e)
                                             accumulator.add(table.columns(row)[e],

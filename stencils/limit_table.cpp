@@ -26,7 +26,7 @@ Index opposite(const far::CellComplex& complex, const Entity& entity, Index vert
     if (entity.dimension == 3) {
         const auto corners = *far::hexahedronVertices(complex, far::CellId(entity.index));
         const auto at = std::find(corners.begin(), corners.end(), vertex) - corners.begin();
-        return corners[kOpposite[static_cast<std::size_t>(at)]];
+        return corners[kOpposite[at]];
     }
     const auto loop = complex.relation(entity.dimension, 0)[entity.index];
     const auto at =
@@ -59,9 +59,8 @@ public:
         masks_.resize(firsts.size());
         far::parallelFor(std::ssize(firsts), 1, [&](Offset first, Offset last) {
             for (Offset i = first; i < last; ++i) {
-                const VertexRing ring =
-                    ringOf(level, refiner.options(), rules, firsts[static_cast<std::size_t>(i)]);
-                masks_[static_cast<std::size_t>(i)] = ring.start.transpose() * limitMask(ring);
+                const VertexRing ring = ringOf(level, refiner.options(), rules, firsts[i]);
+                masks_[i] = ring.start.transpose() * limitMask(ring);
             }
         });
     }
@@ -92,9 +91,7 @@ StencilTable<double> buildLimitTable(const far::TopologyRefiner& refiner, int le
     std::vector<std::uint8_t> isRegular(vertices.size());
     far::parallelFor(std::ssize(vertices), 4096, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i)
-            isRegular[static_cast<std::size_t>(i)] =
-                here.complex.dimension() == 3 &&
-                isRegularVertex(here, vertices[static_cast<std::size_t>(i)]);
+            isRegular[i] = here.complex.dimension() == 3 && isRegularVertex(here, vertices[i]);
     });
     std::vector<Index> irregular;
     for (std::size_t i = 0; i < vertices.size(); ++i)
@@ -104,8 +101,8 @@ StencilTable<double> buildLimitTable(const far::TopologyRefiner& refiner, int le
     return buildTable<double>(
         static_cast<Index>(vertices.size()), here.complex.count(0),
         [&](Index row, RowAccumulator& accumulator) {
-            const Index vertex = vertices[static_cast<std::size_t>(row)];
-            if (isRegular[static_cast<std::size_t>(row)]) {
+            const Index vertex = vertices[row];
+            if (isRegular[row]) {
                 addRegularRow(here, vertex, accumulator);
                 return;
             }

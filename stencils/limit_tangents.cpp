@@ -56,7 +56,7 @@ MatrixXd sortedEdges(const Eigen::SparseMatrix<double>& transposed, const EdgePl
     MatrixXd edges = MatrixXd::Zero(transposed.rows(), 3);
     for (Eigen::Index k = 0; k < 3; ++k) {
         edges(0, k) = -1;  // The vertex is the first point of its ring, and its edges come next.
-        edges(1 + places[static_cast<std::size_t>(k)], k) = 1;
+        edges(1 + places[k], k) = 1;
     }
     MatrixXd later = edges;
     for (int step = 0; step < kSteps; ++step) later = stepped(transposed, later);
@@ -143,7 +143,7 @@ StencilTable<double> buildTangentTable(const far::TopologyRefiner& refiner, int 
     return buildTable<double>(
         static_cast<Index>(3 * corners.size()), here.complex.count(0),
         [&](Index row, RowAccumulator& accumulator) {
-            const CellCorner& corner = corners[static_cast<std::size_t>(row / 3)];
+            const CellCorner& corner = corners[row / 3];
             const MatrixXd& columns =
                 directions[groups.groupOf.at(corner.vertex)].at(edgesAt(here.complex, corner));
             const std::vector<Index> around = verticesAround(here.complex, corner.vertex);

@@ -30,7 +30,7 @@ Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence)
     assert(0 <= dimension && dimension <= stratum && stratum <= far::kMaxDimension);
     if (rules == Rules::Rats) {
         Mask average{};
-        average[static_cast<std::size_t>(stratum)] = 1;
+        average[stratum] = 1;
         return average;
     }
     switch (stratum) {

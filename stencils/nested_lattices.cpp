@@ -28,8 +28,7 @@ StencilTable<double> nestTables(const StencilTable<double>& child,
     // A vertex that stays where it is has no row of weights.
     if (!bound.binding.kept.empty()) {
         const Index vertex = bound.binding.kept.front();
-        const bool isOutside =
-            bound.statuses[static_cast<std::size_t>(vertex)] == PointStatus::Outside;
+        const bool isOutside = bound.statuses[vertex] == PointStatus::Outside;
         throw Error("vertex " + std::to_string(vertex) + " of the child " +
                     (isOutside ? "lies outside of the parent lattice"
                                : "has no place in the parent lattice: its cell is degenerate"));

@@ -18,14 +18,14 @@ public:
     /// \param count items are 0 to count − 1
     explicit PlaceMap(Index count) : places_(static_cast<std::size_t>(count), kNone) {}
 
-    bool has(Index item) const { return places_[static_cast<std::size_t>(item)] != kNone; }
+    bool has(Index item) const { return places_[item] != kNone; }
     /// \param item one that is there
-    Index placeOf(Index item) const { return places_[static_cast<std::size_t>(item)]; }
+    Index placeOf(Index item) const { return places_[item]; }
     const std::vector<Index>& items() const { return items_; }
 
     /// \param item one that is not there
     void add(Index item) {
-        places_[static_cast<std::size_t>(item)] = static_cast<Index>(items_.size());
+        places_[item] = static_cast<Index>(items_.size());
         items_.push_back(item);
     }
 
@@ -33,13 +33,12 @@ public:
     void sort() {
         std::sort(items_.begin(), items_.end());
         for (std::size_t place = 0; place < items_.size(); ++place)
-            places_[static_cast<std::size_t>(items_[place])] = static_cast<Index>(place);
+            places_[items_[place]] = static_cast<Index>(place);
     }
 
     /// Forgets all but the first `count`.
     void shrink(std::size_t count) {
-        for (; items_.size() > count; items_.pop_back())
-            places_[static_cast<std::size_t>(items_.back())] = kNone;
+        for (; items_.size() > count; items_.pop_back()) places_[items_.back()] = kNone;
     }
 
 private:

@@ -91,8 +91,7 @@ StencilTable<Real> buildPlaceTable(const PlacedPoints<Place>& placed, Index vert
     checkVertexCount(placed.vertexCount, vertexCount);
     return buildTable<Real>(static_cast<Index>(placed.points.size()), vertexCount,
                             [&](Index row, RowAccumulator& accumulator) {
-                                const auto& place =
-                                    placed.points[static_cast<std::size_t>(row)].place;
+                                const auto& place = placed.points[row].place;
                                 if (!place) return;
                                 for (const auto& [vertex, weight] : weightsOf(*place))
                                     accumulator.add(vertex, weight);

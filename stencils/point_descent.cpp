@@ -18,10 +18,6 @@ using Extent = far::TopologyRefiner::Extent;
 
 namespace {
 
-Vector3d at(std::span<const Point3> positions, Index index) {
-    return Vector3d(positions[static_cast<std::size_t>(index)].data());
-}
-
 /// The boxes of a level may miss those of the last one by the rounding of the sums between, which
 /// is relative to where the lattice lies: some 100 times 1e-16 a level.
 constexpr double kSlack = 1e-12;
@@ -48,7 +44,7 @@ std::vector<BoxTree::Box> boxesOf(const std::vector<Bound>& bounds, const std::v
                                   double margin) {
     std::vector<BoxTree::Box> boxes;
     for (const Index cell : cells) {
-        boxes.push_back(bounds[static_cast<std::size_t>(cell)]->box);
+        boxes.push_back(bounds[cell]->box);
         boxes.back().min().array() -= margin;
         boxes.back().max().array() += margin;
     }
@@ -66,7 +62,7 @@ double reach(const far::CellComplex& complex, std::span<const Point3> positions,
     }
     double nearest = std::numeric_limits<double>::infinity();
     for (const Index vertex : complex.relation(3, 0)[cell])
-        nearest = std::min(nearest, (at(positions, vertex) - point).norm());
+        nearest = std::min(nearest, (Vector3d(positions[vertex].data()) - point).norm());
     return nearest + bound->drift->norm();
 }
 
@@ -94,9 +90,7 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
     std::vector<std::vector<Index>> pointsOf(bounds_.size());
     std::vector<Index> found;
     for (std::size_t point = 0; point < points.size(); ++point) {
-        const auto add = [&](Index cell) {
-            pointsOf[static_cast<std::size_t>(cell)].push_back(static_cast<Index>(point));
-        };
+        const auto add = [&](Index cell) { pointsOf[cell].push_back(static_cast<Index>(point)); };
         for (const Index cell : unbounded_) add(cell);
         found.clear();
         const Vector3d position(points[point].data());
@@ -104,16 +98,15 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
             tree_.findContaining(position, found);
         } else {
             const auto reachOf = [&](Index i) {
-                const Index cell = bounded_[static_cast<std::size_t>(i)];
+                const Index cell = bounded_[i];
                 if (!isLasting(base_.level(0), cell))
                     return std::numeric_limits<double>::infinity();
-                return reach(base_.level(0).complex, positions_, cell,
-                             bounds_[static_cast<std::size_t>(cell)], position);
+                return reach(base_.level(0).complex, positions_, cell, bounds_[cell], position);
             };
             tree_.findWithin(position, tree_.findNearest(position, reachOf).distance + margin_,
                              found);
         }
-        for (const Index i : found) add(bounded_[static_cast<std::size_t>(i)]);
+        for (const Index i : found) add(bounded_[i]);
     }
     Candidates candidates;
     for (std::size_t cell = 0; cell < bounds_.size(); ++cell) {
@@ -139,15 +132,15 @@ void PointDescent::keepNearest(Descent& descent, std::span<const Point3> points,
     Candidates& candidates = descent.candidates;
     for (std::size_t i = 0; i < candidates.cells.size(); ++i)
         for (const Index point : candidates.pointsOf(i)) {
-            double& best = nearest[static_cast<std::size_t>(point)];
+            double& best = nearest[point];
             best = std::min(best, reach(complex, descent.positions, candidates.cells[i],
-                                        candidates.bounds[i], at(points, point)));
+                                        candidates.bounds[i], Vector3d(points[point].data())));
         }
     candidates.filter([&](std::size_t i, Index point) {
         const Bound& bound = candidates.bounds[i];
         // Written so that what is not a number stays.
-        return !bound || !(bound->box.exteriorDistance(at(points, point)) >
-                           nearest[static_cast<std::size_t>(point)] + descent.margin);
+        return !bound || !(bound->box.exteriorDistance(Vector3d(points[point].data())) >
+                           nearest[point] + descent.margin);
     });
 }
 
@@ -161,8 +154,9 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
 
     CellBounds bounds(descent.refiner.level(level), descent.positions, base_.options().creasing);
     const auto mayHold = [&](const Bound& bound, const AffineHull& hull, Index point) {
-        return !bound || (!(bound->box.exteriorDistance(at(points, point)) > descent.margin) &&
-                          hull.contains(at(points, point)));
+        return !bound ||
+               (!(bound->box.exteriorDistance(Vector3d(points[point].data())) > descent.margin) &&
+                hull.contains(Vector3d(points[point].data())));
     };
     const Candidates parents = std::exchange(descent.candidates, {});
     Candidates& children = descent.candidates;

@@ -8,8 +8,10 @@
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <numeric>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "cell_bounds.h"
@@ -20,6 +22,16 @@ namespace espalier::stencils {
 enum class Sought {
     Containing,  ///< those in whose box it is
     Nearest      ///< the nearest one; and those in whose box it is
+};
+
+/// The cells sought for each point: those of point i are cells[offsets[i]] to … [i + 1], ascending.
+struct CellsOfPoints {
+    std::vector<Offset> offsets;
+    std::vector<Index> cells;
+
+    std::span<const Index> of(Index point) const {
+        return {cells.data() + offsets[point], cells.data() + offsets[point + 1]};
+    }
 };
 
 /// Pairs of cells of a level and points that are sought there, cell by cell.
@@ -53,6 +65,25 @@ struct Candidates {
             kept.endCell(cells[i], bounds[i]);
         }
         *this = std::move(kept);
+    }
+
+    /// The same pairs point by point, as far as isSought(cell, point) is true.
+    template <class IsSought>
+    CellsOfPoints cellsOfPoints(std::size_t pointCount, IsSought isSought) const {
+        CellsOfPoints result;
+        result.offsets.assign(pointCount + 1, 0);
+        std::vector<std::pair<Index, Index>> pairs;
+        for (std::size_t i = 0; i < cells.size(); ++i)
+            for (const Index point : pointsOf(i)) {
+                if (!isSought(cells[i], point)) continue;
+                pairs.emplace_back(point, cells[i]);
+                ++result.offsets[point + 1];
+            }
+        std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());
+        std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
+        result.cells.resize(pairs.size());
+        for (const auto& [point, cell] : pairs) result.cells[next[point]++] = cell;
+        return result;
     }
 };
 

@@ -18,7 +18,7 @@ std::vector<BoxTree::Box> cellBoxes(const CellSolver& solver, Index cellCount) {
     std::vector<BoxTree::Box> boxes(static_cast<std::size_t>(cellCount));
     far::parallelFor(cellCount, 4096, [&](far::Offset first, far::Offset last) {
         for (far::Offset cell = first; cell < last; ++cell)
-            boxes[static_cast<std::size_t>(cell)] = solver.boxOf(CellId(static_cast<Index>(cell)));
+            boxes[cell] = solver.boxOf(CellId(static_cast<Index>(cell)));
     });
     return boxes;
 }

@@ -13,7 +13,7 @@ using far::Level;
 
 namespace {
 
-constexpr int kCorner = 0, kBorder = 1;
+constexpr int kCornerStratum = 0, kBorderStratum = 1;
 
 /// Whether a part of the entity of dimension `dimension` has at most the stratum `most`.
 bool hasPart(const Level& level, const Entity& entity, int dimension, int most) {
@@ -37,7 +37,7 @@ std::vector<Entity> edgesAtTheBorder(const Level& level, const Entity& face) {
     std::vector<Entity> inner;
     for (const Index edge : edges) {
         const auto ends = level.complex.relation(1, 0)[edge];
-        if (level.strata.of({1, edge}) <= kBorder)
+        if (level.strata.of({1, edge}) <= kBorderStratum)
             onBorder.insert(onBorder.end(), ends.begin(), ends.end());
         else
             inner.push_back({1, edge});
@@ -52,14 +52,14 @@ std::vector<Entity> edgesAtTheBorder(const Level& level, const Entity& face) {
 }
 
 RatsPoint edgePoint(const Level& level, const Entity& edge) {
-    if (level.strata.of(edge) <= kBorder)
-        return hasPart(level, edge, 0, kCorner) ? RatsPoint::EAlpha : RatsPoint::EBeta;
-    return hasPart(level, edge, 0, kBorder) ? RatsPoint::EGamma : RatsPoint::EDelta;
+    if (level.strata.of(edge) <= kBorderStratum)
+        return hasPart(level, edge, 0, kCornerStratum) ? RatsPoint::EAlpha : RatsPoint::EBeta;
+    return hasPart(level, edge, 0, kBorderStratum) ? RatsPoint::EGamma : RatsPoint::EDelta;
 }
 
 RatsPoint facePoint(const Level& level, const Entity& face) {
-    if (hasPart(level, face, 0, kCorner)) return RatsPoint::FAlpha;
-    return hasPart(level, face, 1, kBorder) ? RatsPoint::FBeta : RatsPoint::FGamma;
+    if (hasPart(level, face, 0, kCornerStratum)) return RatsPoint::FAlpha;
+    return hasPart(level, face, 1, kBorderStratum) ? RatsPoint::FBeta : RatsPoint::FGamma;
 }
 
 void checkNotSemiSharp(const Level& level) {
@@ -87,9 +87,9 @@ RatsPoint ratsPoint(const Level& level, Entity entity) {
     if (entity.dimension == 2) return facePoint(level, entity);
     if (entity.dimension == 1) return edgePoint(level, entity);
     switch (level.strata.of(entity)) {
-        case kCorner:
+        case kCornerStratum:
             return RatsPoint::VAlpha;
-        case kBorder:
+        case kBorderStratum:
             return RatsPoint::VBeta;
         default:
             return RatsPoint::VGamma;

@@ -7,13 +7,7 @@
 #include <algorithm>
 
 namespace espalier::stencils {
-namespace {
-
-std::size_t at(Index index) {
-    return static_cast<std::size_t>(index);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level, Rules rules) {
     // On level 1 nothing is inside an entity but its own point. Rows are matched by their place
@@ -27,14 +21,14 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
     : copies_(vertices.size()) {
     const VertexParents parents(refiner, level);
     const BaseEntities& origin = origins[static_cast<std::size_t>(level) - 1];
-    insides_.resize(at(origin.count()));
+    insides_.resize(origin.count());
 
     // Refinement keeps the order of the shapes, and so rows correspond that come at the same place
     // among the rows of their base entities.
-    far::Array<Index> places(at(parents.count()));
+    far::Array<Index> places(parents.count());
     std::vector<Index> sizes(insides_.size(), 0);
     for (Index vertex = 0; vertex < parents.count(); ++vertex)
-        places[at(vertex)] = sizes[at(origin.of(parents(vertex)))]++;
+        places[vertex] = sizes[origin.of(parents(vertex))]++;
 
     std::vector<Index> firstSets;            // of each shape
     std::vector<std::optional<Index>> sets;  // of each set of rows, its number among firsts_
@@ -42,18 +36,18 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
     for (std::size_t row = 0; row < vertices.size(); ++row) {
         const Index vertex = vertices[row];
         const Index base = origin.of(parents(vertex));
-        std::optional<Inside>& inside = insides_[at(base)];
+        std::optional<Inside>& inside = insides_[base];
         if (!inside) {
             const Index shape = surroundings.shapeOf(origins.front().entity(base));
-            if (at(shape) == firstSets.size()) {
+            if (shape == std::ssize(firstSets)) {
                 firstSets.push_back(static_cast<Index>(sets.size()));
-                sets.resize(sets.size() + at(sizes[at(base)]));
+                sets.resize(std::ssize(sets) + sizes[base]);
             }
-            inside = {firstSets[at(shape)], static_cast<Offset>(around_.size())};
+            inside = {firstSets[shape], static_cast<Offset>(around_.size())};
             around_.insert(around_.end(), surroundings.vertices().begin(),
                            surroundings.vertices().end());
         }
-        std::optional<Index>& first = sets[at(inside->firstSet + places[at(vertex)])];
+        std::optional<Index>& first = sets[inside->firstSet + places[vertex]];
         if (!first) {
             first = static_cast<Index>(firsts_.size());
             firsts_.push_back(vertex);
@@ -68,12 +62,12 @@ template <class Real>
 far::Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& firstRows) const {
     far::Array<Index> places(firstRows.columns().size());
     for (Index row = 0; row < firstRows.rowCount(); ++row) {
-        const Index* const around = verticesAround(firstBases_[at(row)]);
-        Offset entry = firstRows.offsets()[at(row)];
+        const Index* const around = verticesAround(firstBases_[row]);
+        Offset entry = firstRows.offsets()[row];
         Index place = 0;
         for (const Index column : firstRows.columns(row)) {  // Both ascend.
             while (around[place] != column) ++place;
-            places[static_cast<std::size_t>(entry++)] = place;
+            places[entry++] = place;
         }
     }
     return places;
@@ -86,8 +80,8 @@ StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& firstRows) con
     far::Array<Offset> offsets(copies_.size() + 1);
     offsets[0] = 0;
     for (std::size_t row = 0; row < copies_.size(); ++row)
-        offsets[row + 1] = offsets[row] + firstRows.offsets()[at(copies_[row].first) + 1] -
-                           firstRows.offsets()[at(copies_[row].first)];
+        offsets[row + 1] = offsets[row] + firstRows.offsets()[copies_[row].first + 1] -
+                           firstRows.offsets()[copies_[row].first];
     far::Array<Index> columns(static_cast<std::size_t>(offsets.back()));
     far::Array<Real> weights(columns.size());
     far::parallelFor(static_cast<Offset>(copies_.size()), 4096, [&](Offset begin, Offset end) {
@@ -95,7 +89,7 @@ StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& firstRows) con
              ++row) {
             const Copy& copy = copies_[row];
             const auto from = firstRows.weights(copy.first);
-            const Index* const place = places.data() + firstRows.offsets()[at(copy.first)];
+            const Index* const place = places.data() + firstRows.offsets()[copy.first];
             const Index* const around = verticesAround(copy.base);
             Index* const to = columns.data() + offsets[row];
             for (std::size_t k = 0; k < from.size(); ++k) to[k] = around[place[k]];

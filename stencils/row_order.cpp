@@ -11,8 +11,7 @@ RowOrder::RowOrder(std::span<const Index> groups, Index groupCount)
     for (const Index group : groups) ++next[static_cast<std::size_t>(group) + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
     for (std::size_t row = 0; row < groups.size(); ++row)
-        rows_[static_cast<std::size_t>(next[static_cast<std::size_t>(groups[row])]++)] =
-            static_cast<Index>(row);
+        rows_[next[groups[row]]++] = static_cast<Index>(row);
 }
 
 BaseEntities::BaseEntities(const far::CellComplex& base) {
@@ -27,7 +26,7 @@ BaseEntities::BaseEntities(const far::CellComplex& base) {
 far::Entity BaseEntities::entity(Index number) const {
     int dimension = 0;
     while (number >= begins_[static_cast<std::size_t>(dimension) + 1]) ++dimension;
-    return {dimension, number - begins_[static_cast<std::size_t>(dimension)]};
+    return {dimension, number - begins_[dimension]};
 }
 
 void BaseEntities::refine(const far::Refinement& refinement) {

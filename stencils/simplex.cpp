@@ -33,8 +33,8 @@ Vector3d nearestToOrigin(const Triangle& triangle) {
     double bestSquared = std::numeric_limits<double>::infinity();
     for (Eigen::Index i = 0; i < 3; ++i) {
         const Eigen::Index j = (i + 1) % 3;
-        const Vector3d& a = triangle[static_cast<std::size_t>(i)];
-        const Vector3d& b = triangle[static_cast<std::size_t>(j)];
+        const Vector3d& a = triangle[i];
+        const Vector3d& b = triangle[j];
         const double t = nearestOnSegment(a, b);
         const double d = ((1 - t) * a + t * b).squaredNorm();
         if (d >= bestSquared) continue;

@@ -8,7 +8,7 @@
 namespace espalier::stencils {
 namespace {
 
-constexpr double kSteps = 1 << MortonCurve::kBitsPerAxis;
+constexpr double kStepsPerAxis = 1 << MortonCurve::kBitsPerAxis;
 
 /// The bits of a number of 21 bits, with two zeros after each.
 std::uint64_t spread(std::uint64_t bits) {
@@ -26,7 +26,7 @@ MortonCurve::MortonCurve(const Eigen::AlignedBox3d& box) : low_(box.min()) {
     // An axis along which the box has no length has one step.
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
         const double length = box.max()[axis] - box.min()[axis];
-        scale_[axis] = length > 0 ? kSteps / length : 0;
+        scale_[axis] = length > 0 ? kStepsPerAxis / length : 0;
     }
 }
 
@@ -35,7 +35,7 @@ std::uint64_t MortonCurve::key(const Eigen::Vector3d& point) const {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
         const double steps = (point[axis] - low_[axis]) * scale_[axis];
         // Written so that what is not a number comes out 0.
-        const double inside = steps > 0 ? std::min(steps, kSteps - 1) : 0;
+        const double inside = steps > 0 ? std::min(steps, kStepsPerAxis - 1) : 0;
         key |= spread(static_cast<std::uint64_t>(inside)) << axis;
     }
     return key;

@@ -38,7 +38,7 @@ StencilTable<Real>::StencilTable(Index columnCount, Array<Offset> offsets, Array
         if (offsets_[row] > offsets_[row + 1] || offsets_[row + 1] > entries)
             refuse("has offsets out of order");
         for (Offset i = offsets_[row]; i < offsets_[row + 1]; ++i) {
-            const Index column = columns_[static_cast<std::size_t>(i)];
+            const Index column = columns_[i];
             if (column < 0 || column >= columnCount_) refuse("names a column that does not exist");
             if (i > offsets_[row] && column <= columns_[static_cast<std::size_t>(i) - 1])
                 refuse("has columns that do not ascend");
@@ -67,7 +67,7 @@ StencilTable<Real> transposeTable(const StencilTable<Real>& table) {
     for (Index row = 0; row < table.rowCount(); ++row) {
         const auto columns = table.columns(row);
         for (std::size_t k = 0; k < columns.size(); ++k) {
-            const auto to = static_cast<std::size_t>(next[static_cast<std::size_t>(columns[k])]++);
+            const auto to = static_cast<std::size_t>(next[columns[k]]++);
             rows[to] = row;
             weights[to] = table.weights(row)[k];
         }
@@ -98,9 +98,8 @@ StencilTable<Real> copyRows(Index rowCount, Index columnCount, SourceOf sourceOf
 
 template <class Real>
 StencilTable<Real> selectRows(const StencilTable<Real>& table, std::span<const Index> rows) {
-    return copyRows<Real>(static_cast<Index>(rows.size()), table.columnCount(), [&](Index i) {
-        return std::pair(&table, rows[static_cast<std::size_t>(i)]);
-    });
+    return copyRows<Real>(static_cast<Index>(rows.size()), table.columnCount(),
+                          [&](Index i) { return std::pair(&table, rows[i]); });
 }
 
 template <class Real>
@@ -120,8 +119,7 @@ StencilTable<Real> interleaveRows(const std::vector<const StencilTable<Real>*>& 
         throw Error(std::to_string(count) + " tables of " + std::to_string(rowCount) +
                     " rows are too many rows for one");
     return copyRows<Real>(static_cast<Index>(rowCount * count), columnCount, [&](Index i) {
-        return std::pair(tables[static_cast<std::size_t>(i % count)],
-                         static_cast<Index>(i / count));
+        return std::pair(tables[i % count], static_cast<Index>(i / count));
     });
 }
 

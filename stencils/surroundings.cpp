@@ -50,8 +50,7 @@ void Surroundings::collect(const Entity& entity) {
     };
     vertices_.shrink(0);
     for (PlaceMap& items : around_) items.shrink(0);
-    addNew(around_[0],
-           (*relations_[static_cast<std::size_t>(entity.dimension)].toVertices)[entity.index]);
+    addNew(around_[0], (*relations_[entity.dimension].toVertices)[entity.index]);
     addNew(vertices_, around_[0].items());
     around_[0].sort();
     for (std::size_t d = 1; d < relations_.size(); ++d) {
@@ -65,10 +64,9 @@ void Surroundings::collect(const Entity& entity) {
 }
 
 void Surroundings::describe(const Entity& entity) {
-    description_ = {entity.dimension,
-                    around_[static_cast<std::size_t>(entity.dimension)].placeOf(entity.index)};
+    description_ = {entity.dimension, around_[entity.dimension].placeOf(entity.index)};
     for (int d = 0; d <= level_.complex.dimension(); ++d) {
-        const auto& items = around_[static_cast<std::size_t>(d)].items();
+        const auto& items = around_[d].items();
         description_.push_back(static_cast<Index>(items.size()));
         for (const Index item : items) describe(d, item);
     }
@@ -78,7 +76,7 @@ void Surroundings::describe(const Entity& entity) {
 void Surroundings::describe(int dimension, Index index) {
     const Entity entity{dimension, index};
     const far::Strata& strata = level_.strata;
-    const Relations& relations = relations_[static_cast<std::size_t>(dimension)];
+    const Relations& relations = relations_[dimension];
     const auto vertices = (*relations.toVertices)[index];
     const bool isSharp = dimension <= 1 && strata.sharpness(entity) > far::kSmooth;
     description_.push_back(strata.of(entity) + 4 * strata.smoothStratum(entity) + 16 * isSharp);

@@ -39,7 +39,7 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
     constexpr Offset kGrain = 4096;
     const auto rowAt = [&](Offset position) {
         return order.empty() ? static_cast<std::size_t>(position)
-                             : static_cast<std::size_t>(order[static_cast<std::size_t>(position)]);
+                             : static_cast<std::size_t>(order[position]);
     };
     std::vector<RowList<Real>> chunks(
         static_cast<std::size_t>((Offset{rowCount} + kGrain - 1) / kGrain));
@@ -47,11 +47,11 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
     Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
     offsets[0] = 0;
     far::parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
-        RowList<Real>& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
+        RowList<Real>& chunk = chunks[first / kGrain];
         fill(first, last, chunk);
         Offset begin = 0;
         for (Offset position = first; position < last; ++position) {
-            const Offset end = chunk.ends[static_cast<std::size_t>(position - first)];
+            const Offset end = chunk.ends[position - first];
             offsets[rowAt(position) + 1] = end - std::exchange(begin, end);
         }
     });
@@ -62,10 +62,10 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
     Array<Index> columns(static_cast<std::size_t>(offsets.back()));
     Array<Real> weights(columns.size());
     far::parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
-        RowList<Real>& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
+        RowList<Real>& chunk = chunks[first / kGrain];
         Offset begin = 0;
         for (Offset position = first; position < last; ++position) {
-            const Offset end = chunk.ends[static_cast<std::size_t>(position - first)];
+            const Offset end = chunk.ends[position - first];
             const Offset to = offsets[rowAt(position)];
             std::copy(chunk.columns.begin() + begin, chunk.columns.begin() + end,
                       columns.begin() + to);
@@ -106,9 +106,7 @@ public:
         std::sort(touched_.begin(), touched_.end());  // The sum does not depend on the calls.
         double sum = 0;
         Index largest = touched_.front();
-        const auto at = [&](Index column) -> double& {
-            return sums_[static_cast<std::size_t>(column)];
-        };
+        const auto at = [&](Index column) -> double& { return sums_[column]; };
         for (const Index column : touched_) {
             sum += at(column);
             if (std::abs(at(column)) > std::abs(at(largest))) largest = column;

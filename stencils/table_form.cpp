@@ -32,7 +32,7 @@ public:
     /// \param shift is added to its columns
     void set(Index row, std::span<const Index> columns, std::span<const Real> weights,
              Index shift) {
-        const Offset to = offsets_[static_cast<std::size_t>(row)];
+        const Offset to = offsets_[row];
         std::transform(columns.begin(), columns.end(), columns_.begin() + to,
                        [&](Index column) { return column + shift; });
         std::copy(weights.begin(), weights.end(), weights_.begin() + to);
@@ -60,18 +60,17 @@ StencilTable<Real> gatherPoints(std::vector<BoundPart<Table>>& parts, Index rowC
         const StencilTable<Real>& rows = rowsOf(part.table);
         for (Index i = 0; i < rows.rowCount(); ++i)
             // A point that is settled beside the cells has no entries among those inside.
-            lengths[static_cast<std::size_t>(part.points[static_cast<std::size_t>(i)]) + 1] +=
+            lengths[static_cast<std::size_t>(part.points[i]) + 1] +=
                 static_cast<Offset>(rows.columns(i).size());
     }
     RowPlaces<Real> places(std::move(lengths));
     far::parallelFor(std::ssize(parts), 1, [&](Offset first, Offset last) {
         for (Offset p = first; p < last; ++p) {
-            BoundPart<Table>& part = parts[static_cast<std::size_t>(p)];
+            BoundPart<Table>& part = parts[p];
             StencilTable<Real>& rows = rowsOf(part.table);
             for (Index i = 0; i < rows.rowCount(); ++i)
                 if (!rows.columns(i).empty())
-                    places.set(part.points[static_cast<std::size_t>(i)], rows.columns(i),
-                               rows.weights(i), shifts[static_cast<std::size_t>(p)]);
+                    places.set(part.points[i], rows.columns(i), rows.weights(i), shifts[p]);
             rows = {};
         }
     });

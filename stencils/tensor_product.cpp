@@ -31,7 +31,7 @@ constexpr double kSingle = 1.1e-7;
 
 /// The least volume of a parallelepiped with sides of length 1: flatter, and the local coordinates
 /// would have under half the digits of a double.
-constexpr double kFlat = 1e-8;
+constexpr double kMinVolume = 1e-8;
 
 /// How far beyond the region, in cells, a point on its boundary may come out by rounding: 1e-16 of
 /// its coordinates over the size and thinness of a cell, as in PointLocator.
@@ -100,7 +100,7 @@ void TensorLattice::invertAxes() {
     const Vector3d lengths(axes_.col(0).stableNorm(), axes_.col(1).stableNorm(),
                            axes_.col(2).stableNorm());
     const Matrix3d units = axes_ * lengths.cwiseInverse().asDiagonal();
-    if (!(std::abs(units.determinant()) > kFlat))
+    if (!(std::abs(units.determinant()) > kMinVolume))
         throw Error("the rest positions have no volume: they are not a parallelepiped");
     toCells_ = lengths.cwiseInverse().asDiagonal() * units.inverse();
 }

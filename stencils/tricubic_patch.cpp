@@ -80,7 +80,7 @@ TricubicPatch::ControlPoints TricubicPatch::controlPoints(std::span<const Point3
         if (vertices_[i] == far::kMaxIndex)
             points[i].setZero();
         else
-            points[i] = Eigen::Vector3d(positions[static_cast<std::size_t>(vertices_[i])].data());
+            points[i] = Eigen::Vector3d(positions[vertices_[i]].data());
     // Where two axes lack a layer, the later one makes phantoms of phantoms.
     std::size_t stride = 1;
     for (std::size_t axis = 0; axis < 3; ++axis, stride *= 4)

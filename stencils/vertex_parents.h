@@ -18,8 +18,7 @@ public:
         : refinement_(refiner.refinement(level)), count_(refinement_.child().count(0)) {
         const far::CellComplex& parent = refiner.level(level - 1).complex;
         for (int d = 0; d <= far::kMaxDimension; ++d)
-            begins_[static_cast<std::size_t>(d) + 1] =
-                begins_[static_cast<std::size_t>(d)] + parent.count(d);
+            begins_[static_cast<std::size_t>(d) + 1] = begins_[d] + parent.count(d);
         isWhole_ = begins_.back() == count_;
     }
 
@@ -32,8 +31,7 @@ public:
         if (!isWhole_) return refinement_.parentOf({0, vertex}).upper;
         int dimension = 0;
         while (vertex >= begins_[static_cast<std::size_t>(dimension) + 1]) ++dimension;
-        return {dimension,
-                static_cast<Index>(vertex - begins_[static_cast<std::size_t>(dimension)])};
+        return {dimension, static_cast<Index>(vertex - begins_[dimension])};
     }
 
 private:

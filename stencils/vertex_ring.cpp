@@ -118,7 +118,7 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options, R
     ring.levels = chain.refiner.maxLevel();
     const auto rows = composeStencils<double>(chain.refiner, chain.tables, first);
     ring.start = matrixOf(rows, std::ssize(ring.vertices), [&](Index column) {
-        return placeIn(ring.vertices, star.entities[0][static_cast<std::size_t>(column)]);
+        return placeIn(ring.vertices, star.entities[0][column]);
     });
 
     entities = entitiesAt(chain.level().complex, chain.vertex);

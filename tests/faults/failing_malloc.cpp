@@ -65,7 +65,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
     return memalign(alignment, size);
 }
 
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
     void* const got = memalign(alignment, size);
     if (got == nullptr) return ENOMEM;
     *memory = got;

@@ -13,6 +13,9 @@ namespace espalier::test {
 
 inline constexpr io::DeformationGradient kIdentity = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
+/// x becomes y, y becomes -x: of a normal (1, 2, 3) it makes (-2, 1, 3), exactly.
+inline constexpr io::DeformationGradient kQuarterTurn = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+
 inline Point3 times(const io::DeformationGradient& f, const Point3& vector) {
     Point3 result{};
     for (std::size_t i = 0; i < 3; ++i)

@@ -33,13 +33,14 @@ inline Lattice latticeOf(const std::string& name, const std::string& bytes) {
     return io::readLattice(folder / name);
 }
 
-/// The message with which these bytes are refused, after the path; empty if they are not.
-inline std::string refusalOf(const std::string& name, const std::string& bytes) {
+/// The message with which read(path) refuses these bytes, after the path; empty if it does not.
+template <class Read>
+std::string refusalOf(const std::string& name, const std::string& bytes, Read read) {
     const TemporaryFolder folder;
     const std::string path = (folder / name).string();
     putLatticeFile(path, bytes);
     try {
-        io::readLattice(path);
+        read(path);
     } catch (const Error& error) {
         const std::string what = error.what();
         EXPECT_EQ(what.rfind(path, 0), 0u) << "the message lacks the path: " << what;
@@ -47,6 +48,10 @@ inline std::string refusalOf(const std::string& name, const std::string& bytes) 
         return what.substr(std::min(what.size(), path.size()));
     }
     return "";
+}
+
+inline std::string refusalOf(const std::string& name, const std::string& bytes) {
+    return refusalOf(name, bytes, [](const std::string& path) { io::readLattice(path); });
 }
 
 /// The bytes of the file that a lattice is written to.

@@ -42,6 +42,23 @@ inline std::vector<Point3> copyOf(std::span<const Point3> points) {
     return {points.begin(), points.end()};
 }
 
+inline std::string withLineEnds(const std::string& text, const std::string& end) {
+    std::string result;
+    for (const char c : text) result += c == '\n' ? end : std::string(1, c);
+    return result;
+}
+
+/// The message of an exception of this type that a call throws; "no error" if it throws none.
+template <class Exception, class Call>
+std::string messageOf(Call call) {
+    try {
+        call();
+    } catch (const Exception& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
 /// The bytes of a number, made here and not by what is tested.
 template <class Number>
 std::string bytesOf(Number number, std::endian order) {

@@ -19,19 +19,19 @@ constexpr auto kLittle = std::endian::little;
 constexpr auto kBig = std::endian::big;
 
 /// A file of version 1 with this head.
-std::string file(const std::string& head, const std::string& data) {
+std::string npyFile(const std::string& head, const std::string& data) {
     return std::string("\x93NUMPY\x01\x00", 8) +
            test::bytesOf(static_cast<std::uint16_t>(head.size()), kLittle) + head + data;
 }
 
 /// An array with this type and shape.
-std::string array(const std::string& type, const std::string& shape, const std::string& data) {
-    return file("{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape + ", }\n",
-                data);
+std::string npyArray(const std::string& type, const std::string& shape, const std::string& data) {
+    return npyFile("{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape + ", }\n",
+                   data);
 }
 
 template <class Number>
-std::string bytesOf(std::initializer_list<Number> numbers, std::endian order) {
+std::string bytesOfAll(std::initializer_list<Number> numbers, std::endian order) {
     std::string bytes;
     for (const Number number : numbers) bytes += test::bytesOf(number, order);
     return bytes;
@@ -47,7 +47,7 @@ std::string textIn(const std::string& bytes) {
 }
 
 template <class Call>
-void refused(Call call, const std::string& why) {
+void expectCodingError(Call call, const std::string& why) {
     EXPECT_THAT(call, ThrowsMessage<CodingError>(HasSubstr(why)));
 }
 
@@ -55,13 +55,14 @@ TEST(NpyReader, ReadsNumbersOfEveryTypeAndOrder) {
     const auto check = [](auto zero, const std::string& name) {
         using Number = decltype(zero);
         for (const auto& [order, sign] : {std::pair(kLittle, "<"), std::pair(kBig, ">")}) {
-            const std::string bytes = array(sign + name, "(2,)", bytesOf<Number>({1, 100}, order));
+            const std::string bytes =
+                npyArray(sign + name, "(2,)", bytesOfAll<Number>({1, 100}, order));
             EXPECT_THAT(numbersIn<double>(bytes), ElementsAre(1, 100)) << sign << name;
             if constexpr (std::is_integral_v<Number>) {
                 EXPECT_THAT(numbersIn<far::Index>(bytes), ElementsAre(1, 100)) << sign << name;
                 EXPECT_THAT(numbersIn<far::Offset>(bytes), ElementsAre(1, 100)) << sign << name;
             } else {
-                refused([&] { numbersIn<far::Index>(bytes); }, "expected integers");
+                expectCodingError([&] { numbersIn<far::Index>(bytes); }, "expected integers");
             }
         }
     };
@@ -73,18 +74,18 @@ TEST(NpyReader, ReadsNumbersOfEveryTypeAndOrder) {
     check(std::uint64_t{}, "u8");
     check(float{}, "f4");
     check(double{}, "f8");
-    EXPECT_THAT(numbersIn<far::Index>(array("|i1", "(2,)", "\xff\x7f")), ElementsAre(-1, 127));
-    EXPECT_THAT(numbersIn<far::Index>(array("|u1", "(2,)", "\xff\x7f")), ElementsAre(255, 127));
-    EXPECT_THAT(numbersIn<far::Offset>(array("<i8", "(0,)", "")), ElementsAre());
+    EXPECT_THAT(numbersIn<far::Index>(npyArray("|i1", "(2,)", "\xff\x7f")), ElementsAre(-1, 127));
+    EXPECT_THAT(numbersIn<far::Index>(npyArray("|u1", "(2,)", "\xff\x7f")), ElementsAre(255, 127));
+    EXPECT_THAT(numbersIn<far::Offset>(npyArray("<i8", "(0,)", "")), ElementsAre());
 }
 
 TEST(NpyReader, HeadsMayBeWrittenInOtherWays) {
-    const std::string data = bytesOf<std::int32_t>({3, 5}, kLittle);
+    const std::string data = bytesOfAll<std::int32_t>({3, 5}, kLittle);
     for (const std::string head :
          {"{'descr':'<i4','fortran_order':False,'shape':(2,)}",
           "{\"shape\" : ( 2 , ), \"fortran_order\" : True , \"descr\" : \"<i4\" , }  \n",
           "{'descr': '<i4', 'fortran_order': False, 'shape': (2L,), }\n"}) {
-        EXPECT_THAT(numbersIn<far::Index>(file(head, data)), ElementsAre(3, 5)) << head;
+        EXPECT_THAT(numbersIn<far::Index>(npyFile(head, data)), ElementsAre(3, 5)) << head;
         // Versions 2 and 3 have room for longer ones.
         for (const char version : {'\2', '\3'}) {
             const std::string longer =
@@ -98,57 +99,62 @@ TEST(NpyReader, HeadsMayBeWrittenInOtherWays) {
 TEST(NpyReader, RefusesNumbersThatCannotBeHeld) {
     constexpr std::int64_t kLargest = std::int64_t{1} << 53;
     const auto wide = [](std::int64_t number) {
-        return array("<i8", "(2,)", bytesOf<std::int64_t>({0, number}, kLittle));
+        return npyArray("<i8", "(2,)", bytesOfAll<std::int64_t>({0, number}, kLittle));
     };
     const auto widest =
-        array(">u8", "(1,)", bytesOf({std::numeric_limits<std::uint64_t>::max()}, kBig));
+        npyArray(">u8", "(1,)", bytesOfAll({std::numeric_limits<std::uint64_t>::max()}, kBig));
     for (const std::int64_t number : {kLargest, -kLargest})
         EXPECT_THAT(numbersIn<double>(wide(number)), ElementsAre(0, number));
     for (const std::int64_t number : {kLargest + 1, -kLargest - 1})
-        refused([&] { numbersIn<double>(wide(number)); },
-                "number 1 is " + std::to_string(number) + ", beyond");
-    refused([&] { numbersIn<double>(widest); }, "number 0 is 18446744073709551615, beyond");
-    refused([&] { numbersIn<far::Offset>(widest); }, "number 0 is 18446744073709551615, beyond");
-    refused([&] { numbersIn<far::Index>(wide(std::int64_t{1} << 31)); }, "is 2147483648, beyond");
-    refused([&] { numbersIn<far::Index>(wide(-(std::int64_t{1} << 31) - 1)); }, "-2147483649");
+        expectCodingError([&] { numbersIn<double>(wide(number)); },
+                          "number 1 is " + std::to_string(number) + ", beyond");
+    expectCodingError([&] { numbersIn<double>(widest); },
+                      "number 0 is 18446744073709551615, beyond");
+    expectCodingError([&] { numbersIn<far::Offset>(widest); },
+                      "number 0 is 18446744073709551615, beyond");
+    expectCodingError([&] { numbersIn<far::Index>(wide(std::int64_t{1} << 31)); },
+                      "is 2147483648, beyond");
+    expectCodingError([&] { numbersIn<far::Index>(wide(-(std::int64_t{1} << 31) - 1)); },
+                      "-2147483649");
     // Which number is not finite is for others to say.
-    const auto infinite = array("<f4", "(1,)", bytesOf<float>({INFINITY}, kLittle));
+    const auto infinite = npyArray("<f4", "(1,)", bytesOfAll<float>({INFINITY}, kLittle));
     EXPECT_THAT(numbersIn<double>(infinite), ElementsAre(INFINITY));
 }
 
 TEST(NpyReader, ReadsATextOfBytesOrUnicode) {
-    EXPECT_EQ(textIn(array("|S3", "()", "csr")), "csr");
-    EXPECT_EQ(textIn(array("|S5", "()", std::string("csr\0\0", 5))), "csr");
-    EXPECT_EQ(textIn(array("<U2", "()", bytesOf<std::uint32_t>({'a', 'b'}, kLittle))), "ab");
-    EXPECT_EQ(textIn(array(">U2", "()", bytesOf<std::uint32_t>({'a', 0}, kBig))), "a");
-    refused([] { textIn(array("|S1", "()", "\xe9")); }, "is not a text in ASCII");
-    refused([] { textIn(array("<i4", "()", "abcd")); }, "is of type '<i4'; expected a single text");
-    refused([] { textIn(array("|S1", "(2,)", "ab")); }, "expected a single text");
+    EXPECT_EQ(textIn(npyArray("|S3", "()", "csr")), "csr");
+    EXPECT_EQ(textIn(npyArray("|S5", "()", std::string("csr\0\0", 5))), "csr");
+    EXPECT_EQ(textIn(npyArray("<U2", "()", bytesOfAll<std::uint32_t>({'a', 'b'}, kLittle))), "ab");
+    EXPECT_EQ(textIn(npyArray(">U2", "()", bytesOfAll<std::uint32_t>({'a', 0}, kBig))), "a");
+    expectCodingError([] { textIn(npyArray("|S1", "()", "\xe9")); }, "is not a text in ASCII");
+    expectCodingError([] { textIn(npyArray("<i4", "()", "abcd")); },
+                      "is of type '<i4'; expected a single text");
+    expectCodingError([] { textIn(npyArray("|S1", "(2,)", "ab")); }, "expected a single text");
 }
 
 TEST(NpyReader, RefusesAnotherType) {
     const auto reading = [](const std::string& type, const std::string& data) {
-        return [=] { numbersIn<double>(array(type, "(1,)", data)); };
+        return [=] { numbersIn<double>(npyArray(type, "(1,)", data)); };
     };
-    refused(reading("<c16", std::string(16, '\0')),
-            "is of type '<c16'; expected integers, or reals of 4 or 8 bytes");
-    refused(reading("<f2", "ab"), "is of type '<f2'");
-    refused(reading("|b1", "a"), "is of type '|b1'");
-    refused(reading("|S3", "csr"), "is of type '|S3'");
+    expectCodingError(reading("<c16", std::string(16, '\0')),
+                      "is of type '<c16'; expected integers, or reals of 4 or 8 bytes");
+    expectCodingError(reading("<f2", "ab"), "is of type '<f2'");
+    expectCodingError(reading("|b1", "a"), "is of type '|b1'");
+    expectCodingError(reading("|S3", "csr"), "is of type '|S3'");
     for (const char* type :
          {"|O", "f8", "=f8", "<f", "<f0", "<f-8", "<f8x", "", "<U9999999999999999999"})
-        refused(reading(type, "abcdefgh"), "is of type '" + std::string(type) + "'");
-    refused(reading("<U4611686018427387904", ""), "which is too large");
-    refused([] { numbersIn<double>(array("<f4", "()", "abcd")); }, "is a single item");
+        expectCodingError(reading(type, "abcdefgh"), "is of type '" + std::string(type) + "'");
+    expectCodingError(reading("<U4611686018427387904", ""), "which is too large");
+    expectCodingError([] { numbersIn<double>(npyArray("<f4", "()", "abcd")); }, "is a single item");
 }
 
 TEST(NpyReader, RefusesMalformedHeads) {
     const auto refusedHead = [](const std::string& head, const std::string& why) {
-        refused([&] { readNpy(file(head, "abcd")); }, why);
+        expectCodingError([&] { readNpy(npyFile(head, "abcd")); }, why);
     };
     const std::string type = "'descr': '<i4', ", order = "'fortran_order': False, ",
                       shape = "'shape': (1,), ";
-    EXPECT_NO_THROW(readNpy(file("{" + type + order + shape + "}", "abcd")));
+    EXPECT_NO_THROW(readNpy(npyFile("{" + type + order + shape + "}", "abcd")));
     refusedHead("", "expected '{' before its end");
     refusedHead("{" + type + order + "}", "expected 'descr', 'fortran_order' and 'shape'");
     refusedHead("{" + type + shape + "}", "expected 'descr', 'fortran_order' and 'shape'");
@@ -170,23 +176,26 @@ TEST(NpyReader, RefusesMalformedHeads) {
 
 TEST(NpyReader, ChecksWhatTheHeadClaims) {
     const auto claims = [](const std::string& type, const std::string& shape, std::size_t there) {
-        return [=] { readNpy(array(type, shape, std::string(there, 'x'))); };
+        return [=] { readNpy(npyArray(type, shape, std::string(there, 'x'))); };
     };
-    refused(claims("<i4", "(2,)", 7), "claims 2 items of 4 bytes, but 7 bytes are there");
-    refused(claims("<i4", "(2,)", 9), "claims 2 items of 4 bytes, but 9 bytes are there");
-    refused(claims("<i4", "()", 8), "claims 1 items of 4 bytes");
+    expectCodingError(claims("<i4", "(2,)", 7), "claims 2 items of 4 bytes, but 7 bytes are there");
+    expectCodingError(claims("<i4", "(2,)", 9), "claims 2 items of 4 bytes, but 9 bytes are there");
+    expectCodingError(claims("<i4", "()", 8), "claims 1 items of 4 bytes");
     // 2^62 items of 4 bytes are 2^64, which is 0 of 64 bits.
-    refused(claims("<i4", "(4611686018427387904,)", 0), "claims 4611686018427387904 items");
-    refused(claims("|S18446744073709551615", "()", 3), "of 18446744073709551615 bytes");
-    refused([] { readNpy("\x93NUMPX"); }, "is not an array of NumPy");
+    expectCodingError(claims("<i4", "(4611686018427387904,)", 0),
+                      "claims 4611686018427387904 items");
+    expectCodingError(claims("|S18446744073709551615", "()", 3), "of 18446744073709551615 bytes");
+    expectCodingError([] { readNpy("\x93NUMPX"); }, "is not an array of NumPy");
     for (const char version : {'\0', '\4', '\xff'})
-        refused([&] { readNpy(std::string("\x93NUMPY") + version + std::string(9, '\0')); },
-                "expected 1 to 3");
-    const std::string whole = array("<i4", "(2,)", "abcdefgh");
+        expectCodingError(
+            [&] { readNpy(std::string("\x93NUMPY") + version + std::string(9, '\0')); },
+            "expected 1 to 3");
+    const std::string whole = npyArray("<i4", "(2,)", "abcdefgh");
     for (std::size_t size = 0; size < whole.size(); ++size)
         EXPECT_THROW(readNpy(std::string_view(whole).substr(0, size)), CodingError) << size;
     const std::string longHead = std::string("\x93NUMPY\2\0\xff\xff\xff\xff", 12) + "{}";
-    refused([&] { readNpy(longHead); }, "4294967295 bytes are expected, 2 bytes are there");
+    expectCodingError([&] { readNpy(longHead); },
+                      "4294967295 bytes are expected, 2 bytes are there");
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ using test::Table;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-Table tableOf(const std::string& bytes) {
+Table tableInNpz(const std::string& bytes) {
     return readNpz("a.npz", bytes);
 }
 
@@ -40,10 +40,10 @@ struct Arrays {
 
 TEST(Npz, ComesBackToTheLastBit) {
     const auto table = test::sampleTable<double>();
-    EXPECT_EQ(tableOf(bytesOf(table)), table);
+    EXPECT_EQ(tableInNpz(bytesOf(table)), table);
     const auto single = test::sampleTable<float>();
-    EXPECT_EQ(tableOf(bytesOf(single)), stencils::convertTable<double>(single));
-    for (const Table& edge : test::edgeTables()) EXPECT_EQ(tableOf(bytesOf(edge)), edge);
+    EXPECT_EQ(tableInNpz(bytesOf(single)), stencils::convertTable<double>(single));
+    for (const Table& edge : test::edgeTables()) EXPECT_EQ(tableInNpz(bytesOf(edge)), edge);
     const test::TemporaryFolder folder;
     writeNpz(folder / "a.npz", table);
     EXPECT_EQ(readNpz(folder / "a.npz"), table);
@@ -67,23 +67,23 @@ TEST(Npz, OfScipyAndNumpyIsRead) {
 
 TEST(Npz, IsRefusedInPartsAndWhenChanged) {
     const std::string own = bytesOf(test::sampleTable<double>());
-    test::expectPartsOfMatrixRefused(own, tableOf);
+    test::expectPartsOfMatrixRefused(own, tableInNpz);
     // What no checksum covers, such as times, is of no meaning.
     test::expectFlipsRefusedOr(
-        own, tableOf, [](const Table& table) { EXPECT_EQ(table, test::sampleTable<double>()); });
+        own, tableInNpz, [](const Table& table) { EXPECT_EQ(table, test::sampleTable<double>()); });
     const std::string others = readFile(test::matrixFolder() / "scipy-compressed.npz");
-    test::expectPartsOfMatrixRefused(others, tableOf);
-    test::expectFlipsRefusedOr(others, tableOf,
+    test::expectPartsOfMatrixRefused(others, tableInNpz);
+    test::expectFlipsRefusedOr(others, tableInNpz,
                                [](const Table& table) { EXPECT_EQ(table, test::othersTable()); });
 }
 
 TEST(Npz, NamesTheArrayThatIsWrong) {
     std::string bytes = bytesOf(test::sampleTable<double>());
-    EXPECT_THAT([&] { tableOf("PK"); },
+    EXPECT_THAT([&] { tableInNpz("PK"); },
                 ThrowsMessage<FileError>(HasSubstr("a.npz: is not a ZIP archive")));
     // In the directory, whose entries are last.
     bytes[bytes.rfind("data.npy")] = 'D';
-    EXPECT_THAT([&] { tableOf(bytes); },
+    EXPECT_THAT([&] { tableInNpz(bytes); },
                 ThrowsMessage<FileError>(HasSubstr("a.npz: data.npy: is not in the archive")));
 }
 

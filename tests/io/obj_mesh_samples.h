@@ -28,6 +28,11 @@ inline Lattice readMesh(const std::string& text) {
     return io::readObjMesh(folder / "a.obj");
 }
 
+/// The message with which a mesh is refused, after the path; empty if it is not.
+inline std::string refusalOfMesh(const std::string& text) {
+    return refusalOf("a.obj", text, [](const std::string& path) { io::readObjMesh(path); });
+}
+
 inline std::string writtenMesh(const Lattice& mesh) {
     const TemporaryFolder folder;
     io::writeObjMesh(folder / "a.obj", mesh);

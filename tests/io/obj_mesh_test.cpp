@@ -19,25 +19,9 @@ using testing::ThrowsMessage;
 using EdgeMarks = std::vector<far::Marks::Edge>;
 using VertexMarks = std::vector<far::Marks::Vertex>;
 
-/// The message with which a file is refused, after its path; empty if it is not.
-std::string refusal(const std::string& text) {
-    const TemporaryFolder folder;
-    const std::string path = (folder / "a.obj").string();
-    putLatticeFile(path, text);
-    try {
-        io::readObjMesh(path);
-    } catch (const Error& error) {
-        const std::string what = error.what();
-        EXPECT_THAT(what, StartsWith(path));
-        EXPECT_EQ(what.find('\n'), std::string::npos) << "not one line: " << what;
-        return what.substr(std::min(what.size(), path.size()));
-    }
-    return "";
-}
-
-/// The same for the two squares with a line 9.
+/// Of the two squares with a line 9.
 std::string refusalOfLine(const std::string& line) {
-    return refusal(kSquares + line + "\n# the end\n");
+    return refusalOfMesh(kSquares + line + "\n# the end\n");
 }
 
 /// The sharpness that a tag of one crease reads as, if it is a mark.
@@ -276,7 +260,8 @@ TEST(ObjMesh, RefusalsNameTheLineAndWhatWasExpected) {
         EXPECT_THAT(refused, HasSubstr(bad.cause)) << bad.line;
     }
     // The line is that on which the statement begins, and continued lines count.
-    EXPECT_THAT(refusal("g a \\\n b\n" + kSquares + "t hole 1/0/0 \\\n 7\n"), StartsWith(":11: "));
+    EXPECT_THAT(refusalOfMesh("g a \\\n b\n" + kSquares + "t hole 1/0/0 \\\n 7\n"),
+                StartsWith(":11: "));
 }
 
 TEST(ObjMesh, TopologyErrorsNameThePlaceAndKeepTheirCause) {

@@ -11,14 +11,13 @@ namespace espalier::io {
 namespace {
 
 using test::kIdentity;
+using test::kQuarterTurn;
 using test::rotation;
 using test::turned;
 using test::written;
 
 using Gradients = std::vector<DeformationGradient>;
 
-/// x becomes y, y becomes -x.
-constexpr DeformationGradient kQuarterTurn = {0, -1, 0, 1, 0, 0, 0, 0, 1};
 /// y becomes z, z becomes -y.
 constexpr DeformationGradient kTilt = {1, 0, 0, 0, 0, -1, 0, 1, 0};
 

@@ -6,6 +6,7 @@ namespace espalier::io {
 namespace {
 
 using test::copyOf;
+using test::withLineEnds;
 using test::written;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -30,12 +31,6 @@ const std::string kFullText =
     " 2/1/1 3/1/1\n"
     "usemtl v 1 2 3\n"
     "v 1e2 0.5 7";  // the last line has no end
-
-std::string withLineEnds(const std::string& text, const std::string& end) {
-    std::string result;
-    for (const char c : text) result += c == '\n' ? end : std::string(1, c);
-    return result;
-}
 
 TEST(Obj, ReadsThePoints) {
     for (const char* end : {"\n", "\r\n"}) {

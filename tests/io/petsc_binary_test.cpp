@@ -16,7 +16,7 @@ using testing::ThrowsMessage;
 
 constexpr PetscInt kBoth[] = {PetscInt::Bits32, PetscInt::Bits64};
 
-Table tableOf(const std::string& bytes) {
+Table tableInPetscFile(const std::string& bytes) {
     return readPetscBinary("a.petsc", bytes);
 }
 
@@ -40,11 +40,12 @@ std::string file(const std::vector<std::int64_t>& integers, const std::vector<do
 TEST(PetscBinary, ComesBackToTheLastBit) {
     for (const PetscInt integers : kBoth) {
         const auto table = test::sampleTable<double>();
-        EXPECT_EQ(tableOf(bytesOfTable(table, integers)), table);
+        EXPECT_EQ(tableInPetscFile(bytesOfTable(table, integers)), table);
         const auto single = test::sampleTable<float>();
-        EXPECT_EQ(tableOf(bytesOfTable(single, integers)), stencils::convertTable<double>(single));
+        EXPECT_EQ(tableInPetscFile(bytesOfTable(single, integers)),
+                  stencils::convertTable<double>(single));
         for (const Table& edge : test::edgeTables())
-            EXPECT_EQ(tableOf(bytesOfTable(edge, integers)), edge);
+            EXPECT_EQ(tableInPetscFile(bytesOfTable(edge, integers)), edge);
     }
     const test::TemporaryFolder folder;
     writePetscBinary(folder / "a.petsc", test::sampleTable<double>());
@@ -52,13 +53,14 @@ TEST(PetscBinary, ComesBackToTheLastBit) {
 }
 
 TEST(PetscBinary, SortsColumns) {
-    EXPECT_EQ(tableOf(file<std::int32_t>({1211216, 2, 4, 4, 3, 1, 3, 0, 1, 2}, {3, 0.5, -1, 2})),
-              Table(4, {0, 3, 4}, {0, 1, 3, 2}, {0.5, -1, 3, 2}));
+    EXPECT_EQ(
+        tableInPetscFile(file<std::int32_t>({1211216, 2, 4, 4, 3, 1, 3, 0, 1, 2}, {3, 0.5, -1, 2})),
+        Table(4, {0, 3, 4}, {0, 1, 3, 2}, {0.5, -1, 3, 2}));
 }
 
 TEST(PetscBinary, RefusesAnotherKind) {
     const auto refused = [](const std::string& bytes, const std::string& why) {
-        EXPECT_THAT([&] { tableOf(bytes); },
+        EXPECT_THAT([&] { tableInPetscFile(bytes); },
                     ThrowsMessage<FileError>(AllOf(HasSubstr("a.petsc: "), HasSubstr(why))));
     };
     refused("", "ends too early");
@@ -67,7 +69,7 @@ TEST(PetscBinary, RefusesAnotherKind) {
     refused(file<std::int32_t>({1211216, 1, 1, -1}, {1}), "dense");
     refused(file<std::int64_t>({1211216, 1, 1, -1}, {1}), "dense");
     const std::string whole = file<std::int32_t>({1211216, 1, 1, 1, 1, 0}, {1});
-    EXPECT_EQ(tableOf(whole), Table(1, {0, 1}, {0}, {1}));
+    EXPECT_EQ(tableInPetscFile(whole), Table(1, {0, 1}, {0}, {1}));
     // Complex weights, or a vector behind the matrix.
     refused(whole + bytesOf(0.0, std::endian::big), "double precision");
     EXPECT_THROW(readPetscBinary("/no/such/file.petsc"), FileError);
@@ -78,7 +80,7 @@ TEST(PetscBinary, RefusesWhatIsNoMatrix) {
                             const std::vector<double>& weights, const std::string& why) {
         for (const std::string& bytes :
              {file<std::int32_t>(integers, weights), file<std::int64_t>(integers, weights)})
-            EXPECT_THAT([&] { tableOf(bytes); }, ThrowsMessage<FileError>(HasSubstr(why)));
+            EXPECT_THAT([&] { tableInPetscFile(bytes); }, ThrowsMessage<FileError>(HasSubstr(why)));
     };
     refused({1211216, -1, 1, 0}, {}, "claims -1 rows");
     refused({1211216, 0, -2, 0}, {}, "claims -2 columns");
@@ -97,7 +99,7 @@ TEST(PetscBinary, ChecksClaimedSizesBeforeTakingMemory) {
     constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
     constexpr std::int64_t kRows = far::kMaxIndex;
     const auto refused = [](const std::vector<std::int64_t>& integers, const std::string& why) {
-        EXPECT_THAT([&] { tableOf(file<std::int64_t>(integers, {})); },
+        EXPECT_THAT([&] { tableInPetscFile(file<std::int64_t>(integers, {})); },
                     ThrowsMessage<FileError>(HasSubstr(why)));
     };
     refused({1211216, kRows, 1, 0}, "claims 2147483647 rows and 0 entries, but 0 bytes follow");
@@ -114,9 +116,9 @@ TEST(PetscBinary, ChecksClaimedSizesBeforeTakingMemory) {
 TEST(PetscBinary, IsRefusedInPartsAndWholeWhenChanged) {
     for (const PetscInt integers : kBoth) {
         const std::string bytes = bytesOfTable(test::sampleTable<double>(), integers);
-        test::expectPartsOfMatrixRefused(bytes, tableOf);
+        test::expectPartsOfMatrixRefused(bytes, tableInPetscFile);
         // It has no checksum: another matrix may come out.
-        test::expectFlipsRefusedOr(bytes, tableOf, test::expectWhole);
+        test::expectFlipsRefusedOr(bytes, tableInPetscFile, test::expectWhole);
     }
 }
 

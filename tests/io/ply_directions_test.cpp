@@ -14,12 +14,10 @@ namespace {
 
 using test::bytesOf;
 using test::kIdentity;
+using test::kQuarterTurn;
 using test::rotation;
 using test::turned;
 using test::written;
-
-/// x becomes y, y becomes -x: of a normal (1, 2, 3) it makes (-2, 1, 3), exactly.
-constexpr DeformationGradient kQuarterTurn = {0, -1, 0, 1, 0, 0, 0, 0, 1};
 
 /// Vertices with normals in floats, out of order among the coordinates, and tangents in doubles.
 std::string headerOf(const std::string& format, int count) {

@@ -10,6 +10,7 @@ namespace {
 
 using test::bytesOf;
 using test::copyOf;
+using test::withLineEnds;
 using test::written;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -96,12 +97,6 @@ const std::string kAsciiRows =
     "\n"
     "0 5 0 4 6 -8\n"
     "3 0 1 0";
-
-std::string withLineEnds(const std::string& text, const std::string& end) {
-    std::string result;
-    for (const char c : text) result += c == '\n' ? end : std::string(1, c);
-    return result;
-}
 
 TEST(Ply, ReadsAndRewritesAscii) {
     for (const std::string end : {"\n", "\r\n"}) {

@@ -3,6 +3,7 @@
 #include <espalier/io/text_reader.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <io/model_files.h>
 
 #include <cmath>
 #include <cstdint>
@@ -14,16 +15,6 @@ namespace {
 
 using io::TextReader;
 using testing::HasSubstr;
-
-template <class Call>
-std::string messageOf(Call call) {
-    try {
-        call();
-    } catch (const io::FileError& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 TEST(TextReader, KnowsItsLine) {
     TextReader text("f", "one two\n\n three\nrest of it\r\nlast", 10);
@@ -37,7 +28,8 @@ TEST(TextReader, KnowsItsLine) {
     EXPECT_EQ(text.remaining(), 4u);
     EXPECT_EQ(text.token("a word"), "last");
     EXPECT_TRUE(text.atEnd());
-    EXPECT_EQ(messageOf([&] { text.token("a word"); }), "f:14: the file ends; expected a word");
+    EXPECT_EQ(messageOf<io::FileError>([&] { text.token("a word"); }),
+              "f:14: the file ends; expected a word");
 }
 
 TEST(TextReader, SkipsCommentsBetweenTokensOnly) {
@@ -61,10 +53,11 @@ TEST(TextReader, RefusesNumbersThatAreNone) {
         TextReader text("f", word);
         std::string expected = "f:1: '";
         expected.append(word).append("' is not a number; expected a size");
-        EXPECT_EQ(messageOf([&] { text.number<double>("a size"); }), expected);
+        EXPECT_EQ(messageOf<io::FileError>([&] { text.number<double>("a size"); }), expected);
     }
     TextReader text("f", "-1");
-    EXPECT_THAT(messageOf([&] { text.number<std::uint64_t>("a size"); }), HasSubstr("'-1'"));
+    EXPECT_THAT(messageOf<io::FileError>([&] { text.number<std::uint64_t>("a size"); }),
+                HasSubstr("'-1'"));
 }
 
 TEST(TextReader, CountsOnlyWhatCanBeThere) {
@@ -75,10 +68,11 @@ TEST(TextReader, CountsOnlyWhatCanBeThere) {
     std::string fourPoints = points;
     fourPoints[0] = '4';
     TextReader more("f", fourPoints);
-    EXPECT_EQ(messageOf([&] { more.count("the number of points", 6); }),
+    EXPECT_EQ(messageOf<io::FileError>([&] { more.count("the number of points", 6); }),
               "f:1: the number of points is 4, but only 18 bytes are left");
     TextReader most("f", "18446744073709551615 1 2 3");
-    EXPECT_THAT(messageOf([&] { most.count("the number of points", 1); }), HasSubstr("but only"));
+    EXPECT_THAT(messageOf<io::FileError>([&] { most.count("the number of points", 1); }),
+                HasSubstr("but only"));
 }
 
 TEST(TextReader, HandsOutBytes) {
@@ -88,7 +82,7 @@ TEST(TextReader, HandsOutBytes) {
     text.token("a word");
     text.restOfLine();
     EXPECT_EQ(text.bytes(3, "data"), std::string_view("\0\n\xff", 3));
-    EXPECT_EQ(messageOf([&] { text.bytes(2, "data"); }),
+    EXPECT_EQ(messageOf<io::FileError>([&] { text.bytes(2, "data"); }),
               "f:2: the file ends; expected data (2 bytes, got 1)");
     EXPECT_EQ(text.token("a word"), "b");
 }

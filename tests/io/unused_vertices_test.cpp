@@ -86,7 +86,7 @@ const File kVtu = {
                      "9 9 9 0 0 0 1 0 0 8 8 8 0 7 0 0 0 1", "1 2 4 5", 6))};
 
 /// The tetrahedron as it is read: vertices 1, 2, 4 and 5 are 0, 1, 2 and 3.
-Lattice tetrahedron() {
+Lattice usedTetrahedron() {
     far::ComplexBuilder builder(3, 4);
     builder.addCell(far::StandardCell::Tetrahedron, {0, 1, 2, 3});
     Lattice lattice;
@@ -109,12 +109,12 @@ TEST_P(UnusedVertices, AreDroppedWithTheirValuesAndMarks) {
     const auto path = folder / GetParam().name;
     putLatticeFile(path, GetParam().text);
     io::ReadNotes notes;
-    expectSameLattice(io::readLattice(path, &notes), tetrahedron());
+    expectSameLattice(io::readLattice(path, &notes), usedTetrahedron());
     EXPECT_THAT(notes.droppedVertices, ElementsAre(0, 3));
     notes = {};
-    expectSameLattice(io::readRefinable(path, GetParam().text, &notes), tetrahedron());
+    expectSameLattice(io::readRefinable(path, GetParam().text, &notes), usedTetrahedron());
     EXPECT_THAT(notes.droppedVertices, ElementsAre(0, 3));
-    expectSameLattice(io::readLattice(path), tetrahedron());
+    expectSameLattice(io::readLattice(path), usedTetrahedron());
 }
 
 TEST_P(UnusedVertices, AreNotInTheFileThatIsWritten) {
@@ -127,7 +127,7 @@ TEST_P(UnusedVertices, AreNotInTheFileThatIsWritten) {
 
 TEST_P(UnusedVertices, MayLieAnywhere) {
     const std::string text = replaced(GetParam().text, "8 8 8", "8 nan 8");
-    expectSameLattice(latticeOf(GetParam().name, text), tetrahedron());
+    expectSameLattice(latticeOf(GetParam().name, text), usedTetrahedron());
     EXPECT_THAT(refusalOf(GetParam().name, replaced(GetParam().text, "0 7 0", "0 nan 0")),
                 HasSubstr("point 4 is not finite"));
 }

@@ -12,49 +12,43 @@ const std::string kHead = "# vtk DataFile Version 2.0\na title\nASCII\nDATASET U
 const std::string kPoints = "POINTS 4 float\n0 0 0 1 0 0\n0 1 0 0 0 1\n";
 const std::string kCells = "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n";
 
-Lattice read(const std::string& text) {
-    return latticeOf("a.vtk", text);
-}
-
-std::string refusal(const std::string& text) {
-    return refusalOf("a.vtk", text);
-}
-
 TEST(VtkLegacy, OfOneTetrahedronIsRead) {
-    const Lattice lattice = read(kHead + kPoints + kCells);
+    const Lattice lattice = latticeOf("a.vtk", kHead + kPoints + kCells);
     EXPECT_EQ(lattice.complex.count(0), 4);
     EXPECT_EQ(lattice.complex.count(2), 4);
     EXPECT_EQ(lattice.positions[3], (Point3{0, 0, 1}));
 }
 
 TEST(VtkLegacy, KeywordsMayBeInUpperOrLowerCase) {
-    const Lattice lattice = read(
+    const Lattice lattice = latticeOf(
+        "a.vtk",
         "# VTK DataFile version 4.2\r\na title\r\nascii\r\ndataset unstructured_grid\r\n"
         "points 4 FLOAT\r\n0 0 0 1 0 0 0 1 0 0 0 1\r\ncells 1 5 4 0 1 2 3 cell_types 1 10");
     EXPECT_EQ(lattice.complex.count(3), 1);
 }
 
 TEST(VtkLegacy, PointArraysBecomeAttributes) {
-    const Lattice lattice = read(kHead + kPoints + kCells +
-                                 "CELL_DATA 1\n"
-                                 "SCALARS material int\nLOOKUP_TABLE default\n7\n"
-                                 "FIELD more 1\nx 2 1 float\n1 2\n"
-                                 "POINT_DATA 4\n"
-                                 "SCALARS heat float\nLOOKUP_TABLE mine\n0.1 2 3 4\n"
-                                 "LOOKUP_TABLE mine 2\n0 0 0 1 1 1 1 1\n"
-                                 "SCALARS pair double 2\nLOOKUP_TABLE default\n1 2 3 4 5 6 7 8\n"
-                                 "COLOR_SCALARS colour 3\n0 0 0 1 1 1 0 0 0 1 1 1\n"
-                                 "VECTORS flow float\n1 2 3 4 5 6 7 8 9 10 11 12\n"
-                                 "NORMALS n%20x float\n1 0 0 1 0 0 1 0 0 1 0 0\n"
-                                 "TEXTURE_COORDINATES uv 2 float\n1 2 3 4 5 6 7 8\n"
-                                 "GLOBAL_IDS ids vtkIdType\n1 2 3 4\n"
-                                 "METADATA\nINFORMATION 1\nNAME a LOCATION b\nDATA 1 POINTS\n\n"
-                                 "FIELD FieldData 4\n"
-                                 "names 1 4 string\none\n\nthree\nfour\n"
-                                 "flags 1 4 bit\n1 0 1 0\n"
-                                 "METADATA\nCOMPONENT_NAMES\nX\n\n"
-                                 "NULL_ARRAY\n"
-                                 "last 1 4 unsigned_char\n1 2 3 255\n");
+    const Lattice lattice =
+        latticeOf("a.vtk", kHead + kPoints + kCells +
+                               "CELL_DATA 1\n"
+                               "SCALARS material int\nLOOKUP_TABLE default\n7\n"
+                               "FIELD more 1\nx 2 1 float\n1 2\n"
+                               "POINT_DATA 4\n"
+                               "SCALARS heat float\nLOOKUP_TABLE mine\n0.1 2 3 4\n"
+                               "LOOKUP_TABLE mine 2\n0 0 0 1 1 1 1 1\n"
+                               "SCALARS pair double 2\nLOOKUP_TABLE default\n1 2 3 4 5 6 7 8\n"
+                               "COLOR_SCALARS colour 3\n0 0 0 1 1 1 0 0 0 1 1 1\n"
+                               "VECTORS flow float\n1 2 3 4 5 6 7 8 9 10 11 12\n"
+                               "NORMALS n%20x float\n1 0 0 1 0 0 1 0 0 1 0 0\n"
+                               "TEXTURE_COORDINATES uv 2 float\n1 2 3 4 5 6 7 8\n"
+                               "GLOBAL_IDS ids vtkIdType\n1 2 3 4\n"
+                               "METADATA\nINFORMATION 1\nNAME a LOCATION b\nDATA 1 POINTS\n\n"
+                               "FIELD FieldData 4\n"
+                               "names 1 4 string\none\n\nthree\nfour\n"
+                               "flags 1 4 bit\n1 0 1 0\n"
+                               "METADATA\nCOMPONENT_NAMES\nX\n\n"
+                               "NULL_ARRAY\n"
+                               "last 1 4 unsigned_char\n1 2 3 255\n");
     ASSERT_EQ(lattice.attributes.size(), 5u);
     std::vector<std::string> names;
     for (const auto& attribute : lattice.attributes) names.push_back(attribute.name);
@@ -86,7 +80,7 @@ TEST(VtkLegacy, BinaryStringsAreSkipped) {
     data += std::string("\x40\0\0\3", 4) + "abc";
     data += std::string("\0\0\0\0\0\0\0\3", 8) + "abc";
     data += std::string("\nbits 1 4 bit\n\xa0\nlast 1 4 short\n\0\1\0\2\0\3\xff\xff\n", 40);
-    const Lattice lattice = read(head + points + cells + data);
+    const Lattice lattice = latticeOf("a.vtk", head + points + cells + data);
     EXPECT_EQ(lattice.positions[1], (Point3{1, 0, 0}));
     ASSERT_EQ(lattice.integers.size(), 1u);
     EXPECT_EQ(lattice.integers[0].name, "last");
@@ -95,7 +89,7 @@ TEST(VtkLegacy, BinaryStringsAreSkipped) {
     data.replace(data.find("\xc3"
                            "abc"),
                  4, "\x3f\xff\xff\xff\xff\xff\xff\xff");
-    EXPECT_THAT(refusal(head + points + cells + data), HasSubstr("expected a string"));
+    EXPECT_THAT(refusalOf("a.vtk", head + points + cells + data), HasSubstr("expected a string"));
 }
 
 TEST(VtkLegacy, Version5HasOffsetsAndPolyhedraAsFaceStreams) {
@@ -105,58 +99,61 @@ TEST(VtkLegacy, Version5HasOffsetsAndPolyhedraAsFaceStreams) {
         "CELLS 3 21\nOFFSETS vtktypeint64\n0 17 21\nCONNECTIVITY vtktypeint64\n"
         "4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3  1 0 2 4\nCELL_TYPES 2\n42\n10\n";
     const std::string points = "POINTS 5 float\n0 0 0 1 0 0 0 1 0 0 0 1 0 0 -1\n";
-    const Lattice lattice = read(head + points + polyhedron);
+    const Lattice lattice = latticeOf("a.vtk", head + points + polyhedron);
     EXPECT_EQ(lattice.complex.count(3), 2);
     EXPECT_EQ(lattice.complex.count(2), 7);
     const std::string before =
         "CELLS 2 23\n17 4 3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3\n4 1 0 2 4\n"
         "CELL_TYPES 2\n42\n10\n";
-    expectSameLattice(read(kHead + points + before), lattice);
+    expectSameLattice(latticeOf("a.vtk", kHead + points + before), lattice);
 }
 
 TEST(VtkLegacy, RefusalsNameTheOffender) {
-    EXPECT_THAT(refusal(""), StartsWith(":1: is not a legacy VTK file"));
-    EXPECT_THAT(refusal("# vtk DataFile Version 6.0\n"), StartsWith(":1: is of version '6.0'"));
-    EXPECT_THAT(refusal("# vtk DataFile Version 2.0\nt\nTEXT\n"),
+    EXPECT_THAT(refusalOf("a.vtk", ""), StartsWith(":1: is not a legacy VTK file"));
+    EXPECT_THAT(refusalOf("a.vtk", "# vtk DataFile Version 6.0\n"),
+                StartsWith(":1: is of version '6.0'"));
+    EXPECT_THAT(refusalOf("a.vtk", "# vtk DataFile Version 2.0\nt\nTEXT\n"),
                 StartsWith(":3: expected ASCII or BINARY, got 'text'"));
-    EXPECT_THAT(refusal("# vtk DataFile Version 2.0\nt\nASCII\nDATASET POLYDATA\n"),
+    EXPECT_THAT(refusalOf("a.vtk", "# vtk DataFile Version 2.0\nt\nASCII\nDATASET POLYDATA\n"),
                 StartsWith(":4: holds 'polydata'; expected UNSTRUCTURED_GRID"));
-    EXPECT_THAT(refusal(kHead + "POINTS 1 string\n0 0 0\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + "POINTS 1 string\n0 0 0\n"),
                 HasSubstr("'string' is not a type of numbers"));
-    EXPECT_THAT(refusal(kHead + "POINTS 4 float\n0 0 0 1 0 0\n0 1 0 0 x 1\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + "POINTS 4 float\n0 0 0 1 0 0\n0 1 0 0 x 1\n"),
                 StartsWith(":7: 'x' is not a number"));
-    EXPECT_THAT(refusal(kHead + "VERTICES 3"), StartsWith(":5: 'vertices' is not a keyword"));
-    EXPECT_THAT(refusal(kHead + kPoints + "CELLS 1 4\n4 0 1 2\nCELL_TYPES 1\n10\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + "VERTICES 3"),
+                StartsWith(":5: 'vertices' is not a keyword"));
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 4\n4 0 1 2\nCELL_TYPES 1\n10\n"),
                 HasSubstr("the numbers of CELLS end inside cell 0"));
-    EXPECT_THAT(refusal(kHead + kPoints + "CELLS 1 6\n4 0 1 2 3 4\nCELL_TYPES 1\n10\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 6\n4 0 1 2 3 4\nCELL_TYPES 1\n10\n"),
                 HasSubstr("CELLS has 6 numbers, of which 5 belong to cells"));
-    EXPECT_THAT(refusal(kHead + kPoints + "CELLS 1 5\n4 0 1 2 3\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 5\n4 0 1 2 3\n"),
                 HasSubstr("has 1 cells and 0 cell types"));
-    EXPECT_THAT(refusal(kHead + kPoints + "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n5\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n5\n"),
                 HasSubstr("cell 0 is of VTK's type 5"));
-    EXPECT_THAT(refusal(kHead + kPoints + "CELLS 1 5\n4 0 1 2 9\nCELL_TYPES 1\n10\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + "CELLS 1 5\n4 0 1 2 9\nCELL_TYPES 1\n10\n"),
                 HasSubstr("cell 0 names vertex 9; there are 4"));
-    EXPECT_THAT(refusal(kHead + kPoints + kCells + "POINT_DATA 5\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + kCells + "POINT_DATA 5\n"),
                 HasSubstr("there are data for 5 points, of which there are 4"));
-    EXPECT_THAT(refusal(kHead + kPoints + kCells + "POINT_DATA 4\nVOLTAGE x float\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + kCells + "POINT_DATA 4\nVOLTAGE x float\n"),
                 HasSubstr("'voltage' is not a keyword"));
-    EXPECT_THAT(refusal(kHead + kPoints + kCells + "POINT_DATA 4\nFIELD f 1\nx 1 3 int\n1 2 3\n"),
+    EXPECT_THAT(refusalOf("a.vtk",
+                          kHead + kPoints + kCells + "POINT_DATA 4\nFIELD f 1\nx 1 3 int\n1 2 3\n"),
                 HasSubstr("'x' has 3 tuples of 1 for 4 points"));
-    EXPECT_THAT(refusal(kHead + kPoints + kCells + "POINT_DATA 4\nSCALARS x int 1.5\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + kCells + "POINT_DATA 4\nSCALARS x int 1.5\n"),
                 HasSubstr("'1.5' is not a number of components"));
 }
 
 TEST(VtkLegacy, ClaimsAreCheckedBeforeMemoryIsTaken) {
     for (const std::string claim : {"18446744073709551615", "6148914691236517206", "4000000000"}) {
         for (const std::string& head : {kHead, std::string(kHead).replace(37, 5, "BINARY")}) {
-            EXPECT_NE(refusal(head + "POINTS " + claim + " float\n0 0 0"), "");
-            EXPECT_NE(refusal(head + "CELLS 1 " + claim + "\n0 0 0"), "");
-            EXPECT_NE(refusal(head + "CELLS " + claim + " 1\n0000"), "");
-            EXPECT_NE(refusal(head + "CELL_TYPES " + claim + "\n0 0 0"), "");
-            EXPECT_NE(refusal(head + "FIELD f 1\nx " + claim + " 2 int\n1 2"), "");
-            EXPECT_NE(refusal(head + "FIELD f 1\nx 2 " + claim + " string\n1 2"), "");
-            EXPECT_NE(refusal(head + "FIELD f " + claim + "\n"), "");
-            EXPECT_NE(refusal(head + "FIELD f 1\nx 1 " + claim + " bit\n1 2"), "");
+            EXPECT_NE(refusalOf("a.vtk", head + "POINTS " + claim + " float\n0 0 0"), "");
+            EXPECT_NE(refusalOf("a.vtk", head + "CELLS 1 " + claim + "\n0 0 0"), "");
+            EXPECT_NE(refusalOf("a.vtk", head + "CELLS " + claim + " 1\n0000"), "");
+            EXPECT_NE(refusalOf("a.vtk", head + "CELL_TYPES " + claim + "\n0 0 0"), "");
+            EXPECT_NE(refusalOf("a.vtk", head + "FIELD f 1\nx " + claim + " 2 int\n1 2"), "");
+            EXPECT_NE(refusalOf("a.vtk", head + "FIELD f 1\nx 2 " + claim + " string\n1 2"), "");
+            EXPECT_NE(refusalOf("a.vtk", head + "FIELD f " + claim + "\n"), "");
+            EXPECT_NE(refusalOf("a.vtk", head + "FIELD f 1\nx 1 " + claim + " bit\n1 2"), "");
         }
     }
 }
@@ -166,24 +163,24 @@ TEST(VtkLegacy, MarksThatMakeNoSenseAreRefused) {
         return kHead + "FIELD FieldData 2\nespalier:edge_vertices 2 " + vertices +
                "\nespalier:edge_sharpness 1 " + sharpness + "\n" + kPoints + kCells;
     };
-    EXPECT_EQ(read(withField("1 int\n0 3", "1 double\n10")).marks.edges,
+    EXPECT_EQ(latticeOf("a.vtk", withField("1 int\n0 3", "1 double\n10")).marks.edges,
               (std::vector<far::Marks::Edge>{{{0, 3}, far::kInfinitelySharp}}));
-    EXPECT_THAT(refusal(withField("2 int\n0 3 1 2", "1 double\n10")),
+    EXPECT_THAT(refusalOf("a.vtk", withField("2 int\n0 3 1 2", "1 double\n10")),
                 HasSubstr("has marks of 1 edges, and 4 vertices of marked edges"));
-    EXPECT_THAT(refusal(withField("1 int\n0 4", "1 double\n10")),
+    EXPECT_THAT(refusalOf("a.vtk", withField("1 int\n0 4", "1 double\n10")),
                 HasSubstr("a mark names vertex 4; there are 4"));
-    EXPECT_THAT(refusal(withField("1 double\n0 nan", "1 double\n10")),
+    EXPECT_THAT(refusalOf("a.vtk", withField("1 double\n0 nan", "1 double\n10")),
                 HasSubstr("a mark names vertex nan"));
-    EXPECT_THAT(refusal(withField("1 int\n0 3", "1 double\nnan")),
+    EXPECT_THAT(refusalOf("a.vtk", withField("1 int\n0 3", "1 double\nnan")),
                 HasSubstr("value 0 of 'espalier:edge_sharpness', counted from 0, is NaN"));
-    EXPECT_THAT(refusal(kHead + kPoints + kCells + "POINT_DATA 4\nFIELD f 1\n" +
-                        "espalier:vertex_sharpness 1 4 double\n0 -1 nan 2\n"),
+    EXPECT_THAT(refusalOf("a.vtk", kHead + kPoints + kCells + "POINT_DATA 4\nFIELD f 1\n" +
+                                       "espalier:vertex_sharpness 1 4 double\n0 -1 nan 2\n"),
                 HasSubstr("value 2 of 'espalier:vertex_sharpness', counted from 0, is NaN"));
 }
 
 /// The whole of what is written for a tetrahedron with all kinds of marks.
 TEST(VtkLegacy, IsWrittenInThePlainestForm) {
-    Lattice lattice = read(kHead + kPoints + kCells);
+    Lattice lattice = latticeOf("a.vtk", kHead + kPoints + kCells);
     lattice.positions[1][0] = 0.1;
     lattice.marks.edges = {{{0, 1}, far::kInfinitelySharp}};
     lattice.marks.vertices = {{2, 0}};

@@ -4,6 +4,7 @@
 #include <espalier/io/vtk_payload.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <io/model_files.h>
 
 #include <limits>
 #include <string>
@@ -18,16 +19,6 @@ using io::encodeBase64;
 using io::PayloadForm;
 using io::VtkCoding;
 using testing::HasSubstr;
-
-template <class Call>
-std::string messageOf(Call call) {
-    try {
-        call();
-    } catch (const CodingError& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 /// The test vectors of RFC 4648, section 10.
 TEST(Base64, AgreesWithTheStandard) {
@@ -51,7 +42,7 @@ TEST(Base64, IsReadPieceByPiece) {
     EXPECT_EQ(reader.read(0), "");
     EXPECT_EQ(reader.read(4), "ooba");
     EXPECT_EQ(reader.read(1), "r");
-    EXPECT_THAT(messageOf([&] { reader.read(1); }), HasSubstr("ends too early"));
+    EXPECT_THAT(messageOf<CodingError>([&] { reader.read(1); }), HasSubstr("ends too early"));
 }
 
 TEST(Base64, StreamsReadOnAfterPadding) {
@@ -97,7 +88,7 @@ TEST(VtkPayload, OfVtkIsRead) {
 TEST(VtkPayload, OfRawDataIsRead) {
     const std::string raw("\0\0\0\3abcdef", 10);
     EXPECT_EQ(decodePayload(raw, PayloadForm::Raw, {std::endian::big, false, false}), "abc");
-    EXPECT_THAT(messageOf([&] {
+    EXPECT_THAT(messageOf<CodingError>([&] {
                     decodePayload(raw, PayloadForm::Raw, {std::endian::little, false, false});
                 }),
                 // 3 in the wrong byte order is 3 · 2²⁴.
@@ -125,7 +116,7 @@ std::string words(std::initializer_list<std::uint64_t> values) {
 TEST(VtkPayload, ClaimsAreCheckedBeforeMemoryIsTaken) {
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
     const auto refusal = [](const std::string& raw) {
-        return messageOf([&] { decodePayload(raw, PayloadForm::Raw, {}); });
+        return messageOf<CodingError>([&] { decodePayload(raw, PayloadForm::Raw, {}); });
     };
     EXPECT_THAT(refusal(words({kMost, 1, 0})), HasSubstr("compressed blocks"));
     EXPECT_THAT(refusal(words({2, 1, 0, 1})), HasSubstr("compressed blocks"));
@@ -135,7 +126,7 @@ TEST(VtkPayload, ClaimsAreCheckedBeforeMemoryIsTaken) {
     EXPECT_THAT(refusal(words({1, 8, 0, 8, 0})), HasSubstr("is damaged"));
     VtkCoding plain;
     plain.isCompressed = false;
-    EXPECT_THAT(messageOf([&] {
+    EXPECT_THAT(messageOf<CodingError>([&] {
                     decodePayload(words({kMost, 0}), PayloadForm::Raw, plain);
                 }),
                 HasSubstr("18446744073709551615 bytes are claimed, 8 are there"));
@@ -149,7 +140,7 @@ TEST(VtkPayload, OfAnotherSizeThanClaimedIsRefused) {
     for (const char size : {'\7', '\11'}) {
         std::string changed = header;
         changed[16] = size;
-        EXPECT_THAT(messageOf([&] {
+        EXPECT_THAT(messageOf<CodingError>([&] {
                         decodePayload(encodeBase64(changed) + text.substr(44), PayloadForm::Base64,
                                       {});
                     }),

@@ -12,13 +12,12 @@ namespace {
 
 using test::bytesOf;
 using test::kIdentity;
+using test::kQuarterTurn;
 using test::turned;
 using test::written;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-/// x becomes y, y becomes -x.
-constexpr DeformationGradient kQuarterTurn = {0, -1, 0, 1, 0, 0, 0, 0, 1};
 /// Twice as long along x; its cofactors are diag(1, 2, 2).
 constexpr DeformationGradient kStretch = {2, 0, 0, 0, 1, 0, 0, 0, 1};
 

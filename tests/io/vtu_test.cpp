@@ -407,7 +407,7 @@ TEST(Vtu, ClaimsAreComparedBeforeArraysAreDecoded) {
     const std::string toFaces =
         Vtu::array("polyhedron_to_faces", "0 1 2 3") + Vtu::array("polyhedron_offsets", "4");
     const std::string count = " has 402653184 numbers; expected ";
-    const std::pair<std::string, std::string> kCells[] = {
+    const std::pair<std::string, std::string> kCellClaims[] = {
         {connectivity + offsets + claimOf3Gigabytes("types", "UInt8"),
          "'types' has 3221225472 numbers; expected 1, one a cell"},
         {connectivity + claimOf3Gigabytes("offsets") + types,
@@ -428,7 +428,7 @@ TEST(Vtu, ClaimsAreComparedBeforeArraysAreDecoded) {
         {standard + toFaces + Vtu::array("face_offsets", "3 6 9 12") +
              claimOf3Gigabytes("face_connectivity"),
          "'face_connectivity'" + count + "12, the last of 'face_offsets'"}};
-    for (const auto& [cellArrays, cause] : kCells) {
+    for (const auto& [cellArrays, cause] : kCellClaims) {
         Vtu vtu;
         vtu.fileAttributes = "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"";
         vtu.piece({4, 1}, kTetrahedronPoints, cellArrays);

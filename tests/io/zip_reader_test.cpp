@@ -15,8 +15,6 @@ using test::bytesOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr auto kLittle = std::endian::little;
-
 /// An archive of two members, "first" and "2".
 std::string archive(ZipWriter::Zip64 zip64 = ZipWriter::Zip64::AsNeeded) {
     std::ostringstream stream;
@@ -34,10 +32,10 @@ std::string read(std::string_view bytes, std::string_view name) {
 
 template <class Number>
 std::string changed(std::string bytes, std::size_t at, Number number) {
-    return bytes.replace(at, sizeof number, bytesOf(number, kLittle));
+    return bytes.replace(at, sizeof number, bytesOf(number, std::endian::little));
 }
 
-void refused(std::string_view bytes, const std::string& why) {
+void expectArchiveRefused(std::string_view bytes, const std::string& why) {
     EXPECT_THAT([&] { read(bytes, "first"); }, ThrowsMessage<CodingError>(HasSubstr(why)));
 }
 
@@ -48,10 +46,10 @@ constexpr std::size_t kFlags = 8, kMethod = 10, kChecksum = 16, kCompressedSize 
 constexpr std::size_t kCount = 10, kDirectorySize = 12, kDirectoryPlace = 16;
 
 std::size_t entryIn(std::string_view bytes) {
-    return bytes.find(bytesOf(kZipDirectoryEntry, kLittle));
+    return bytes.find(bytesOf(kZipDirectoryEntry, std::endian::little));
 }
 std::size_t endIn(std::string_view bytes) {
-    return bytes.rfind(bytesOf(kZipDirectoryEnd, kLittle));
+    return bytes.rfind(bytesOf(kZipDirectoryEnd, std::endian::little));
 }
 
 TEST(ZipReader, ReadsWhatIsWritten) {
@@ -64,7 +62,7 @@ TEST(ZipReader, ReadsWhatIsWritten) {
     }
     std::ostringstream nothing;
     ZipWriter(nothing).finish();
-    refused(nothing.str(), "is not in the archive");
+    expectArchiveRefused(nothing.str(), "is not in the archive");
 }
 
 TEST(ZipReader, ReadsWhatPythonCompresses) {
@@ -78,7 +76,7 @@ TEST(ZipReader, ReadsBeforeAComment) {
     const std::string bytes = archive();
     const std::string said = changed(bytes, bytes.size() - 2, std::uint16_t{7});
     EXPECT_EQ(read(said + "comment", "2"), "others");
-    refused(said + "comments", "the end of its directory is not there");
+    expectArchiveRefused(said + "comments", "the end of its directory is not there");
     const std::string longest(65535, 'x');
     EXPECT_EQ(read(changed(bytes, bytes.size() - 2, std::uint16_t{65535}) + longest, "2"),
               "others");
@@ -96,16 +94,17 @@ TEST(ZipReader, PassesOverFieldsAndCommentsOfMembers) {
     EXPECT_EQ(read(bytes, "2"), "others");
     // ZIP64's field under another name is not it.
     const std::string wide = archive(ZipWriter::Zip64::Always);
-    refused(changed(wide, entryIn(wide) + kName + 5, std::uint16_t{2}),
-            "more bytes in its members");
+    expectArchiveRefused(changed(wide, entryIn(wide) + kName + 5, std::uint16_t{2}),
+                         "more bytes in its members");
 }
 
 TEST(ZipReader, RefusesWhatIsCodedInAnotherWay) {
     const std::string bytes = archive();
     const std::size_t entry = entryIn(bytes);
-    refused(changed(bytes, entry + kFlags, std::uint16_t{1}), "is encrypted");
-    refused(changed(bytes, entry + kMethod, std::uint16_t{12}), "method 12; expected 8");
-    refused(changed(bytes, entry + kMethod, kZipDeflated), "is damaged (zlib)");
+    expectArchiveRefused(changed(bytes, entry + kFlags, std::uint16_t{1}), "is encrypted");
+    expectArchiveRefused(changed(bytes, entry + kMethod, std::uint16_t{12}),
+                         "method 12; expected 8");
+    expectArchiveRefused(changed(bytes, entry + kMethod, kZipDeflated), "is damaged (zlib)");
     // The other member is as it was.
     EXPECT_EQ(read(changed(bytes, entry + kFlags, std::uint16_t{1}), "2"), "others");
 }
@@ -113,19 +112,22 @@ TEST(ZipReader, RefusesWhatIsCodedInAnotherWay) {
 TEST(ZipReader, RefusesDamage) {
     const std::string bytes = archive();
     const std::size_t entry = entryIn(bytes), end = endIn(bytes);
-    refused("", "is not a ZIP archive");
-    refused("%%MatrixMarket matrix coordinate real general", "is not a ZIP archive");
-    refused(changed(bytes, 0, std::uint32_t{0}), "is not where the directory says");
-    refused(changed(bytes, 30, 'F'), "has another name in the directory");
-    refused(changed(bytes, entry, std::uint32_t{0}), "its directory is not one");
-    refused(changed(bytes, entry + kName, 'F'), "is not in the archive");
-    refused(changed(bytes, entry + kChecksum, std::uint32_t{0}), "checksum does not match");
-    refused(changed(bytes, bytes.find("some"), 'S'), "checksum does not match");
-    refused(changed(bytes, entry + kSize, std::uint32_t{9}), "checksum does not match");
-    refused(changed(bytes, entry + kCompressedSize, std::uint32_t{9}), "checksum does not match");
-    refused(changed(bytes, end + kCount, std::uint16_t{3}), "ends too early");
-    refused(changed(bytes, end + kDirectorySize, std::uint32_t{60}), "ends too early");
-    refused(changed(bytes, end + kCount, std::uint16_t{0}), "is not in the archive");
+    expectArchiveRefused("", "is not a ZIP archive");
+    expectArchiveRefused("%%MatrixMarket matrix coordinate real general", "is not a ZIP archive");
+    expectArchiveRefused(changed(bytes, 0, std::uint32_t{0}), "is not where the directory says");
+    expectArchiveRefused(changed(bytes, 30, 'F'), "has another name in the directory");
+    expectArchiveRefused(changed(bytes, entry, std::uint32_t{0}), "its directory is not one");
+    expectArchiveRefused(changed(bytes, entry + kName, 'F'), "is not in the archive");
+    expectArchiveRefused(changed(bytes, entry + kChecksum, std::uint32_t{0}),
+                         "checksum does not match");
+    expectArchiveRefused(changed(bytes, bytes.find("some"), 'S'), "checksum does not match");
+    expectArchiveRefused(changed(bytes, entry + kSize, std::uint32_t{9}),
+                         "checksum does not match");
+    expectArchiveRefused(changed(bytes, entry + kCompressedSize, std::uint32_t{9}),
+                         "checksum does not match");
+    expectArchiveRefused(changed(bytes, end + kCount, std::uint16_t{3}), "ends too early");
+    expectArchiveRefused(changed(bytes, end + kDirectorySize, std::uint32_t{60}), "ends too early");
+    expectArchiveRefused(changed(bytes, end + kCount, std::uint16_t{0}), "is not in the archive");
 }
 
 TEST(ZipReader, RefusesTwoOfOneName) {
@@ -133,27 +135,28 @@ TEST(ZipReader, RefusesTwoOfOneName) {
     ZipWriter zip(stream);
     for (int i = 0; i < 2; ++i) zip.add("first", [](ByteOutput& out) { out.bytes("x"); });
     zip.finish();
-    refused(stream.str(), "two members of one name");
+    expectArchiveRefused(stream.str(), "two members of one name");
 }
 
 TEST(ZipReader, ChecksClaimedSizesAndPlaces) {
     const std::string bytes = archive();
     const std::size_t entry = entryIn(bytes), end = endIn(bytes);
     const auto size = static_cast<std::uint32_t>(bytes.size());
-    refused(changed(bytes, entry + kCompressedSize, size + 1), "more bytes in its members");
+    expectArchiveRefused(changed(bytes, entry + kCompressedSize, size + 1),
+                         "more bytes in its members");
     // As many as there are, but not behind its header.
-    refused(changed(bytes, entry + kCompressedSize, size - 10), "ends too early");
-    refused(changed(bytes, entry + kPlace, size + 1), "names byte");
-    refused(changed(bytes, entry + kPlace, size), "ends too early");
-    refused(changed(bytes, end + kDirectoryPlace, size + 1), "names byte");
-    refused(changed(bytes, end + kDirectorySize, size), "ends too early");
+    expectArchiveRefused(changed(bytes, entry + kCompressedSize, size - 10), "ends too early");
+    expectArchiveRefused(changed(bytes, entry + kPlace, size + 1), "names byte");
+    expectArchiveRefused(changed(bytes, entry + kPlace, size), "ends too early");
+    expectArchiveRefused(changed(bytes, end + kDirectoryPlace, size + 1), "names byte");
+    expectArchiveRefused(changed(bytes, end + kDirectorySize, size), "ends too early");
     // A bomb: 10 bytes cannot become 4 GB.
     const std::string deflated = changed(bytes, entry + kMethod, kZipDeflated);
-    refused(changed(deflated, entry + kSize, std::uint32_t{0xfffffffe}),
-            "10 compressed bytes claims to hold 4294967294");
+    expectArchiveRefused(changed(deflated, entry + kSize, std::uint32_t{0xfffffffe}),
+                         "10 compressed bytes claims to hold 4294967294");
     // ZIP64's mark for a number that is elsewhere, which it is not.
-    refused(changed(bytes, entry + kPlace, kZipAll32), "names byte 4294967295");
-    refused(changed(bytes, end + kDirectoryPlace, kZipAll32), "names byte 4294967295");
+    expectArchiveRefused(changed(bytes, entry + kPlace, kZipAll32), "names byte 4294967295");
+    expectArchiveRefused(changed(bytes, end + kDirectoryPlace, kZipAll32), "names byte 4294967295");
 }
 
 TEST(ZipReader, ChecksClaimsOf64Bits) {
@@ -161,18 +164,19 @@ TEST(ZipReader, ChecksClaimsOf64Bits) {
     const std::string bytes = archive(ZipWriter::Zip64::Always);
     // The extra field of the entry: its size and compressed size and place, behind 4 bytes.
     const std::size_t extra = entryIn(bytes) + kName + 5 + 4;
-    refused(changed(bytes, extra, kMost), "checksum does not match");
-    refused(changed(bytes, extra + 8, kMost), "more bytes in its members");
-    refused(changed(bytes, extra + 16, kMost), "names byte 18446744073709551615");
-    refused(changed(bytes, extra - 2, std::uint16_t{16}), "ends too early");
+    expectArchiveRefused(changed(bytes, extra, kMost), "checksum does not match");
+    expectArchiveRefused(changed(bytes, extra + 8, kMost), "more bytes in its members");
+    expectArchiveRefused(changed(bytes, extra + 16, kMost), "names byte 18446744073709551615");
+    expectArchiveRefused(changed(bytes, extra - 2, std::uint16_t{16}), "ends too early");
     // ZIP64's end of the directory: 24 bytes, the count on this disk, and what it is in all.
-    const std::size_t end = bytes.rfind(bytesOf(kZip64DirectoryEnd, kLittle));
-    refused(changed(bytes, end + 32, kMost), "ends too early");
-    refused(changed(bytes, end + 40, kMost), "18446744073709551615 bytes are expected");
-    refused(changed(bytes, end + 48, kMost), "names byte 18446744073709551615");
-    const std::size_t locator = bytes.rfind(bytesOf(kZip64Locator, kLittle));
-    refused(changed(bytes, locator + 8, kMost), "names byte 18446744073709551615");
-    refused(changed(bytes, locator + 8, std::uint64_t{0}), "not where it should be");
+    const std::size_t end = bytes.rfind(bytesOf(kZip64DirectoryEnd, std::endian::little));
+    expectArchiveRefused(changed(bytes, end + 32, kMost), "ends too early");
+    expectArchiveRefused(changed(bytes, end + 40, kMost),
+                         "18446744073709551615 bytes are expected");
+    expectArchiveRefused(changed(bytes, end + 48, kMost), "names byte 18446744073709551615");
+    const std::size_t locator = bytes.rfind(bytesOf(kZip64Locator, std::endian::little));
+    expectArchiveRefused(changed(bytes, locator + 8, kMost), "names byte 18446744073709551615");
+    expectArchiveRefused(changed(bytes, locator + 8, std::uint64_t{0}), "not where it should be");
 }
 
 // The same bytes in many members would hold many times what is there.
@@ -183,9 +187,9 @@ TEST(ZipReader, RefusesMembersThatLieInEachOther) {
     zip.add("2", [](ByteOutput& out) { out.bytes("x"); });
     zip.finish();
     const std::string bytes = stream.str();
-    const std::size_t second = bytes.rfind(bytesOf(kZipDirectoryEntry, kLittle));
-    refused(changed(bytes, second + kCompressedSize, std::uint32_t{1000}),
-            "more bytes in its members");
+    const std::size_t second = bytes.rfind(bytesOf(kZipDirectoryEntry, std::endian::little));
+    expectArchiveRefused(changed(bytes, second + kCompressedSize, std::uint32_t{1000}),
+                         "more bytes in its members");
 }
 
 }  // namespace

@@ -66,8 +66,8 @@ TEST(Bicubic, TwentyFivePointsByTheirKind) {
         for (Index s = 0; s < 5; ++s) {
             const int dimension = net.parentAt(1, {r, s, 0}).dimension;
             EXPECT_EQ(dimension, (r % 2 == 0) + (s % 2 == 0));
-            ++all[static_cast<std::size_t>(dimension)];
-            if (r < 4 && s < 4) ++ofSubPatch[static_cast<std::size_t>(dimension)];
+            ++all[dimension];
+            if (r < 4 && s < 4) ++ofSubPatch[dimension];
         }
     EXPECT_EQ(all, (std::array<int, 3>{4, 12, 9}));
     EXPECT_EQ(ofSubPatch, (std::array<int, 3>{4, 8, 4}));
@@ -90,14 +90,14 @@ TEST(Bicubic, SubPatchesAreProductsWithTheSplittingMatrices) {
                     const Row got = rowOf(table, net.vertexAt(1, {u + r, v + s, 0}));
                     // Multiples of 1/64: exact.
                     EXPECT_EQ(difference(got, expected), 0) << u << v << r << s;
-                    ++uses[static_cast<std::size_t>(u + r)][static_cast<std::size_t>(v + s)];
+                    ++uses[u + r][v + s];
                 }
     for (std::size_t r = 1; r <= 3; ++r)
         for (std::size_t s = 1; s <= 3; ++s) EXPECT_EQ(uses[r][s], 4);
 }
 
 /// The points of a net as the notes name them, and its rules.
-struct Net {
+struct NetOfLevel {
     const RefinedGrid& grid;
     int level;
 
@@ -130,7 +130,7 @@ TEST(Bicubic, FaceEdgeAndVertexRulesOnNetsOfAnySize) {
          std::vector<std::vector<Index>>{{3, 3}, {2, 5}, {6, 4}}) {
         const RefinedGrid grid(cells, 2);
         for (int level = 1; level <= 2; ++level) {
-            const Net net{grid, level - 1};
+            const NetOfLevel net{grid, level - 1};
             const auto table = buildLevelTable(grid.refiner(), level);
             const Place size = grid.size(level);
             ASSERT_EQ(size[0], 2 * (grid.size(level - 1)[0] - 1));
@@ -154,7 +154,7 @@ TEST(Bicubic, FaceEdgeAndVertexRulesOnNetsOfAnySize) {
 // (1 6 1)/8 with itself: 1 6 1 / 6 36 6 / 1 6 1 in 64ths.
 TEST(Bicubic, InfluenceOnAVertexPoint) {
     const RefinedGrid grid({2, 2}, 1);
-    const Net net{grid, 0};
+    const NetOfLevel net{grid, 0};
     const auto m = [&](Index i, Index j) { return (net.p(i, j) + net.p(1, 1)) / 2; };
     const Row inSixteenths = (net.f(0, 0) + net.f(0, 1) + net.f(1, 0) + net.f(1, 1) + 2 * m(0, 1) +
                               2 * m(1, 0) + 2 * m(1, 2) + 2 * m(2, 1) + 4 * net.p(1, 1)) /

@@ -49,7 +49,7 @@ TEST(Curves, FivePointsOfFourAreTheSplittingMatrix) {
             sum += matrix[r][c] / 8;
         }
         // Eighths are exact.
-        EXPECT_EQ(difference(rows[static_cast<std::size_t>(r)], expected), 0) << r;
+        EXPECT_EQ(difference(rows[r], expected), 0) << r;
         EXPECT_EQ(sum, 1) << "an affine operation";
     }
 }
@@ -93,10 +93,9 @@ TEST(Curves, EdgeAndVertexRules) {
             const auto e = [&](Index i) { return (p(i) + p(i + 1)) / 2; };
             const Index edges = polygon.size(level - 1)[0];
             // In the order E0 V0 E1 V1 … of the refined polygon.
-            for (Index i = 0; i < edges; ++i)
-                EXPECT_EQ(difference(rows[static_cast<std::size_t>(2 * i)], e(i)), 0) << i;
+            for (Index i = 0; i < edges; ++i) EXPECT_EQ(difference(rows[2 * i], e(i)), 0) << i;
             for (Index i = 0; i + 1 < edges; ++i) {
-                const Row& vertex = rows[static_cast<std::size_t>(2 * i + 1)];
+                const Row& vertex = rows[2 * i + 1];
                 EXPECT_EQ(difference(vertex, (e(i) + 2 * p(i + 1) + e(i + 1)) / 4), 0) << i;
                 const Row midpoint = ((e(i) + p(i + 1)) / 2 + (p(i + 1) + e(i + 1)) / 2) / 2;
                 EXPECT_EQ(difference(vertex, midpoint), 0) << i;
@@ -161,7 +160,7 @@ TEST(Curves, VertexPointsTendToTheSpline) {
         const double rest = std::ldexp(1.0, -2 * level);
         const std::vector<Row> rows = composedRows(polygon, level);
         for (Index i = 1; i <= 3; ++i) {
-            const Row& row = rows[static_cast<std::size_t>(((i - 1) << level) + 1)];
+            const Row& row = rows[((i - 1) << level) + 1];
             const Row second = point(i - 1) + -2 * point(i) + point(i + 1);
             // Ten sums of three products below 1.
             EXPECT_LE(difference(row, point(i) + (1 - rest) / 6 * second), 4e-15) << level;

@@ -57,8 +57,7 @@ TEST(Deformation, ApproximationTendsToTheDeformation) {
         const Row row = tensorProduct(grid, clampedSpline(p[0], 3), clampedSpline(p[1], 2),
                                       clampedSpline(p[2], 4));
         exact.push_back(Vector3d::Zero());
-        for (const auto& [vertex, weight] : row.weights)
-            exact.back() += weight * vec(pose[static_cast<std::size_t>(vertex)]);
+        for (const auto& [vertex, weight] : row.weights) exact.back() += weight * vec(pose[vertex]);
     }
     double before = 0;
     for (int level = 1; level <= 4; ++level) {
@@ -91,7 +90,7 @@ TEST(Deformation, PointsInsideAreConvexCombinations) {
             double total = 0, weight = 1;
             for (const Index vertex : complex.relation(3, 0)[cell]) {
                 weight = std::fmod(weight * 1.7, 1.3) + 0.1;
-                sum += weight * vec(positions[static_cast<std::size_t>(vertex)]);
+                sum += weight * vec(positions[vertex]);
                 total += weight;
             }
             points.push_back({sum[0] / total, sum[1] / total, sum[2] / total});
@@ -100,7 +99,7 @@ TEST(Deformation, PointsInsideAreConvexCombinations) {
         const auto inCell = buildEmbeddingTable(complex, embedding);
         const auto inLattice = buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
         for (Index i = 0; i < inCell.rowCount(); ++i) {
-            const auto& located = embedding.points[static_cast<std::size_t>(i)];
+            const auto& located = embedding.points[i];
             // A point in a gap between cells has a place just outside of one.
             if (located.place && located.place->offset != std::array<double, 3>{}) continue;
             for (const auto* table : {&inCell, &inLattice})

@@ -46,9 +46,7 @@ TEST(Polyhedra, HexecontahedronHasSixtyGoldenRhombi) {
     EXPECT_EQ(byValence, (std::map<std::size_t, int>{{3, 20}, {4, 30}, {5, 12}}));
     for (Index face = 0; face < complex.count(2); ++face) {
         const auto loop = complex.relation(2, 0)[face];
-        const auto at = [&](std::size_t i) {
-            return vec(mesh.positions[static_cast<std::size_t>(loop[i])]);
-        };
+        const auto at = [&](std::size_t i) { return vec(mesh.positions[loop[i]]); };
         // Positions of size 1 with some roundings: a parallelogram is flat, and a rhombus has
         // diagonals at right angles.
         EXPECT_LT((at(0) + at(2) - at(1) - at(3)).norm(), 1e-15);
@@ -72,7 +70,7 @@ TEST(Polyhedra, CountsOfTable2) {
         const TopologyRefiner refiner = refined(mesh, 3);
         for (int level = 0; level <= 3; ++level) {
             const CellComplex& complex = refiner.level(level).complex;
-            const auto& expected = table.at(name)[static_cast<std::size_t>(level)];
+            const auto& expected = table.at(name)[level];
             EXPECT_EQ(complex.count(0), expected[0]) << name << " " << level;
             EXPECT_EQ(complex.count(2), expected[1]) << name << " " << level;
             if (level == 0) continue;
@@ -217,9 +215,7 @@ double largestBend(const CellComplex& complex, const std::vector<Point3>& positi
         const auto loop = complex.relation(2, 0)[face];
         Vector3d sum = Vector3d::Zero();
         for (std::size_t i = 0; i < loop.size(); ++i)
-            sum +=
-                vec(positions[static_cast<std::size_t>(loop[i])])
-                    .cross(vec(positions[static_cast<std::size_t>(loop[(i + 1) % loop.size()])]));
+            sum += vec(positions[loop[i]]).cross(vec(positions[loop[(i + 1) % loop.size()]]));
         return Vector3d(sum.normalized());
     };
     double least = 1;

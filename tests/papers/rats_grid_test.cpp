@@ -21,9 +21,9 @@ using test::RefinedGrid;
 using test::Row;
 
 /// n × m old points, and the new ones of RATS or of Catmull-Clark.
-class Net {
+class RefinedNet {
 public:
-    Net(Index countAlongI, Index countAlongJ, Rules rules = Rules::Rats)
+    RefinedNet(Index countAlongI, Index countAlongJ, Rules rules = Rules::Rats)
         : n(countAlongI),
           m(countAlongJ),
           grid_({n - 1, m - 1}, 1, rules == Rules::Rats ? Boundary::Sharp : Boundary::Open),
@@ -60,7 +60,7 @@ std::vector<std::pair<Index, Index>> sizes() {
     return {{2, 2}, {2, 5}, {5, 2}, {3, 3}, {3, 4}, {4, 4}, {6, 5}};
 }
 
-void expectPoint(Net& net, RatsPoint type, Index i, Index j, const Row& expected) {
+void expectPoint(RefinedNet& net, RatsPoint type, Index i, Index j, const Row& expected) {
     EXPECT_EQ(net.typeOf(i, j), type) << "P_" << i << "," << j;
     // Sums of at most 16 products near 1: some 16 roundings of 1.1e-16.
     EXPECT_LT(test::difference(net.P(i, j), expected), 2e-15) << "P_" << i << "," << j;
@@ -74,13 +74,13 @@ Ends ends(Index n) {
     return n == 1 ? Ends{1} : Ends{1, n};
 }
 
-void vAlpha(Net& net) {
+void vAlpha(RefinedNet& net) {
     for (const Index i : ends(net.n))
         for (const Index j : ends(net.m))
             expectPoint(net, RatsPoint::VAlpha, 2 * i - 1, 2 * j - 1, net.V(i, j));  // Eq 4
 }
 
-void vBeta(Net& net) {
+void vBeta(RefinedNet& net) {
     const auto V = [&](Index i, Index j) { return net.V(i, j); };
     for (Index i = 2; i <= net.n - 1; ++i)
         for (const Index j : ends(net.m))
@@ -92,7 +92,7 @@ void vBeta(Net& net) {
                         ((V(i, j - 1) + V(i, j)) / 2 + (V(i, j) + V(i, j + 1)) / 2) / 2);  // Eq 6
 }
 
-void vGamma(Net& net) {
+void vGamma(RefinedNet& net) {
     const auto F = [&](Index i, Index j) { return net.F(i, j); };
     for (Index i = 2; i <= net.n - 1; ++i)
         for (Index j = 2; j <= net.m - 1; ++j)
@@ -101,7 +101,7 @@ void vGamma(Net& net) {
 }
 
 // In Eq 8 to 11 the P on the right are old points: V.
-void eAlpha(Net& net) {
+void eAlpha(RefinedNet& net) {
     const auto V = [&](Index i, Index j) { return net.V(i, j); };
     for (const Index i : ends(net.n - 1))
         for (const Index j : ends(net.m))
@@ -113,7 +113,7 @@ void eAlpha(Net& net) {
                         (V(i, j) + V(i, j + 1)) / 2);  // Eq 9
 }
 
-void eBeta(Net& net) {
+void eBeta(RefinedNet& net) {
     const auto V = [&](Index i, Index j) { return net.V(i, j); };
     for (Index i = 3; i <= net.n - 1; ++i)
         for (const Index j : ends(net.m))
@@ -129,7 +129,7 @@ void eBeta(Net& net) {
                             4);  // Eq 11
 }
 
-void eGamma(Net& net) {
+void eGamma(RefinedNet& net) {
     const auto F = [&](Index i, Index j) { return net.F(i, j); };
     for (Index i = 2; i <= net.n - 1; ++i)
         for (const Index j : ends(net.m - 1))
@@ -141,7 +141,7 @@ void eGamma(Net& net) {
                         (F(i, j - 1) + F(i, j)) / 2);  // Eq 13
 }
 
-void eDelta(Net& net) {
+void eDelta(RefinedNet& net) {
     const auto F = [&](Index i, Index j) { return net.F(i, j); };
     for (Index i = 3; i <= net.n - 1; ++i)
         for (Index j = 2; j <= net.m - 1; ++j)
@@ -157,13 +157,13 @@ void eDelta(Net& net) {
                             2);  // Eq 15
 }
 
-void fAlpha(Net& net) {
+void fAlpha(RefinedNet& net) {
     for (const Index i : ends(net.n - 1))
         for (const Index j : ends(net.m - 1))
             expectPoint(net, RatsPoint::FAlpha, 2 * i, 2 * j, net.F(i, j));  // Eq 16
 }
 
-void fBeta(Net& net) {
+void fBeta(RefinedNet& net) {
     const auto F = [&](Index i, Index j) { return net.F(i, j); };
     for (Index i = 3; i <= net.n - 1; ++i)
         for (const Index j : ends(net.m - 1))
@@ -177,7 +177,7 @@ void fBeta(Net& net) {
                 ((F(i, j - 2) + F(i, j - 1)) / 2 + (F(i, j - 1) + F(i, j)) / 2) / 2);  // Eq 18
 }
 
-void fGamma(Net& net) {
+void fGamma(RefinedNet& net) {
     const auto F = [&](Index i, Index j) { return net.F(i, j); };
     for (Index i = 3; i <= net.n - 1; ++i)
         for (Index j = 3; j <= net.m - 1; ++j)
@@ -190,11 +190,11 @@ void fGamma(Net& net) {
                     4);  // Eq 19
 }
 
-void forEachNet(const std::function<void(Net&)>& check) {
+void forEachNet(const std::function<void(RefinedNet&)>& check) {
     bool isAnySeen = false;
     for (const auto& [n, m] : sizes()) {
         SCOPED_TRACE(std::to_string(n) + " × " + std::to_string(m));
-        Net net(n, m);
+        RefinedNet net(n, m);
         check(net);
         isAnySeen = isAnySeen || !net.seen().empty();
     }
@@ -235,7 +235,7 @@ TEST(RatsGrid, FGammaInnerFaces) {
 // Eq 4 to 19 give each of the (2n − 1)(2m − 1) new points, and each once.
 TEST(RatsGrid, EquationsGiveEachNewPointOnce) {
     for (const auto& [n, m] : sizes()) {
-        Net net(n, m);
+        RefinedNet net(n, m);
         for (const auto& equations :
              {vAlpha, vBeta, vGamma, eAlpha, eBeta, eGamma, eDelta, fAlpha, fBeta, fGamma})
             equations(net);
@@ -249,7 +249,7 @@ TEST(RatsGrid, EquationsGiveEachNewPointOnce) {
 // Section 2.1. A, B, C and D are face centroids: the subscripts of the P before them are wrong.
 TEST(RatsGrid, CatmullClarkPointsOfTheSamePaper) {
     for (const auto& [n, m] : {std::pair<Index, Index>{4, 4}, {6, 5}}) {
-        const Net net(n, m, Rules::Siggraph96);
+        const RefinedNet net(n, m, Rules::Siggraph96);
         const auto V = [&](Index i, Index j) { return net.V(i, j); };
         const auto F = [&](Index i, Index j) { return net.F(i, j); };
         const auto expect = [&](Index i, Index j, const Row& expected) {
@@ -283,7 +283,7 @@ TEST(RatsGrid, CatmullClarkPointsOfTheSamePaper) {
             }
         // (2n − 3)(2m − 3) new points: 4(n + m − 2) fewer than those of RATS.
         EXPECT_EQ(net.newPointCount(), (2 * n - 3) * (2 * m - 3));
-        EXPECT_EQ(Net(n, m).newPointCount() - net.newPointCount(), 4 * (n + m - 2));
+        EXPECT_EQ(RefinedNet(n, m).newPointCount() - net.newPointCount(), 4 * (n + m - 2));
     }
 }
 

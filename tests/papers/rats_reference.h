@@ -100,9 +100,7 @@ private:
         return false;
     }
 
-    const Row& newVertex(Index vertex) const {
-        return vertexPoints_[static_cast<std::size_t>(vertex)];
-    }
+    const Row& newVertex(Index vertex) const { return vertexPoints_[vertex]; }
 
     const CellComplex& complex_;
     const far::Strata& strata_;

@@ -35,7 +35,7 @@ using test::Row;
 using ::testing::HasSubstr;
 
 /// Sums of some dozen products near 1: a dozen roundings of 1.1e-16.
-constexpr double kRounding = 3e-15;
+constexpr double kRatsRounding = 3e-15;
 
 std::vector<Row> rowsOf(const StencilTable<double>& table) {
     std::vector<Row> rows;
@@ -105,10 +105,9 @@ TEST(Rats, InnerFaceAndEdgePointsAreMeansOfNewVertexPoints) {
                 if (type != RatsPoint::EDelta && type != RatsPoint::FGamma) continue;
                 std::vector<Row> corners;
                 for (const Index vertex : base.complex.relation(dimension, 0)[index])
-                    corners.push_back(
-                        rows[static_cast<std::size_t>(pointOf(refiner, 1, {0, vertex}))]);
-                const Row& row = rows[static_cast<std::size_t>(pointOf(refiner, 1, entity))];
-                ASSERT_LT(test::difference(row, average(corners)), kRounding);
+                    corners.push_back(rows[pointOf(refiner, 1, {0, vertex})]);
+                const Row& row = rows[pointOf(refiner, 1, entity)];
+                ASSERT_LT(test::difference(row, average(corners)), kRatsRounding);
             }
     });
 }
@@ -177,9 +176,7 @@ public:
     }
 
 private:
-    static const Row& at(const std::vector<Row>& rows, Index index) {
-        return rows[static_cast<std::size_t>(index)];
-    }
+    static const Row& at(const std::vector<Row>& rows, Index index) { return rows[index]; }
 
     const TopologyRefiner& refiner_;
     const far::CellComplex& complex_;
@@ -202,7 +199,7 @@ TEST(Rats, SecondStepIsCatmullClarkOfTheFirst) {
         const SecondStep step(refiner);
         for (Index face = 0; face < complex.count(2); ++face) {
             if (!step.isInner({2, face})) continue;
-            ASSERT_LT(test::difference(step.point({2, face}), step.mean({2, face})), kRounding);
+            ASSERT_LT(test::difference(step.point({2, face}), step.mean({2, face})), kRatsRounding);
             ++faces;
         }
         for (Index edge = 0; edge < complex.count(1); ++edge) {
@@ -211,10 +208,10 @@ TEST(Rats, SecondStepIsCatmullClarkOfTheFirst) {
             const Row catmullClark = (step.around(entity, 2) + step.mean(entity)) / 2;
             const Row expected =
                 (step.around(entity, 2) + step.meanBeside(edge)) / 4 + step.mean(entity) / 2;
-            ASSERT_LT(test::difference(step.point(entity), expected), kRounding);
+            ASSERT_LT(test::difference(step.point(entity), expected), kRatsRounding);
             const bool isBetweenQuads = step.isBetweenQuads(edge);
             if (isBetweenQuads) {
-                ASSERT_LT(test::difference(step.point(entity), catmullClark), kRounding);
+                ASSERT_LT(test::difference(step.point(entity), catmullClark), kRatsRounding);
             }
             // Where faces lie back to back the two may be the same by symmetry.
             otherEdges += test::difference(step.point(entity), catmullClark) > 1e-3;
@@ -232,7 +229,7 @@ TEST(Rats, SecondStepIsCatmullClarkOfTheFirst) {
             const auto edgeCount = static_cast<double>(n);
             const Row catmullClark = (Q + 2 * R + (edgeCount - 3) * S) / edgeCount;
             if (n == 4) {
-                ASSERT_LT(test::difference(step.point(entity), catmullClark), kRounding);
+                ASSERT_LT(test::difference(step.point(entity), catmullClark), kRatsRounding);
             } else {
                 ASSERT_GT(test::difference(step.point(entity), catmullClark), 1e-3) << n;
             }
@@ -259,7 +256,7 @@ TEST(Rats, LaterStepsAreCatmullClarkOfTheFirst) {
         for (Index vertex = 0; vertex < catmullClark.rowCount(); ++vertex) {
             const Row expected = test::substituted(test::rowOf(catmullClark, vertex), first);
             const Row got = test::rowOf(rats, pointOf(refiner, k + 1, {0, vertex}));
-            ASSERT_LT(test::difference(got, expected), kRounding) << "k " << k << " " << vertex;
+            ASSERT_LT(test::difference(got, expected), kRatsRounding) << "k " << k << " " << vertex;
         }
     }
 }
@@ -274,10 +271,9 @@ TEST(Rats, InnerSurfaceIsThatOfTheNewVertexPoints) {
         const RefinedGrid net({6, 6}, level, boundary);
         const Place size = net.size(level);
         std::vector<double> values(49, 0.0);
-        values[static_cast<std::size_t>(net.vertexAt(0, {3, 3, 0}))] = 1;
+        values[net.vertexAt(0, {3, 3, 0})] = 1;
         const auto refined = refineValues(net.refiner(), level, rules, values, 1);
-        return refined[static_cast<std::size_t>(
-            net.vertexAt(level, {size[0] / 2, size[1] / 2, 0}))];
+        return refined[net.vertexAt(level, {size[0] / 2, size[1] / 2, 0})];
     };
     // The points of level 5 are O(4⁻⁵) = 1e-3 from the surface.
     EXPECT_NEAR(height(Rules::Siggraph96, Boundary::Open), 4.0 / 9, 1e-3);
@@ -309,8 +305,8 @@ TEST(Rats, FillsTheBorderPatches) {
         for (std::size_t axis = 0; axis < 2; ++axis) {
             double coordinate = 0;
             for (const auto& [column, weight] : test::rowOf(table, vertex).weights)
-                coordinate += weight * rats.places(0)[static_cast<std::size_t>(column)][axis];
-            const Place place = rats.places(level)[static_cast<std::size_t>(vertex)];
+                coordinate += weight * rats.places(0)[column][axis];
+            const Place place = rats.places(level)[vertex];
             // Coordinates up to 5: a dozen roundings of 1e-15.
             ASSERT_NEAR(coordinate, scale * place[axis], 1e-14) << vertex;
         }
@@ -334,7 +330,7 @@ TEST(Rats, BorderIsTheCurveOfTheBorder) {
             for (const auto& [place, weight] :
                  test::rowOf(curve, side.vertexAt(level, {i, 0, 0})).weights)
                 expected = expected + weight * net.at(0, {place, j == 0 ? 0 : 4, 0});
-            EXPECT_LT(test::difference(row, expected), kRounding) << i << ", " << j;
+            EXPECT_LT(test::difference(row, expected), kRatsRounding) << i << ", " << j;
         }
 }
 
@@ -354,13 +350,13 @@ TEST(Rats, FirstStepSplitsABezierPatch) {
     const auto points = buildLevelTable(curve.refiner(), 1, Rules::Rats);
     const auto net = buildLevelTable(patch.refiner(), 1, Rules::Rats);
     for (Index i = 0; i < 7; ++i) {
-        const Row& x = split[static_cast<std::size_t>(i)];
+        const Row& x = split[i];
         // Weights in eighths are exact.
         EXPECT_EQ(test::difference(test::rowOf(points, curve.vertexAt(1, {i, 0, 0})), x), 0);
         for (Index j = 0; j < 7; ++j) {
-            const Row expected = test::tensorProduct(patch, x, split[static_cast<std::size_t>(j)]);
+            const Row expected = test::tensorProduct(patch, x, split[j]);
             const Row got = test::rowOf(net, patch.vertexAt(1, {i, j, 0}));
-            EXPECT_LT(test::difference(got, expected), kRounding) << i << ", " << j;
+            EXPECT_LT(test::difference(got, expected), kRatsRounding) << i << ", " << j;
         }
     }
 }

@@ -58,16 +58,12 @@ public:
     const CellComplex& complex(int level) const { return refiner_.level(level).complex; }
 
     /// Cells along each axis.
-    const Place& size(int level) const { return sizes_[static_cast<std::size_t>(level)]; }
+    const Place& size(int level) const { return sizes_[level]; }
 
     /// The place of each vertex.
-    const std::vector<Place>& places(int level) const {
-        return places_[static_cast<std::size_t>(level)];
-    }
+    const std::vector<Place>& places(int level) const { return places_[level]; }
 
-    Index vertexAt(int level, const Place& place) const {
-        return vertices_[static_cast<std::size_t>(level)].at(place);
-    }
+    Index vertexAt(int level, const Place& place) const { return vertices_[level].at(place); }
 
     /// The vertex at a place, as a point.
     Row at(int level, const Place& place) const { return point(vertexAt(level, place)); }
@@ -90,7 +86,7 @@ private:
         Place sum = {};
         for (const Index vertex : vertices)
             for (std::size_t axis = 0; axis < 3; ++axis)
-                sum[axis] += 2 * places(level)[static_cast<std::size_t>(vertex)][axis];
+                sum[axis] += 2 * places(level)[vertex][axis];
         for (Index& x : sum) x /= static_cast<Index>(vertices.size());
         return sum;
     }

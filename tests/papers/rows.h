@@ -66,8 +66,7 @@ inline Row rowOf(const stencils::StencilTable<double>& table, Index index) {
 /// A row of a table over the rows of the level before: the row over what these are over.
 inline Row substituted(const Row& row, const std::vector<Row>& before) {
     Row sum;
-    for (const auto& [vertex, weight] : row.weights)
-        sum = sum + weight * before[static_cast<std::size_t>(vertex)];
+    for (const auto& [vertex, weight] : row.weights) sum = sum + weight * before[vertex];
     return sum;
 }
 
@@ -77,6 +76,12 @@ inline double difference(const Row& a, const Row& b) {
     for (const auto& [vertex, weight] : (a - b).weights)
         largest = std::max(largest, std::abs(weight));
     return largest;
+}
+
+inline void expectRow(const Row& row, const std::map<Index, double>& expected) {
+    EXPECT_EQ(row.weights.size(), expected.size());
+    // Some twenty operations on numbers up to 1, rounded each.
+    EXPECT_LE(difference(row, {expected}), 1e-15);
 }
 
 /// The new point of an entity of the level before.

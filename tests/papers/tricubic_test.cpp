@@ -17,7 +17,7 @@ using test::Row;
 using test::rowOf;
 
 // Each rule is an average of averages of up to 8, 12 and 6 points: some thirty terms below 1/8.
-constexpr double kRounding = 1e-15;
+constexpr double kTricubicRounding = 1e-15;
 
 /// The rules of section 5.4, in steps of half an edge: an odd coordinate is in the middle of an
 /// edge, so the number of odd ones is the dimension of the entity in the middle of which a place
@@ -88,8 +88,7 @@ struct Lattice {
 TEST(Tricubic, PointsByTheirKind) {
     const RefinedGrid grid({3, 3, 3}, 1);
     std::array<int, 4> kinds = {};
-    for (const Place& place : grid.places(1))
-        ++kinds[static_cast<std::size_t>(grid.parentAt(1, place).dimension)];
+    for (const Place& place : grid.places(1)) ++kinds[grid.parentAt(1, place).dimension];
     EXPECT_EQ(kinds, (std::array<int, 4>{8, 36, 54, 27}));
     EXPECT_EQ(grid.places(1).size(), 125u);
 }
@@ -112,8 +111,8 @@ TEST(Tricubic, SolidFaceEdgeAndVertexRules) {
                                      : dimension == 1 ? lattice.edge(half)
                                                       : lattice.vertex(half);
                 const Row got = rowOf(table, grid.vertexAt(level, place));
-                ASSERT_LE(difference(got, expected), kRounding) << dimension;
-                ++checked[static_cast<std::size_t>(dimension)];
+                ASSERT_LE(difference(got, expected), kTricubicRounding) << dimension;
+                ++checked[dimension];
             }
             for (const int count : checked) EXPECT_GT(count, 0);
         }
@@ -133,11 +132,11 @@ TEST(Tricubic, LatticesAreRefinedByPlanesThenAcross) {
         const Row onLine = rowOf(across, line.vertexAt(1, {place[2], 0, 0}));
         Row expected;
         for (const auto& [vertex, weight] : inPlane.weights) {
-            const Place at = plane.places(0)[static_cast<std::size_t>(vertex)];
+            const Place at = plane.places(0)[vertex];
             for (const auto& [k, onAxis] : onLine.weights)
                 expected.weights[grid.vertexAt(0, {at[0], at[1], k})] = weight * onAxis;
         }
-        EXPECT_LE(difference(rowOf(table, grid.vertexAt(1, place)), expected), kRounding);
+        EXPECT_LE(difference(rowOf(table, grid.vertexAt(1, place)), expected), kTricubicRounding);
     }
 }
 
@@ -161,7 +160,8 @@ TEST(Tricubic, SubSolidsAreProductsWithTheSplittingMatrices) {
             const Row expected = tensorProduct(grid, half(which[0], at[0]), half(which[1], at[1]),
                                                half(which[2], at[2]));
             const Place place = {which[0] + at[0], which[1] + at[1], which[2] + at[2]};
-            EXPECT_LE(difference(rowOf(table, grid.vertexAt(1, place)), expected), kRounding)
+            EXPECT_LE(difference(rowOf(table, grid.vertexAt(1, place)), expected),
+                      kTricubicRounding)
                 << solid << " " << point;
         }
     }
@@ -178,7 +178,7 @@ TEST(Tricubic, InfluenceOnAVertexPoint) {
         const int away = (place[0] != 1) + (place[1] != 1) + (place[2] != 1);
         expected.weights[grid.vertexAt(0, place)] = influence[away] / 512;
     }
-    EXPECT_LE(difference(rowOf(table, grid.vertexAt(1, {1, 1, 1})), expected), kRounding);
+    EXPECT_LE(difference(rowOf(table, grid.vertexAt(1, {1, 1, 1})), expected), kTricubicRounding);
 }
 
 }  // namespace

@@ -13,9 +13,6 @@ namespace {
 using namespace espalier::test;
 using std::numbers::pi;
 
-/// Rounding of sums of a few hundred terms of size 1.
-constexpr double kRounding = 1e-12;
-
 /// A limb of constant radius through given points.
 ArmOptions limb(const std::vector<Point3>& points, double radius = 0.2) {
     ArmOptions options;

@@ -14,9 +14,6 @@ namespace {
 using namespace espalier::test;
 using far::FaceId;
 
-/// Rounding of sums of a hundred terms of size 1.
-constexpr double kRounding = 1e-12;
-
 /// The outward normal of an axis-parallel boundary face of a box about the point `centre`.
 Point3 outward(const Lattice& lattice, Index face, const Point3& centre) {
     Point3 mean = {0, 0, 0};
@@ -30,7 +27,7 @@ Point3 outward(const Lattice& lattice, Index face, const Point3& centre) {
 TEST(Attach, growsACrossFromACube) {
     Lattice lattice = box();
     for (Index side = 0; side < 6; ++side) {
-        const FaceId face = lattice.complex.faces(far::CellId(0))[static_cast<std::size_t>(side)];
+        const FaceId face = lattice.complex.faces(far::CellId(0))[side];
         lattice = attachPrism(lattice, face, outward(lattice, face.value, {0.5, 0.5, 0.5}));
     }
     // Each prism adds 4 vertices, 8 edges, 5 faces and a cell to the 8, 12, 6 and 1 of the cube.

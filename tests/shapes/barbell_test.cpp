@@ -12,9 +12,6 @@ namespace {
 
 using namespace espalier::test;
 
-/// Rounding of sums of a few hundred terms of size 10.
-constexpr double kRounding = 1e-12;
-
 /// A block of 6 by 2 by 0.5: its ends are squares of side 2, and the bar between them is as wide.
 BarbellOptions blockOptions() {
     BarbellOptions options;

@@ -11,9 +11,6 @@ namespace {
 
 using namespace espalier::test;
 
-/// Rounding of sums of a hundred terms of size 1.
-constexpr double kRounding = 1e-12;
-
 Lattice mesh(std::vector<Point3> positions, const std::vector<std::vector<Index>>& loops) {
     return {
         far::buildMesh(static_cast<Index>(positions.size()), loops), std::move(positions), {}, {}};

@@ -34,9 +34,6 @@ double polygonArea(int sides, double radius) {
     return sides * radius * radius * std::sin(2 * pi / sides) / 2;
 }
 
-/// Rounding of sums of a few hundred terms of size 1.
-constexpr double kRounding = 1e-12;
-
 TEST(Box, hasTheCountsOfAGrid) {
     for (const auto& [i, j, k] : {std::array{1, 1, 1}, std::array{3, 2, 1}, std::array{2, 4, 3}}) {
         const Lattice lattice = box({{i, j, k}, {-1, 0, 2}, {1, 3, 2.5}});

@@ -19,6 +19,9 @@ namespace espalier::test {
 using far::CellComplex;
 using far::Index;
 
+/// Rounding of sums of a few hundred terms of size 10.
+inline constexpr double kRounding = 1e-12;
+
 /// Numbers of vertices, edges, faces and cells.
 using Counts = std::array<Index, 4>;
 
@@ -40,7 +43,7 @@ inline Counts sweptDiskCounts(Index vertices, Index faces, Index rows, bool clos
 }
 
 inline Point3 at(const Lattice& lattice, Index vertex) {
-    return lattice.positions[static_cast<std::size_t>(vertex)];
+    return lattice.positions[vertex];
 }
 
 inline Point3 minus(const Point3& a, const Point3& b) {

@@ -126,8 +126,7 @@ TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
         "be in one lattice only");
     // A third cell at the face x = 1, in the place of the first but for its far end.
     Lattice other = box();
-    for (const Index vertex : {0, 2, 4, 6})
-        other.positions[static_cast<std::size_t>(vertex)][0] = 0.5;
+    for (const Index vertex : {0, 2, 4, 6}) other.positions[vertex][0] = 0.5;
     const Lattice all[] = {box(), box({{1, 1, 1}, {1, 0, 0}, {2, 1, 1}}), other};
     EXPECT_EQ(causeOf([&] { merge(all); }), far::TopologyCause::CrowdedFace);
     // The faces by their numbers in the lattices that have them, where x = 1.
@@ -135,9 +134,8 @@ TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
         const Lattice& lattice = all[number];
         for (Index face = 0; face < lattice.complex.count(2); ++face) {
             const auto vertices = lattice.complex.relation(2, 0)[face];
-            if (std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
-                    return lattice.positions[static_cast<std::size_t>(vertex)][0] == 1;
-                }))
+            if (std::all_of(vertices.begin(), vertices.end(),
+                            [&](Index vertex) { return lattice.positions[vertex][0] == 1; }))
                 return "face " + std::to_string(face) + " of lattice " + std::to_string(number);
         }
         return std::string("none");

@@ -12,9 +12,6 @@ namespace {
 
 using namespace espalier::test;
 
-/// Rounding of sums of a hundred terms of size 1.
-constexpr double kRounding = 1e-12;
-
 struct RegularCase {
     Lattice (*make)(const RegularSolidOptions&);
     Counts counts;

@@ -14,10 +14,10 @@ using namespace espalier::test;
 using std::numbers::pi;
 
 /// A few roundings of numbers of size 1.
-constexpr double kRounding = 1e-14;
+constexpr double kFewRoundings = 1e-14;
 
 void expectNear(const Point3& a, const Point3& b) {
-    EXPECT_NEAR(norm(minus(a, b)), 0, kRounding);
+    EXPECT_NEAR(norm(minus(a, b)), 0, kFewRoundings);
 }
 
 TEST(Affine, turnsAnticlockwise) {
@@ -40,7 +40,7 @@ TEST(Affine, turnsOneDirectionIntoAnother) {
         for (const Point3& to : directions) {
             const Affine turn = rotationBetween({3 * from[0], 3 * from[1], 3 * from[2]}, to);
             expectNear(turn(from), to);
-            EXPECT_NEAR(turn.determinant(), 1, kRounding);
+            EXPECT_NEAR(turn.determinant(), 1, kFewRoundings);
             // The smallest rotation leaves alone what is perpendicular to both.
             const Point3 axis = {from[1] * to[2] - from[2] * to[1],
                                  from[2] * to[0] - from[0] * to[2],

@@ -32,7 +32,7 @@ RandomCell randomCell(unsigned seed) {
     const auto vertices = far::hexahedronVertices(cube.complex, far::CellId(0));
     stencils::Trilinear::Corners corners;
     for (std::size_t i = 0; i < 8; ++i)
-        corners[i] = Vector3d(cube.positions[static_cast<std::size_t>((*vertices)[i])].data());
+        corners[i] = Vector3d(cube.positions[(*vertices)[i]].data());
     return {CellPieces(cube.complex, 0).piece(0, cube.positions), stencils::Trilinear(corners)};
 }
 

@@ -41,9 +41,8 @@ struct Model {
         for (Index row = 0; row < deformation.rowCount(); ++row)
             for (std::size_t k = 0; k < deformation.columns(row).size(); ++k)
                 for (std::size_t c = 0; c < 3; ++c)
-                    result[static_cast<std::size_t>(row)][c] +=
-                        deformation.weights(row)[k] *
-                        displacements[static_cast<std::size_t>(deformation.columns(row)[k])][c];
+                    result[row][c] +=
+                        deformation.weights(row)[k] * displacements[deformation.columns(row)[k]][c];
         return result;
     }
     LatticeFit fit(const std::vector<Point3>& misses, const FitOptions& options = {}) const {
@@ -99,7 +98,7 @@ TEST(LatticeFit, OneTargetIsReachedByTheSmallestDisplacement) {
     std::vector<Point3> expected(model.lattice.positions.size(), Point3{});
     for (std::size_t k = 0; k < model.deformation.columns(0).size(); ++k)
         for (std::size_t c = 0; c < 3; ++c)
-            expected[static_cast<std::size_t>(model.deformation.columns(0)[k])][c] =
+            expected[model.deformation.columns(0)[k]][c] =
                 model.deformation.weights(0)[k] * miss[c] / square;
     // Rounding of 1e-16 in open directions, over the part of 1e-10 below which they count as open,
     // twice, and times rounding again.
@@ -110,10 +109,9 @@ TEST(LatticeFit, FrozenVerticesStay) {
     const Model model(shapes::box({.cells = {2, 2, 2}}), 3000);
     auto pose = model.randomDisplacements();
     const std::vector<Index> frozen = {0, 5, 13};
-    for (const Index vertex : frozen) pose[static_cast<std::size_t>(vertex)] = {};
+    for (const Index vertex : frozen) pose[vertex] = {};
     const LatticeFit fit = model.fit(model.moved(pose), {.frozen = frozen});
-    for (const Index vertex : frozen)
-        EXPECT_EQ(fit.displacements[static_cast<std::size_t>(vertex)], (Point3{0, 0, 0}));
+    for (const Index vertex : frozen) EXPECT_EQ(fit.displacements[vertex], (Point3{0, 0, 0}));
     EXPECT_LT(largestDifference(fit.displacements, pose), 1e-10);
 }
 
@@ -133,8 +131,8 @@ TEST(LatticeFit, ContradictionsAreSharedByLeastSquares) {
     for (Index row = 0; row < 40; ++row)
         for (std::size_t k = 0; k < model.deformation.columns(row).size(); ++k)
             for (std::size_t c = 0; c < 3; ++c)
-                gradient[static_cast<std::size_t>(model.deformation.columns(row)[k])][c] +=
-                    model.deformation.weights(row)[k] * left[static_cast<std::size_t>(row)][c];
+                gradient[model.deformation.columns(row)[k]][c] +=
+                    model.deformation.weights(row)[k] * left[row][c];
     EXPECT_LT(std::sqrt(squareSum(gradient)), 1e-12);
 }
 

@@ -43,7 +43,7 @@ Positions changed(Positions positions, Change change) {
 }
 
 Eigen::Vector3d positionOf(const Positions& positions, Index vertex) {
-    return vec(positions[static_cast<std::size_t>(vertex)]);
+    return vec(positions[vertex]);
 }
 
 /// Determinants all over a cell, the slow way: a type-3 cell by its trilinear map on a grid, a
@@ -68,8 +68,7 @@ std::vector<double> sampleDeterminants(const far::CellComplex& complex, Index ce
     for (Index t = 0; t < stencils::tetrahedronCount(complex, far::CellId(cell)); ++t) {
         const auto base = stencils::tetrahedronBase(complex, far::CellId(cell), t);
         Eigen::Matrix3d edges;
-        for (Eigen::Index i = 0; i < 3; ++i)
-            edges.col(i) = positionOf(positions, base[static_cast<std::size_t>(i)]) - centre;
+        for (Eigen::Index i = 0; i < 3; ++i) edges.col(i) = positionOf(positions, base[i]) - centre;
         samples.push_back(edges.determinant());
     }
     return samples;
@@ -280,13 +279,12 @@ TEST(Validity, SomeTetrahedraOfATypeFourCell) {
     const auto vertices = refined.complex().relation(3, 0)[cell];
     for (const Index other : vertices)
         for (std::size_t c = 0; c < 3; ++c)
-            centre[c] +=
-                pose[static_cast<std::size_t>(other)][c] / static_cast<double>(vertices.size());
+            centre[c] += pose[other][c] / static_cast<double>(vertices.size());
     const auto samplesOf = [&](Index of, const Positions& positions) {
         return sampleDeterminants(refined.complex(), of, positions, 4);
     };
     const auto before = samplesOf(cell, pose);
-    Point3& moving = pose[static_cast<std::size_t>(vertex)];
+    Point3& moving = pose[vertex];
     for (std::size_t c = 0; c < 3; ++c) moving[c] = 1.5 * centre[c] - 0.5 * moving[c];
     const auto now = samplesOf(cell, pose);
     double least = 1;
@@ -299,7 +297,7 @@ TEST(Validity, SomeTetrahedraOfATypeFourCell) {
     ASSERT_LT(turned, static_cast<std::ptrdiff_t>(now.size()));
     const PoseValidity folded = ValidityCheck(refined.complex(), refined.positions).check(pose);
     EXPECT_THAT(folded.inverted, Contains(cell));
-    EXPECT_NEAR(*folded.ratios[static_cast<std::size_t>(cell)], least, 1e-12);  // exact: rounding
+    EXPECT_NEAR(*folded.ratios[cell], least, 1e-12);  // exact: rounding
 }
 
 // Against samples: nothing valid has one that is not positive, and steps end where they must.
@@ -319,7 +317,7 @@ TEST(Validity, NoSampleContradictsIt) {
             ASSERT_THAT(validity.badAtRest(), IsEmpty());
             const PoseValidity checked = validity.check(pose);
             for (Index cell = 0; cell < complex.count(3); ++cell) {
-                const double ratio = checked.ratios[static_cast<std::size_t>(cell)].value();
+                const double ratio = checked.ratios[cell].value();
                 EXPECT_LE(ratio, sampledRatio(complex, cell, rest, pose, 4));
                 EXPECT_EQ(ratio > 0, !std::binary_search(checked.inverted.begin(),
                                                          checked.inverted.end(), cell));
@@ -442,8 +440,7 @@ TEST(Validity, BaseCellsAreThoseThatCellsDescendFrom) {
         0, 3, [&](far::Entity, const far::Interval& from) { firsts.push_back(from.upper.index); });
     refined.refiner.refinement(2).forEachChild(
         0, 3, [&](far::Entity child, const far::Interval& from) {
-            EXPECT_EQ(baseCellOf(refined.refiner, 2, child.index),
-                      firsts[static_cast<std::size_t>(from.upper.index)]);
+            EXPECT_EQ(baseCellOf(refined.refiner, 2, child.index), firsts[from.upper.index]);
         });
     EXPECT_EQ(baseCellOf(refined.refiner, 0, 1), 1);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/refined_lattice.h"
+#include "support/tables.h"
 #include "support/zoo.h"
 
 // Points that lie exactly between cells, where rounding decides which one they seem to be in: each
@@ -24,11 +25,9 @@ Lattice twisted(Lattice lattice, double rate) {
     return lattice;
 }
 
-/// Moves each vertex by up to so much along each axis.
-Lattice shaken(Lattice lattice, double most, unsigned seed) {
-    const auto moves = test::randomValues(3 * lattice.positions.size(), seed);
-    for (std::size_t i = 0; i < moves.size(); ++i)
-        lattice.positions[i / 3][i % 3] += most * moves[i];
+/// Moves each vertex by up to `size` along each axis.
+Lattice shaken(Lattice lattice, double size, unsigned seed) {
+    lattice.positions = test::shaken(lattice.positions, seed, size);
     return lattice;
 }
 
@@ -75,7 +74,7 @@ std::vector<Point3> pointsBetweenCells(const Refined& refined, std::size_t count
         }
         Eigen::Vector3d position = Eigen::Vector3d::Zero();
         for (const auto& [vertex, weight] : placeWeights(complex, place))
-            position += weight * test::vec(refined.positions[static_cast<std::size_t>(vertex)]);
+            position += weight * test::vec(refined.positions[vertex]);
         points.push_back({position[0], position[1], position[2]});
     }
     return points;

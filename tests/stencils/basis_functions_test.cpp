@@ -49,7 +49,7 @@ TEST(BasisFunctions, BernsteinPolynomialsAreTheDirectOnesAtAnyDegree) {
             ASSERT_EQ(functions.values.size(), static_cast<std::size_t>(degree) + 1);
             for (Index i = 0; i <= degree; ++i) {
                 const long double exact = static_cast<long double>(at) / degree;
-                const double value = functions.values[static_cast<std::size_t>(i)];
+                const double value = functions.values[i];
                 const auto expected = static_cast<double>(bernstein(degree, i, exact));
                 // Nothing cancels: each degree rounds two products and their sum, besides t and
                 // 1 − t, by half an epsilon each. Numbers that have no full precision left are
@@ -58,8 +58,7 @@ TEST(BasisFunctions, BernsteinPolynomialsAreTheDirectOnesAtAnyDegree) {
                 const auto slope = static_cast<double>(bernstein(degree - 1, i - 1, exact) -
                                                        bernstein(degree - 1, i, exact));
                 // A difference of two such values, both under 1.
-                EXPECT_NEAR(functions.derivatives[static_cast<std::size_t>(i)], slope,
-                            5 * degree * kEpsilon);
+                EXPECT_NEAR(functions.derivatives[i], slope, 5 * degree * kEpsilon);
             }
             // t and 1 − t are rounded once a degree.
             EXPECT_NEAR(sumOf(functions.values), 1, degree * kEpsilon);

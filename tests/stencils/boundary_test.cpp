@@ -50,13 +50,13 @@ far::Marks marksOf(const CellComplex& lattice, const Strata& strata, const Bound
     }
     for (Index edge = 0; edge < mesh.complex.count(1); ++edge) {
         const auto ends = mesh.complex.relation(1, 0)[edge];
-        const Index a = mesh.latticeVertex[static_cast<std::size_t>(ends[0])];
-        const Index b = mesh.latticeVertex[static_cast<std::size_t>(ends[1])];
+        const Index a = mesh.latticeVertex[ends[0]];
+        const Index b = mesh.latticeVertex[ends[1]];
         const float value = sharpness.at({std::min(a, b), std::max(a, b)});
         if (value > 0) marks.edges.push_back({{ends[0], ends[1]}, value});
     }
     for (Index v = 0; v < mesh.complex.count(0); ++v) {
-        const float value = strata.sharpness({0, mesh.latticeVertex[static_cast<std::size_t>(v)]});
+        const float value = strata.sharpness({0, mesh.latticeVertex[v]});
         if (value > 0) marks.vertices.push_back({v, value});
     }
     return marks;
@@ -76,15 +76,15 @@ TEST(Boundary, RefinesAsItsMeshDoes) {
         surface.refineUniform(levels);
         const auto maps = test::matchLevels(surface, solid, mesh.latticeVertex);
         for (int level = 1; level <= levels; ++level) {
-            const auto& map = maps[static_cast<std::size_t>(level)];
+            const auto& map = maps[level];
             for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
                 const auto meshTable = buildStencils(surface, level, rules);
                 const auto solidTable = buildStencils(solid, level, rules, map);
                 for (Index row = 0; row < meshTable.rowCount(); ++row) {
                     std::map<Index, double> expected;
                     for (std::size_t k = 0; k < meshTable.columns(row).size(); ++k)
-                        expected[mesh.latticeVertex[static_cast<std::size_t>(
-                            meshTable.columns(row)[k])]] = meshTable.weights(row)[k];
+                        expected[mesh.latticeVertex[meshTable.columns(row)[k]]] =
+                            meshTable.weights(row)[k];
                     // Equal rules, summed in another order.
                     double difference = 0;
                     for (std::size_t k = 0; k < solidTable.columns(row).size(); ++k)
@@ -97,7 +97,7 @@ TEST(Boundary, RefinesAsItsMeshDoes) {
             // The strata agree as well.
             for (Index v = 0; v < surface.level(level).complex.count(0); ++v)
                 ASSERT_EQ(surface.level(level).strata.of({0, v}),
-                          solid.level(level).strata.of({0, map[static_cast<std::size_t>(v)]}))
+                          solid.level(level).strata.of({0, map[v]}))
                     << name;
         }
     }
@@ -140,7 +140,7 @@ TEST(Boundary, CylinderIsFlatAtItsEndsAndRoundAlongItsLength) {
         double low = 2, high = 0;
         Index rim = 0;
         for (Index v = 0; v < complex.count(0); ++v) {
-            const Point3& p = positions[static_cast<std::size_t>(v)];
+            const Point3& p = positions[v];
             const double radius = std::hypot(p[0], p[1]);
             // A few roundings of weights that sum to 1.
             const double slack = 1e-15;

@@ -4,6 +4,8 @@
 
 #include <map>
 
+#include "papers/rows.h"
+#include "support/refined_lattice.h"
 #include "support/zoo.h"
 
 namespace espalier::stencils {
@@ -12,10 +14,7 @@ namespace {
 using far::Boundary;
 using far::TopologyRefiner;
 
-/// On grids all are the same.
-constexpr Rules kRules[] = {Rules::Siggraph96, Rules::Cse96, Rules::Mlca};
-
-using Row = std::map<Index, double>;
+using test::Row;
 using GridPoint = std::array<Index, 3>;
 
 /// The univariate cubic B-spline refined once: rows over the points 0 to n of a polygon, at the
@@ -23,9 +22,9 @@ using GridPoint = std::array<Index, 3>;
 /// vertex points: the rows (4 4 0 0)/8 and (1 6 1 0)/8 of the splitting matrix (Joy, bicubic
 /// refinement, "H₁"). The ends interpolate.
 Row splitRow(Index n, Index h) {
-    if (h % 2 == 1) return {{(h - 1) / 2, 0.5}, {(h + 1) / 2, 0.5}};
-    if (h == 0 || h == 2 * n) return {{h / 2, 1}};
-    return {{h / 2 - 1, 0.125}, {h / 2, 0.75}, {h / 2 + 1, 0.125}};
+    if (h % 2 == 1) return {{{(h - 1) / 2, 0.5}, {(h + 1) / 2, 0.5}}};
+    if (h == 0 || h == 2 * n) return test::point(h / 2);
+    return {{{h / 2 - 1, 0.125}, {h / 2, 0.75}, {h / 2 + 1, 0.125}}};
 }
 
 /// A grid as it is refined: how many cells it has along each axis, and which of its points each
@@ -53,7 +52,7 @@ GridPoint halfPoint(const TopologyRefiner& refiner, const RefinedGrid& parent, i
     for (std::size_t axis = 0; axis < 3; ++axis) {
         Index low = parent.cells[axis], high = 0;
         for (const Index v : vertices) {
-            const Index at = parent.points[static_cast<std::size_t>(v)][axis];
+            const Index at = parent.points[v][axis];
             low = std::min(low, at);
             high = std::max(high, at);
         }
@@ -82,17 +81,15 @@ void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int l
         for (Index vertex = 0; vertex < table.rowCount(); ++vertex) {
             const GridPoint half = halfPoint(refiner, grid, level, vertex);
             Row expected;
-            for (const auto& [i, a] : splitRow(grid.cells[0], half[0]))
-                for (const auto& [j, b] : splitRow(grid.cells[1], half[1]))
-                    for (const auto& [k, c] : splitRow(grid.cells[2], half[2]))
-                        expected[parentVertex.at({i, j, k})] = a * b * c;
-            Row got;
-            for (std::size_t k = 0; k < table.columns(vertex).size(); ++k)
-                got[table.columns(vertex)[k]] = table.weights(vertex)[k];
-            ASSERT_EQ(got.size(), expected.size()) << "level " << level << " vertex " << vertex;
-            for (const auto& [column, weight] : expected)
-                // The bound that the project promises.
-                ASSERT_NEAR(got[column], weight, 1e-13) << "level " << level;
+            for (const auto& [i, a] : splitRow(grid.cells[0], half[0]).weights)
+                for (const auto& [j, b] : splitRow(grid.cells[1], half[1]).weights)
+                    for (const auto& [k, c] : splitRow(grid.cells[2], half[2]).weights)
+                        expected.weights[parentVertex.at({i, j, k})] = a * b * c;
+            const Row got = test::rowOf(table, vertex);
+            ASSERT_EQ(got.weights.size(), expected.weights.size())
+                << "level " << level << " vertex " << vertex;
+            // The bound that the project promises.
+            ASSERT_LE(difference(got, expected), 1e-13) << "level " << level;
             next.points.push_back({half[0] - margin, half[1] - margin, half[2] - margin});
         }
         grid = next;
@@ -101,7 +98,7 @@ void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int l
 
 // CSE-96-1 section 5: without boundary control, an i×j×k lattice is the tricubic uniform B-spline.
 TEST(BSpline, OpenGridIsTheTricubicSpline) {
-    for (const Rules rules : kRules) {
+    for (const Rules rules : test::kLatticeRules) {
         expectTensorProduct({3, 3, 3}, Boundary::Open, 2, rules);
         expectTensorProduct({3, 4, 5}, Boundary::Open, 2, rules);
         expectTensorProduct({2, 3, 4}, Boundary::Open, 1, rules);
@@ -112,7 +109,7 @@ TEST(BSpline, OpenGridIsTheTricubicSpline) {
 // phantom layer 2P₀ − P₁ around it: (P₋ + 6P₀ + P₁)/8 = P₀ with P₋ = 2P₀ − P₁, which is the end
 // row.
 TEST(BSpline, SharpBoxIsTheSplineWithAPhantomLayer) {
-    for (const Rules rules : kRules) {
+    for (const Rules rules : test::kLatticeRules) {
         expectTensorProduct({1, 1, 1}, Boundary::Sharp, 3, rules);
         expectTensorProduct({4, 1, 2}, Boundary::Sharp, 2, rules);
         expectTensorProduct({3, 3, 3}, Boundary::Sharp, 2, rules);
@@ -156,7 +153,7 @@ TEST(BSpline, CubicPolynomialsStayExact) {
         grid = next;
         spacing /= 2;
         for (double& x : origin) x += spacing;
-        for (const Rules rules : kRules) {
+        for (const Rules rules : test::kLatticeRules) {
             const auto refined = refineValues(refiner, level, rules, values, 1);
             for (std::size_t v = 0; v < grid.points.size(); ++v)
                 // Values reach some 2000 at the far corner: 64 products of that size.

@@ -14,6 +14,7 @@
 
 #include "support/meshes.h"
 #include "support/random_lattices.h"
+#include "support/refined_lattice.h"
 #include "support/sanitizers.h"
 #include "support/threads.h"
 #include "support/zoo.h"
@@ -27,13 +28,10 @@ using test::NamedLattice;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Those that know lattices.
-constexpr Rules kAllRules[] = {Rules::Siggraph96, Rules::Cse96, Rules::Mlca};
-
 /// Calls check(name, refiner) for each lattice of the zoo, refined `level` times; with open
 /// boundaries too, where enough is left.
 template <class Check>
-void forEachRefined(int level, Check check) {
+void forEachRefinedLattice(int level, Check check) {
     for (const auto& [name, lattice] : test::someOf(test::zoo()))
         for (const Boundary boundary : {Boundary::Sharp, Boundary::Open}) {
             TopologyRefiner refiner(lattice.complex,
@@ -49,20 +47,21 @@ void forEachRefined(int level, Check check) {
 }
 
 TEST(Stencils, RowsSumToOne) {
-    forEachRefined(3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
-        for (const Rules rules : kAllRules)
-            for (int level = 0; level <= 3; ++level) {
-                const auto table = buildStencils(refiner, level, rules);
-                ASSERT_EQ(table.rowCount(), refiner.level(level).complex.count(0));
-                ASSERT_EQ(table.columnCount(), refiner.level(0).complex.count(0));
-                for (Index row = 0; row < table.rowCount(); ++row) {
-                    double sum = 0;
-                    for (const double weight : table.weights(row)) sum += weight;
-                    // The bound that the project promises.
-                    ASSERT_NEAR(sum, 1, 1e-14) << name << " level " << level << " row " << row;
+    forEachRefinedLattice(
+        3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
+            for (const Rules rules : test::kLatticeRules)
+                for (int level = 0; level <= 3; ++level) {
+                    const auto table = buildStencils(refiner, level, rules);
+                    ASSERT_EQ(table.rowCount(), refiner.level(level).complex.count(0));
+                    ASSERT_EQ(table.columnCount(), refiner.level(0).complex.count(0));
+                    for (Index row = 0; row < table.rowCount(); ++row) {
+                        double sum = 0;
+                        for (const double weight : table.weights(row)) sum += weight;
+                        // The bound that the project promises.
+                        ASSERT_NEAR(sum, 1, 1e-14) << name << " level " << level << " row " << row;
+                    }
                 }
-            }
-    });
+        });
 }
 
 // Refining the image of the points under an affine map gives the image of the refined points.
@@ -71,11 +70,11 @@ TEST(Stencils, AreAffinelyInvariant) {
         return Point3{2 * p[0] - 3 * p[1] + 0.5 * p[2] + 7, p[0] + p[1] - 4 * p[2] - 2,
                       0.25 * p[0] + 5 * p[2] + 1};
     };
-    forEachRefined(
+    forEachRefinedLattice(
         2, [&](const std::string& name, const TopologyRefiner& refiner, const Lattice& lattice) {
             std::vector<Point3> images;
             for (const Point3& p : lattice.positions) images.push_back(map(p));
-            for (const Rules rules : kAllRules) {
+            for (const Rules rules : test::kLatticeRules) {
                 const auto refined = refinePositions(refiner, 2, rules, lattice.positions);
                 const auto refinedImages = refinePositions(refiner, 2, rules, images);
                 for (std::size_t i = 0; i < refined.size(); ++i)
@@ -87,24 +86,25 @@ TEST(Stencils, AreAffinelyInvariant) {
 }
 
 TEST(Stencils, ComposedEqualsAppliedLevelByLevel) {
-    forEachRefined(3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
-        const auto values =
-            test::randomValues(static_cast<std::size_t>(refiner.level(0).complex.count(0)) * 2, 1);
-        for (const Rules rules : kAllRules) {
-            const auto stepwise = refineValues(refiner, 3, rules, values, 2);
-            const auto table = buildStencils(refiner, 3, rules);
-            for (Index row = 0; row < table.rowCount(); ++row)
-                for (std::size_t c = 0; c < 2; ++c) {
-                    double sum = 0;
-                    for (std::size_t k = 0; k < table.columns(row).size(); ++k)
-                        sum += table.weights(row)[k] *
-                               values[2 * static_cast<std::size_t>(table.columns(row)[k]) + c];
-                    // Values are below 1, rows have at most a few hundred entries.
-                    ASSERT_NEAR(stepwise[2 * static_cast<std::size_t>(row) + c], sum, 1e-14)
-                        << name;
-                }
-        }
-    });
+    forEachRefinedLattice(
+        3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
+            const auto values = test::randomValues(
+                static_cast<std::size_t>(refiner.level(0).complex.count(0)) * 2, 1);
+            for (const Rules rules : test::kLatticeRules) {
+                const auto stepwise = refineValues(refiner, 3, rules, values, 2);
+                const auto table = buildStencils(refiner, 3, rules);
+                for (Index row = 0; row < table.rowCount(); ++row)
+                    for (std::size_t c = 0; c < 2; ++c) {
+                        double sum = 0;
+                        for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                            sum += table.weights(row)[k] *
+                                   values[2 * static_cast<std::size_t>(table.columns(row)[k]) + c];
+                        // Values are below 1, rows have at most a few hundred entries.
+                        ASSERT_NEAR(stepwise[2 * static_cast<std::size_t>(row) + c], sum, 1e-14)
+                            << name;
+                    }
+            }
+        });
 }
 
 /// A lattice or a mesh with a seventh of its edges and a thirteenth of its vertices sharp, at
@@ -160,8 +160,9 @@ TEST(Stencils, AreTheProductsOfTheLevelTablesToTheLastBit) {
 
 // The same sums in the same order: equal to the last bit.
 TEST(Stencils, DemandedRowsAreTheRowsOfTheWholeTable) {
-    forEachRefined(3, [](const std::string& name, const TopologyRefiner& refiner, const Lattice&) {
-        for (const Rules rules : kAllRules) {
+    forEachRefinedLattice(3, [](const std::string& name, const TopologyRefiner& refiner,
+                                const Lattice&) {
+        for (const Rules rules : test::kLatticeRules) {
             const auto whole = buildStencils(refiner, 3, rules);
             auto rows = test::shuffledIndices(whole.rowCount(), 3);
             rows.resize(std::min<std::size_t>(rows.size(), 20));
@@ -183,22 +184,20 @@ TEST(Stencils, RelabellingPermutesTheTable) {
         const auto names = test::shuffledIndices(lattice.complex.count(0), 5);
         far::Marks marks = lattice.marks;
         for (auto& edge : marks.edges)
-            for (Index& vertex : edge.vertices) vertex = names[static_cast<std::size_t>(vertex)];
-        for (auto& mark : marks.vertices)
-            mark.vertex = names[static_cast<std::size_t>(mark.vertex)];
+            for (Index& vertex : edge.vertices) vertex = names[vertex];
+        for (auto& mark : marks.vertices) mark.vertex = names[mark.vertex];
         TopologyRefiner first(lattice.complex, {.marks = lattice.marks});
         TopologyRefiner second(test::relabelled(lattice.complex, names, 6), {.marks = marks});
         first.refineUniform(2);
         second.refineUniform(2);
         const auto maps = test::matchLevels(first, second, names);
-        for (const Rules rules : kAllRules) {
+        for (const Rules rules : test::kLatticeRules) {
             const auto a = buildStencils(first, 2, rules), b = buildStencils(second, 2, rules);
             for (Index row = 0; row < a.rowCount(); ++row) {
-                const Index image = maps[2][static_cast<std::size_t>(row)];
+                const Index image = maps[2][row];
                 std::map<Index, double> expected, got;
                 for (std::size_t k = 0; k < a.columns(row).size(); ++k)
-                    expected[names[static_cast<std::size_t>(a.columns(row)[k])]] =
-                        a.weights(row)[k];
+                    expected[names[a.columns(row)[k]]] = a.weights(row)[k];
                 for (std::size_t k = 0; k < b.columns(image).size(); ++k)
                     got[b.columns(image)[k]] = b.weights(image)[k];
                 // A weight that cancels to 0 in one order of summing may not in the other.

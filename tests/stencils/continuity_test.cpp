@@ -23,17 +23,14 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr auto kRules = Rules::Siggraph96;
-
 /// The faces of a lattice all of whose vertices satisfy a condition.
 template <class Condition>
 std::vector<Index> facesWhere(const Lattice& lattice, Condition condition) {
     std::vector<Index> faces;
     for (Index face = 0; face < lattice.complex.count(2); ++face) {
         const auto vertices = lattice.complex.relation(2, 0)[face];
-        if (std::all_of(vertices.begin(), vertices.end(), [&](Index v) {
-                return condition(lattice.positions[static_cast<std::size_t>(v)]);
-            }))
+        if (std::all_of(vertices.begin(), vertices.end(),
+                        [&](Index v) { return condition(lattice.positions[v]); }))
             faces.push_back(face);
     }
     return faces;
@@ -54,10 +51,10 @@ TEST(Continuity, OfASideOfABoxIsALayerOrTwo) {
     const far::TopologyRefiner base(box.complex);
     const auto side = facesWhere(box, [](const Point3& p) { return p[0] == 0; });
     ASSERT_EQ(side.size(), 9U);
-    EXPECT_EQ(verticesHoldingFaces(base, kRules, side, Continuity::C0),
+    EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, side, Continuity::C0),
               verticesWhere(box, [](const Point3& p) { return p[0] == 0; }));
     for (const auto continuity : {Continuity::C1, Continuity::C2})
-        EXPECT_EQ(verticesHoldingFaces(base, kRules, side, continuity),
+        EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, side, continuity),
                   verticesWhere(box, [](const Point3& p) { return p[0] <= 1; }));
 }
 
@@ -69,28 +66,26 @@ TEST(Continuity, OfAPlaneInsideABoxIsThreeLayers) {
     const auto plane = facesWhere(box, [](const Point3& p) { return p[0] == 3; });
     ASSERT_EQ(plane.size(), 4U);
     for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2})
-        EXPECT_EQ(verticesHoldingFaces(base, kRules, plane, continuity),
+        EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, plane, continuity),
                   verticesWhere(box, [](const Point3& p) { return p[0] >= 2 && p[0] <= 4; }));
 }
 
 /// The slow way: a whole level, the vertices of it that lie on the faces, and what they depend on.
-struct WholeLevel {
+struct FacesOnLevel {
     far::TopologyRefiner refiner;
     int level;
     Rules rules;
     far::ByEntity<std::uint8_t> isHeld;
 
-    WholeLevel(const far::TopologyRefiner& base, int levels, Rules by,
-               const std::vector<Index>& faces)
+    FacesOnLevel(const far::TopologyRefiner& base, int levels, Rules by,
+                 const std::vector<Index>& faces)
         : refiner(base), level(levels), rules(by) {
         refiner.refineUniform(levels);
         const far::CellComplex& complex = base.level(0).complex;
-        for (int d = 0; d <= 3; ++d)
-            isHeld[static_cast<std::size_t>(d)].resize(static_cast<std::size_t>(complex.count(d)));
+        for (int d = 0; d <= 3; ++d) isHeld[d].resize(static_cast<std::size_t>(complex.count(d)));
         for (const Index face : faces)
             for (int d = 0; d <= 2; ++d)
-                for (const Index part : complex.relation(2, d)[face])
-                    isHeld[static_cast<std::size_t>(d)][static_cast<std::size_t>(part)] = 1;
+                for (const Index part : complex.relation(2, d)[face]) isHeld[d][part] = 1;
         for (int k = 1; k <= level; ++k) isHeld = refiner.refinement(k).inherit(isHeld);
     }
 
@@ -152,10 +147,10 @@ TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
                                             {.boundary = boundary, .marks = lattice.marks});
             for (const auto& faces : partsOf(lattice.complex))
                 for (const int level : {2, 3})
-                    for (const Rules rules : {kRules, Rules::Mlca}) {
+                    for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
                         if (level == 3 && lattice.complex.count(3) > 12) continue;
                         SCOPED_TRACE(name + ", level " + std::to_string(level));
-                        const WholeLevel whole(base, level, rules, faces);
+                        const FacesOnLevel whole(base, level, rules, faces);
                         EXPECT_EQ(verticesHoldingFaces(base, rules, faces, Continuity::C0),
                                   whole.columns(whole.held()));
                         for (const auto continuity : {Continuity::C1, Continuity::C2})
@@ -173,12 +168,12 @@ TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
         if (lattice.complex.count(3) > 12) continue;
         const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
         for (const auto& faces : partsOf(lattice.complex))
-            for (const Rules rules : {kRules, Rules::Mlca}) {
+            for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
                 SCOPED_TRACE(name);
                 const auto frozen = verticesHoldingFaces(base, rules, faces, Continuity::C1);
                 double before = 0;
                 for (const int level : {2, 3}) {
-                    const WholeLevel whole(base, level, rules, faces);
+                    const FacesOnLevel whole(base, level, rules, faces);
                     const auto table = whole.rows(whole.around(whole.around(whole.held())));
                     double farthest = 0;
                     for (Index row = 0; row < table.rowCount(); ++row) {
@@ -210,8 +205,8 @@ struct Held {
     }
     std::vector<Index> freeze(Continuity continuity, int level = 2,
                               const EmbeddingOptions& options = {}) const {
-        return verticesHoldingPoints(base, lattice.positions, level, kRules, part, continuity,
-                                     options);
+        return verticesHoldingPoints(base, lattice.positions, level, Rules::Siggraph96, part,
+                                     continuity, options);
     }
     /// Positions with all vertices moved but the frozen ones.
     std::vector<Point3> pose(const std::vector<Index>& frozen) const {
@@ -226,7 +221,8 @@ struct Held {
     double largestMove(const std::vector<Index>& frozen, const std::vector<Point3>& points,
                        const EmbeddingOptions& options = {}) const {
         const auto table =
-            bindPoints<double>(base, lattice.positions, 2, kRules, points, options).binding.table;
+            bindPoints<double>(base, lattice.positions, 2, Rules::Siggraph96, points, options)
+                .binding.table;
         const auto moved = applyLevelTable(table, pose(frozen));
         const auto atRest = applyLevelTable(table, lattice.positions);
         double largest = 0;
@@ -258,9 +254,7 @@ TEST(Continuity, WhatIsBesideHeldPointsStaysToo) {
         for (int axis = 0; axis < 3; ++axis)
             for (const double step : {-0.125, 0.125}) {
                 auto moved = held.part;
-                for (Point3& p : moved)
-                    p[static_cast<std::size_t>(axis)] =
-                        std::clamp(p[static_cast<std::size_t>(axis)] + step, 0.0, axis ? 4.0 : 6.0);
+                for (Point3& p : moved) p[axis] = std::clamp(p[axis] + step, 0.0, axis ? 4.0 : 6.0);
                 EXPECT_LT(held.largestMove(frozen, moved), 1e-13);
             }
         const auto least = held.freeze(Continuity::C0);
@@ -296,8 +290,8 @@ TEST(Continuity, HoldsByTheLastLayerAtFineLevels) {
     const Lattice box = shapes::box({.cells = {6, 6, 6}, .max = {6, 6, 6}});
     const far::TopologyRefiner base(box.complex);
     const Point3 point = {3 + cell / 2, 3 + cell / 2, 3 + cell / 2};
-    const auto frozen =
-        verticesHoldingPoints(base, box.positions, level, kRules, {{point}}, Continuity::C2);
+    const auto frozen = verticesHoldingPoints(base, box.positions, level, Rules::Siggraph96,
+                                              {{point}}, Continuity::C2);
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (double x = 0; x <= 6; ++x) {
             Point3 at = {3, 3, 3};
@@ -349,7 +343,8 @@ TEST(Continuity, PointsOutsideThatAreCarriedStay) {
 TEST(Continuity, OfPointsThatHaveBeenBound) {
     const Held held;
     const auto bound =
-        bindPoints<double>(held.base, held.lattice.positions, 2, kRules, held.part).binding;
+        bindPoints<double>(held.base, held.lattice.positions, 2, Rules::Siggraph96, held.part)
+            .binding;
     EXPECT_EQ(verticesHoldingRows(bound.table), held.freeze(Continuity::C0));
     EXPECT_TRUE(verticesHoldingRows(selectRows<double>(bound.table, {})).empty());
 }
@@ -364,7 +359,9 @@ TEST(Continuity, DoesNotDependOnThreads) {
 TEST(Continuity, RefusesWhatCannotBeHeld) {
     Held held;
     const auto hold = [&](const far::TopologyRefiner& base, std::vector<Index> faces) {
-        return [&base, faces] { verticesHoldingFaces(base, kRules, faces, Continuity::C0); };
+        return [&base, faces] {
+            verticesHoldingFaces(base, Rules::Siggraph96, faces, Continuity::C0);
+        };
     };
     EXPECT_THAT(hold(held.base, {}), ThrowsMessage<Error>(HasSubstr("there are no faces to hold")));
     EXPECT_THAT(hold(held.base, {0, 9999}),

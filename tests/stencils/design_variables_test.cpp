@@ -27,8 +27,7 @@ std::vector<Number> times(const StencilTable<double>& table, const std::vector<N
     std::vector<Number> result(static_cast<std::size_t>(table.rowCount()), Number{0});
     for (Index row = 0; row < table.rowCount(); ++row)
         for (std::size_t k = 0; k < table.columns(row).size(); ++k)
-            result[static_cast<std::size_t>(row)] +=
-                table.weights(row)[k] * values[static_cast<std::size_t>(table.columns(row)[k])];
+            result[row] += table.weights(row)[k] * values[table.columns(row)[k]];
     return result;
 }
 

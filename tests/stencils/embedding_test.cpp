@@ -12,6 +12,7 @@
 #include <map>
 
 #include "support/refined_lattice.h"
+#include "support/tables.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -20,30 +21,13 @@ namespace {
 
 using far::CellId;
 using far::TopologyRefiner;
+using test::asMatrix;
+using test::largestDistance;
 using test::pointsIn;
 using test::Refined;
+using test::times;
 using test::vec;
 using ::testing::HasSubstr;
-
-/// Table times points.
-std::vector<Point3> times(const StencilTable<double>& table, const std::vector<Point3>& points) {
-    std::vector<Point3> result;
-    for (Index row = 0; row < table.rowCount(); ++row) {
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        for (std::size_t k = 0; k < table.columns(row).size(); ++k)
-            sum += table.weights(row)[k] *
-                   vec(points[static_cast<std::size_t>(table.columns(row)[k])]);
-        result.push_back({sum[0], sum[1], sum[2]});
-    }
-    return result;
-}
-
-double largestDistance(const std::vector<Point3>& a, const std::vector<Point3>& b) {
-    double largest = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        largest = std::max(largest, (vec(a[i]) - vec(b[i])).norm());
-    return largest;
-}
 
 // An undeformed lattice gives the model back, within 1e-12 of its size (what the project promises);
 // an affine map of the lattice is that map of the model, for points outside too.
@@ -59,7 +43,7 @@ TEST(Embedding, ReproducesAffineMaps) {
         EXPECT_EQ(embedding.count(PointStatus::NotConverged), 0) << name;
         EXPECT_LT(embedding.largestResidual(), 1e-13) << name;
         const auto table = buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, embedding);
-        EXPECT_LT(largestDistance(times(table, refined.base), points), 4e-12) << name;
+        EXPECT_LT(largestDistance(times(table, refined.base), asMatrix(points)), 4e-12) << name;
         const auto moved = [&](std::vector<Point3> from) {
             for (Point3& p : from) {
                 const Eigen::Vector3d q = linear * vec(p) + shift;
@@ -67,7 +51,9 @@ TEST(Embedding, ReproducesAffineMaps) {
             }
             return from;
         };
-        EXPECT_LT(largestDistance(times(table, moved(refined.base)), moved(points)), 1e-11) << name;
+        EXPECT_LT(largestDistance(times(table, moved(refined.base)), asMatrix(moved(points))),
+                  1e-11)
+            << name;
     }
 }
 
@@ -111,14 +97,13 @@ TEST(Embedding, PointsOnVerticesEdgesAndFacesBelongToTheLowestCell) {
                         vertices.assign(loop.begin(), loop.end());
                 }
                 Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-                for (const Index v : vertices)
-                    sum += vec(refined.positions[static_cast<std::size_t>(v)]);
+                for (const Index v : vertices) sum += vec(refined.positions[v]);
                 sum /= static_cast<double>(vertices.size());
                 points.push_back({sum[0], sum[1], sum[2]});
             }
             const Embedding embedding = refined.embed(points);
             for (Index i = 0; i < complex.count(d); ++i) {
-                const LocatedPoint& located = embedding.points[static_cast<std::size_t>(i)];
+                const LocatedPoint& located = embedding.points[i];
                 ASSERT_EQ(located.status, PointStatus::Inside) << name << " " << d << " " << i;
                 ASSERT_EQ(located.place->cell.value, complex.relation(d, 3)[i].front())
                     << name << " " << d << " " << i;
@@ -133,12 +118,10 @@ TEST(Embedding, TrilinearPlacesInACube) {
     const Embedding embedding = refined.embed({{0.3, 0.2, 0.1}});
     const CellPlace& place = *embedding.points[0].place;
     const auto corners = *far::hexahedronVertices(refined.complex(), place.cell);
-    const Eigen::Vector3d origin = vec(refined.positions[static_cast<std::size_t>(corners[0])]);
+    const Eigen::Vector3d origin = vec(refined.positions[corners[0]]);
     Eigen::Matrix3d axes;
     for (const auto& [column, corner] : {std::pair{0, 1}, {1, 3}, {2, 4}})
-        axes.col(column) = vec(refined.positions[static_cast<std::size_t>(
-                               corners[static_cast<std::size_t>(corner)])]) -
-                           origin;
+        axes.col(column) = vec(refined.positions[corners[corner]]) - origin;
     EXPECT_LT((origin + axes * vec(place.uvw) - Eigen::Vector3d(0.3, 0.2, 0.1)).norm(), 1e-15);
     EXPECT_GT(axes.determinant(), 0) << "right-handed";
     EXPECT_EQ(place.offset, (std::array<double, 3>{}));
@@ -158,7 +141,7 @@ TEST(Embedding, TypeNCellIsFilledByFourNTetrahedra) {
                 const CellPlace place{CellId(cell), t, {0.2, 0.3, 0.1}, {}};
                 Eigen::Vector3d position = Eigen::Vector3d::Zero();
                 for (const auto& [vertex, weight] : placeWeights(complex, place))
-                    position += weight * vec(refined.positions[static_cast<std::size_t>(vertex)]);
+                    position += weight * vec(refined.positions[vertex]);
                 const Embedding found = refined.embed({{position[0], position[1], position[2]}});
                 ASSERT_TRUE(found.points[0].place);
                 EXPECT_EQ(found.points[0].place->cell.value, cell);
@@ -204,9 +187,7 @@ double distanceOutside(const Lattice& lattice, const Eigen::Vector3d& point) {
     double farthest = 0;
     for (Index face = 0; face < lattice.complex.count(2); ++face) {
         const auto loop = lattice.complex.relation(2, 0)[face];
-        const auto at = [&](std::size_t i) {
-            return vec(lattice.positions[static_cast<std::size_t>(loop[i])]);
-        };
+        const auto at = [&](std::size_t i) { return vec(lattice.positions[loop[i]]); };
         Eigen::Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
         if (normal.dot(at(0)) < 0) normal = -normal;
         farthest = std::max(farthest, normal.dot(point - at(0)));
@@ -289,7 +270,7 @@ TEST(Embedding, OpenLattice) {
     EXPECT_EQ(embedding.points[1].status, PointStatus::Outside);
     EXPECT_EQ(embedding.points[2].status, PointStatus::Outside);
     const auto table = buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
-    EXPECT_LT(largestDistance({times(table, box.positions)[0]}, {points[0]}), 4e-12);
+    EXPECT_LT((times(table, box.positions).row(0).transpose() - vec(points[0])).norm(), 4e-12);
 }
 
 // Points of a boundary that is curved, rounded to single precision as files of floats have them,
@@ -301,14 +282,14 @@ TEST(Embedding, BoundaryPointsInSinglePrecisionAreInside) {
         std::vector<Point3> points;
         for (Index v = 0; v < refined.complex().count(0); ++v) {
             if (refined.refiner.level(2).strata.of({0, v}) == 3) continue;
-            Point3 p = refined.positions[static_cast<std::size_t>(v)];
+            Point3 p = refined.positions[v];
             for (double& x : p) x = static_cast<double>(static_cast<float>(x));
             points.push_back(p);
         }
         const Embedding embedding = refined.embed(points);
         EXPECT_EQ(embedding.count(PointStatus::Inside), static_cast<Index>(points.size()));
         const auto table = buildDeformationTable(refined.refiner, 2, Rules::Siggraph96, embedding);
-        EXPECT_LT(largestDistance(times(table, refined.base), points), 4e-12);
+        EXPECT_LT(largestDistance(times(table, refined.base), asMatrix(points)), 4e-12);
     }
 }
 
@@ -329,9 +310,7 @@ TEST(Embedding, NearestCellMatchesBruteForce) {
             for (int a = 0; a <= 20; ++a)
                 for (int b = 0; b <= 20; ++b) {
                     const double u = a / 20., v = b / 20.;
-                    const auto at = [&](std::size_t k) {
-                        return vec(refined.positions[static_cast<std::size_t>(loop[k])]);
-                    };
+                    const auto at = [&](std::size_t k) { return vec(refined.positions[loop[k]]); };
                     const Eigen::Vector3d q = (1 - u) * (1 - v) * at(0) + u * (1 - v) * at(1) +
                                               u * v * at(2) + (1 - u) * v * at(3);
                     sampled = std::min(sampled, (q - vec(point)).norm());
@@ -358,11 +337,9 @@ TEST(Embedding, PointsInGapsAreInside) {
         // Halfway between the bilinear centre and the middle of the cut.
         const auto loop = complex.relation(2, 0)[face];
         Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-        for (const Index v : loop)
-            centre += vec(refined.positions[static_cast<std::size_t>(v)]) / 4;
-        const Eigen::Vector3d cut = (vec(refined.positions[static_cast<std::size_t>(loop[0])]) +
-                                     vec(refined.positions[static_cast<std::size_t>(loop[2])])) /
-                                    2;
+        for (const Index v : loop) centre += vec(refined.positions[v]) / 4;
+        const Eigen::Vector3d cut =
+            (vec(refined.positions[loop[0]]) + vec(refined.positions[loop[2]])) / 2;
         const Eigen::Vector3d between = (centre + cut) / 2;
         points.push_back({between[0], between[1], between[2]});
     }
@@ -375,7 +352,7 @@ TEST(Embedding, PointsInGapsAreInside) {
     }
     EXPECT_GT(inGap, 0) << "the test is about gaps, so there must be one";
     const auto table = buildDeformationTable(refined.refiner, 1, Rules::Siggraph96, embedding);
-    EXPECT_LT(largestDistance(times(table, refined.base), points), 1e-13);
+    EXPECT_LT(largestDistance(times(table, refined.base), asMatrix(points)), 1e-13);
 }
 
 TEST(Embedding, DoesNotDependOnTheNumberOfThreads) {
@@ -520,7 +497,8 @@ TEST(Embedding, StatusIsHonestInATangledLattice) {
         for (std::size_t i = 0; i < points.size(); ++i)
             // 1e-12 of the lattice's size, and the tolerance where the nearest place is taken.
             if (embedding.points[i].place) {
-                ASSERT_LE((vec(back[i]) - vec(points[i])).norm(), 2e-6 * (1 + away));
+                ASSERT_LE((back.row(Eigen::Index(i)).transpose() - vec(points[i])).norm(),
+                          2e-6 * (1 + away));
             }
     }
 }

@@ -156,7 +156,7 @@ TEST(NearestInBox, MeetsTheConditionsOfAMinimum) {
                     ASSERT_TRUE(!mayRise || slope[axis] > -zero) << size << " " << shear;
                     held += x[axis] == low[axis] || x[axis] == high[axis];
                 }
-                ++heldCount[static_cast<std::size_t>(held)];
+                ++heldCount[held];
             }
     for (const int count : heldCount) EXPECT_GT(count, 20);
 }
@@ -279,9 +279,7 @@ void expectTreeMatchesBruteForce(const std::vector<BoxTree::Box>& boxes, std::mt
             if (boxes[i].exteriorDistance(point) <= 0.5) expected.push_back(static_cast<Index>(i));
         ASSERT_EQ(found, expected);
         if (count == 0) continue;
-        const auto distance = [&](Index i) {
-            return boxes[static_cast<std::size_t>(i)].exteriorDistance(point);
-        };
+        const auto distance = [&](Index i) { return boxes[i].exteriorDistance(point); };
         Index best = 0;
         for (Index i = 1; i < static_cast<Index>(count); ++i)
             if (distance(i) < distance(best)) best = i;

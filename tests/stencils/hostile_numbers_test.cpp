@@ -40,8 +40,7 @@ double errorOf(const BoundModel<double>& model, const Lattice& lattice,
     const auto& table = model.binding.table;
     const auto row = static_cast<Index>(i);
     for (std::size_t k = 0; k < table.weights(row).size(); ++k)
-        position += table.weights(row)[k] *
-                    test::vec(lattice.positions[static_cast<std::size_t>(table.columns(row)[k])]);
+        position += table.weights(row)[k] * test::vec(lattice.positions[table.columns(row)[k]]);
     return (position - test::vec(points[i])).stableNorm();
 }
 

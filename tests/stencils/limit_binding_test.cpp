@@ -27,6 +27,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using far::TopologyRefiner;
 using test::times;
+using test::toPoint;
 using test::vec;
 
 using Bound = BoundModel<double, LimitTable<double>>;
@@ -37,19 +38,12 @@ Bound bound(const Lattice& lattice, const std::vector<Point3>& points,
                              lattice.positions, rules, points, options);
 }
 
-Point3 toPoint(const Vector3d& v) {
-    return {v[0], v[1], v[2]};
-}
-
 /// Vertices of a level in the limit, at a pose.
 std::vector<Point3> limitPoints(const Lattice& lattice, int level,
                                 const std::vector<Point3>& pose) {
     TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
     refiner.refineUniform(level);
-    const auto matrix = times(buildVertexLimits<double>(refiner, level), pose);
-    std::vector<Point3> points;
-    for (Eigen::Index i = 0; i < matrix.rows(); ++i) points.push_back(toPoint(matrix.row(i)));
-    return points;
+    return applyLevelTable(buildVertexLimits<double>(refiner, level), pose);
 }
 
 /// The pose of a box lattice that the phantom layers 2P₀ − P₁ make a spline of: P(x, y, z) by the
@@ -72,8 +66,7 @@ public:
         for (Index k = 0; k < 4; ++k)
             for (Index j = 0; j < 4; ++j)
                 for (Index i = 0; i < 4; ++i)
-                    sum += weights[0][std::size_t(i)] * weights[1][std::size_t(j)] *
-                           weights[2][std::size_t(k)] *
+                    sum += weights[0][i] * weights[1][j] * weights[2][k] *
                            control({first[0] + i - 1, first[1] + j - 1, first[2] + k - 1});
         return sum;
     }
@@ -115,7 +108,7 @@ TEST(LimitBinding, BoxIsTheSpline) {
         for (int i = 0; i < 200; ++i) {
             Vector3d place;
             for (Eigen::Index axis = 0; axis < 3; ++axis) {
-                std::uniform_real_distribution<double> along(0, cells[std::size_t(axis)]);
+                std::uniform_real_distribution<double> along(0, cells[axis]);
                 // On faces, edges and corners too.
                 place[axis] = i % 5 == 0 ? std::round(along(random)) : along(random);
             }
@@ -148,7 +141,7 @@ std::vector<Point3> pointsInside(const Lattice& lattice, unsigned seed) {
         const auto corners =
             cells[static_cast<Index>(random() % static_cast<unsigned>(cells.rowCount()))];
         Vector3d sum = Vector3d::Zero();
-        for (const Index corner : corners) sum += vec(limits[std::size_t(corner)]);
+        for (const Index corner : corners) sum += vec(limits[corner]);
         points.push_back(toPoint(sum / double(corners.size())));
     }
     return points;
@@ -289,7 +282,7 @@ TEST(LimitBinding, OutsideAndWithout) {
                 testing::ElementsAre(Inside, Inside, Outside, Outside, NotConverged, NotConverged));
     const auto moved = times(carried.binding.table.points, lattice.positions);
     for (Eigen::Index i = 0; i < 4; ++i)
-        EXPECT_LT((moved.row(i).transpose() - vec(points[std::size_t(i)])).norm(), 1e-12);
+        EXPECT_LT((moved.row(i).transpose() - vec(points[i])).norm(), 1e-12);
     EXPECT_THROW(bound(lattice, points, {.embedding = {.outside = OutsidePolicy::Error}}), Error);
 }
 

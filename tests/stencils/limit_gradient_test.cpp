@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
 #include <espalier/stencils/limit_binding.h>
 #include <espalier/stencils/limit_table.h>
 #include <espalier/stencils/vertex_ring.h>
@@ -24,26 +25,16 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using far::TopologyRefiner;
 using test::times;
+using test::toPoint;
 using test::vec;
 
 using Bound = BoundModel<double, LimitTable<double>>;
-
-Point3 toPoint(const Vector3d& v) {
-    return {v[0], v[1], v[2]};
-}
-
-std::vector<Point3> toPoints(const test::Positions& matrix) {
-    std::vector<Point3> points;
-    for (Eigen::Index i = 0; i < matrix.rows(); ++i)
-        points.push_back(toPoint(matrix.row(i).transpose()));
-    return points;
-}
 
 /// The limits of the vertices of a level at rest: at features of each kind that the lattice has.
 std::vector<Point3> limitsOfLevel(const Lattice& lattice, int level) {
     TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
     refiner.refineUniform(level);
-    return toPoints(times(buildVertexLimits<double>(refiner, level), lattice.positions));
+    return applyLevelTable(buildVertexLimits<double>(refiner, level), lattice.positions);
 }
 
 /// F at point i for a pose.
@@ -113,7 +104,7 @@ Matrix3d gradientOnAxis(const Lattice& lattice, Index vertex, const std::vector<
     functionals.col(1) = isPair ? Eigen::VectorXd(first.imag())
                                 : Eigen::VectorXd(solver.eigenvectors().col(order[2]).real());
     Eigen::VectorXd along = Eigen::VectorXd::Zero(m.rows());
-    const auto heightOf = [&](Index v) { return lattice.positions[std::size_t(v)][2]; };
+    const auto heightOf = [&](Index v) { return lattice.positions[v][2]; };
     for (std::size_t i = 0; i < ring.entities.size(); ++i) {
         if (ring.entities[i].dimension != 1) continue;
         const auto ends = level.complex.relation(1, 0)[ring.entities[i].index];
@@ -148,8 +139,8 @@ TEST(LimitGradients, AreTheEigenvectorsOnIrregularEdges) {
         const Matrix3d expected = gradientOnAxis(lattice, middle, pose);
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         const std::vector<Index> vertices = {middle};
-        const auto point = toPoints(times(
-            buildVertexLimits<double>(base, 0, Rules::Siggraph96, vertices), lattice.positions));
+        const auto point = applyLevelTable(
+            buildVertexLimits<double>(base, 0, Rules::Siggraph96, vertices), lattice.positions);
         for (const double tolerance : {1e-6, 1e-12}) {
             const Bound result =
                 bindLimit<double>(base, lattice.positions, Rules::Siggraph96, point,

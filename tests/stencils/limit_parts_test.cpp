@@ -13,6 +13,7 @@
 
 #include "support/random_lattices.h"
 #include "support/sanitizers.h"
+#include "support/tables.h"
 #include "support/zoo.h"
 
 namespace espalier::stencils {
@@ -34,12 +35,6 @@ Vector3d valueAt(const BezierPatch& patch, const Vector3d& uvw) {
     return sum;
 }
 
-std::vector<Point3> moved(std::vector<Point3> positions, double size, unsigned seed) {
-    const auto moves = test::randomValues(3 * positions.size(), seed);
-    for (std::size_t i = 0; i < moves.size(); ++i) positions[i / 3][i % 3] += size * moves[i];
-    return positions;
-}
-
 // A point of a patch at rest is carried to the same place of the patch of a pose: as a binding
 // that found it in the limit says.
 TEST(LimitParts, PatchesAreWhatPointsAreBoundTo) {
@@ -49,7 +44,7 @@ TEST(LimitParts, PatchesAreWhatPointsAreBoundTo) {
             const far::TopologyRefiner base(lattice.complex,
                                             refinerOptions(lattice, {.boundary = boundary}));
             const LimitParts parts(base, Rules::Siggraph96, 2);
-            const auto pose = moved(lattice.positions, 0.2, 7);
+            const auto pose = test::shaken(lattice.positions, 7, 0.2);
             const LimitPositions atRest = parts.place(lattice.positions), posed = parts.place(pose);
             std::vector<Point3> points, expected;
             const auto places = test::randomValues(3 * parts.patchCount(), 11);
@@ -90,8 +85,7 @@ TEST(LimitParts, EachCellDescendsIntoParts) {
                 if (i >= parts.patchCount()) {
                     EXPECT_EQ(part.level, level);
                 }
-                count[static_cast<std::size_t>(part.baseCell)] += std::size_t{1}
-                                                                  << 3 * (level - part.level);
+                count[part.baseCell] += std::size_t{1} << 3 * (level - part.level);
             }
             far::TopologyRefiner whole(lattice.complex, {.marks = lattice.marks});
             whole.refineUniform(level);
@@ -100,7 +94,7 @@ TEST(LimitParts, EachCellDescendsIntoParts) {
                 Index ancestor = cell;
                 for (int k = level; k > 0; --k)
                     ancestor = whole.refinement(k).parentOf({3, ancestor}).upper.index;
-                ++expected[static_cast<std::size_t>(ancestor)];
+                ++expected[ancestor];
             }
             EXPECT_EQ(count, expected) << name;
         }

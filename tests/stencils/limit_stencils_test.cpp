@@ -35,12 +35,11 @@ std::vector<double> axisWeights(Index n, double x, int order) {
         return self(self, degree - 1, k - 1, t) - self(self, degree - 1, k - 1, t - 1);
     };
     std::vector<double> all(static_cast<std::size_t>(n) + 3);  // Phantoms at both ends.
-    for (Index i = -1; i <= n + 1; ++i)
-        all[static_cast<std::size_t>(i + 1)] = derivative(derivative, 3, order, x - i + 2);
+    for (Index i = -1; i <= n + 1; ++i) all[i + 1] = derivative(derivative, 3, order, x - i + 2);
     std::vector<double> weights(all.begin() + 1, all.end() - 1);
     weights[0] += 2 * all.front();
     weights[1] -= all.front();
-    weights[std::size_t(n)] += 2 * all.back();
+    weights[n] += 2 * all.back();
     weights[std::size_t(n - 1)] -= all.back();
     return weights;
 }

@@ -15,7 +15,7 @@ TEST(Masks, AreAffineAndZeroOutsideTheirDimensions) {
                     const Mask mask = refinementMask(rules, dimension, stratum, valence);
                     double sum = 0;
                     for (int j = 0; j < 4; ++j) {
-                        const double weight = mask[static_cast<std::size_t>(j)];
+                        const double weight = mask[j];
                         sum += weight;
                         if (j < dimension || j > stratum) {
                             EXPECT_EQ(weight, 0);

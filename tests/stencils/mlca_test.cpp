@@ -27,6 +27,7 @@ using far::TriangleSubdivision;
 using test::average;
 using test::centroid;
 using test::difference;
+using test::expectRow;
 using test::NamedLattice;
 using test::pointOf;
 using test::Row;
@@ -57,7 +58,7 @@ public:
 private:
     static double mean(std::span<const Index> vertices, std::span<const double> values) {
         double sum = 0;
-        for (const Index vertex : vertices) sum += values[static_cast<std::size_t>(vertex)];
+        for (const Index vertex : vertices) sum += values[vertex];
         return sum / static_cast<double>(vertices.size());
     }
 
@@ -102,7 +103,7 @@ std::vector<NamedLattice> everything() {
 
 /// Calls check(name, refiner) for each shape with its own boundary control and without any.
 template <class Check>
-void forEachRefined(int levels, Check check) {
+void forEachRefinedShape(int levels, Check check) {
     for (const auto& [name, lattice] : everything())
         for (const bool isOpen : {false, true}) {
             far::RefinerOptions options = refinerOptions(lattice);
@@ -122,7 +123,7 @@ void forEachRefined(int levels, Check check) {
 TEST(Mlca, SplitsAndAverages) {
     std::map<std::array<int, 3>, int> seen;  // complexes of a dimension, entities, strata
     int fading = 0;
-    forEachRefined(2, [&](const TopologyRefiner& refiner) {
+    forEachRefinedShape(2, [&](const TopologyRefiner& refiner) {
         for (int k = 1; k <= 2; ++k) {
             const far::Level& parent = refiner.level(k - 1);
             const auto values =
@@ -133,8 +134,7 @@ TEST(Mlca, SplitsAndAverages) {
                 const Entity entity = test::parentOf(refiner, k, row);
                 double value = 0;
                 for (std::size_t i = 0; i < table.columns(row).size(); ++i)
-                    value += table.weights(row)[i] *
-                             values[static_cast<std::size_t>(table.columns(row)[i])];
+                    value += table.weights(row)[i] * values[table.columns(row)[i]];
                 // Of values below 1, up to four thousand shares at a pole of 360 faces, each
                 // rounded by its own size: 2⁻⁵³ times a sum of 1, some times over.
                 ASSERT_NEAR(value, reference.at(entity, refiner.options().creasing), 1e-13)
@@ -158,7 +158,7 @@ TEST(Mlca, SplitsAndAverages) {
 // No weight is negative but where Chaikin's rule for sharpness extrapolates, as it does for all
 // rules: what is refined stays in the hull.
 TEST(Mlca, RowsArePositiveAndSumToOne) {
-    forEachRefined(2, [](const TopologyRefiner& refiner) {
+    forEachRefinedShape(2, [](const TopologyRefiner& refiner) {
         const bool extrapolates = refiner.options().creasing == far::Creasing::Chaikin &&
                                   refiner.level(0).strata.hasSemiSharp();
         const auto table = buildStencils(refiner, 2, Rules::Mlca);
@@ -281,11 +281,6 @@ Row mlcaRow(const CellComplex& complex, Entity entity) {
     return rowOf(buildLevelTable(refiner, 1, Rules::Mlca), pointOf(refiner, 1, entity));
 }
 
-void expectRow(const Row& row, const std::map<Index, double>& expected) {
-    // Some twenty shares below 1/2, rounded each.
-    EXPECT_LE(difference(row, {expected}), 4e-16);
-}
-
 // The point of a pyramid is nearer to its apex than its centroid is. The sub-cell at a corner of
 // the base is a hexahedron, and gives the apex (0 + M 1/2 + A 2/3 + C 1/5)/8 = 41/240, with one of
 // three edges and two of three triangles to it; that at the apex has ten vertices, and gives it
@@ -343,8 +338,7 @@ TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
     for (const Index first : {0, 15})
         for (const Index storey : {3, 9}) {
             std::array<Index, 9> vertices;
-            for (Index k = 0; k < 9; ++k)
-                vertices[static_cast<std::size_t>(k)] = first + (k < 3 ? k : storey + k - 3);
+            for (Index k = 0; k < 9; ++k) vertices[k] = first + (k < 3 ? k : storey + k - 3);
             builder.addCell(twoStoreys(vertices, first == 15 && storey == 9));
         }
     TopologyRefiner refiner(builder.build());

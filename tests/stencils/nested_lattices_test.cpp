@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "support/refined_lattice.h"
+#include "support/tables.h"
 #include "support/zoo.h"
 
 // A lattice in another moves with it, and carries its model along.
@@ -21,19 +22,12 @@ using test::vec;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr auto kRules = Rules::Siggraph96;
 constexpr int kLevel = 2;
 
 StencilTable<double> bindTo(const Lattice& lattice, const std::vector<Point3>& points) {
     return bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions, kLevel,
-                              kRules, points, {.outside = OutsidePolicy::Error})
+                              Rules::Siggraph96, points, {.outside = OutsidePolicy::Error})
         .binding.table;
-}
-
-std::vector<Point3> moved(std::vector<Point3> positions, double amount, unsigned seed) {
-    const auto random = test::randomValues(3 * positions.size(), seed);
-    for (std::size_t i = 0; i < random.size(); ++i) positions[i / 3][i % 3] += amount * random[i];
-    return positions;
 }
 
 /// A box in a cylinder, and points in the box.
@@ -47,8 +41,8 @@ struct Nest {
 
     StencilTable<double> nest(const std::vector<Point3>& childPose,
                               const EmbeddingOptions& options = {}) const {
-        return nestTables(ofChild, childPose, parentBase, parent.positions, kLevel, kRules,
-                          options);
+        return nestTables(ofChild, childPose, parentBase, parent.positions, kLevel,
+                          Rules::Siggraph96, options);
     }
 };
 
@@ -67,7 +61,7 @@ TEST(NestedLattices, AreOneTable) {
     EXPECT_EQ(table.rowCount(), 200);
     EXPECT_EQ(table.columnCount(), nest.parent.complex.count(0));
     expectNear(applyLevelTable(table, nest.parent.positions), nest.points);
-    const auto pose = moved(nest.parent.positions, 0.2, 4);
+    const auto pose = test::shaken(nest.parent.positions, 4, 0.2);
     const auto carried = applyLevelTable(bindTo(nest.parent, nest.child.positions), pose);
     expectNear(applyLevelTable(table, pose), applyLevelTable(nest.ofChild, carried));
 }
@@ -77,7 +71,7 @@ TEST(NestedLattices, AreOneTable) {
 // the child after the parent's would leave them as they were, in a frame that has turned.
 TEST(NestedLattices, PoseTheChildInTheFrameOfTheParent) {
     const Nest nest;
-    const auto childPose = moved(nest.child.positions, 0.1, 5);
+    const auto childPose = test::shaken(nest.child.positions, 5, 0.1);
     Eigen::Affine3d map = Eigen::Affine3d::Identity();
     map.translate(Eigen::Vector3d(1, -2, 3));
     map.rotate(Eigen::AngleAxisd(1.5, Eigen::Vector3d(1, 2, 3).normalized()));
@@ -96,8 +90,8 @@ TEST(NestedLattices, PoseTheChildInTheFrameOfTheParent) {
 // In a parent that bends: each vertex of the posed child goes where the parent takes a point there.
 TEST(NestedLattices, PosedVerticesGoAsPointsOfTheParentDo) {
     const Nest nest;
-    const auto childPose = moved(nest.child.positions, 0.1, 6);
-    const auto pose = moved(nest.parent.positions, 0.2, 7);
+    const auto childPose = test::shaken(nest.child.positions, 6, 0.1);
+    const auto pose = test::shaken(nest.parent.positions, 7, 0.2);
     expectNear(
         applyLevelTable(nest.nest(childPose), pose),
         applyLevelTable(nest.ofChild, applyLevelTable(bindTo(nest.parent, childPose), pose)));
@@ -109,8 +103,8 @@ TEST(NestedLattices, GoAsDeepAsWanted) {
         shapes::box({.cells = {2, 2, 2}, .min = {-2, -2, -1}, .max = {2, 2, 2}});
     const far::TopologyRefiner base(outermost.complex);
     const auto table = nestTables(nest.nest(nest.child.positions), nest.parent.positions, base,
-                                  outermost.positions, kLevel, kRules);
-    const auto pose = moved(outermost.positions, 0.2, 8);
+                                  outermost.positions, kLevel, Rules::Siggraph96);
+    const auto pose = test::shaken(outermost.positions, 8, 0.2);
     const auto parentPose = applyLevelTable(bindTo(outermost, nest.parent.positions), pose);
     expectNear(applyLevelTable(table, pose),
                applyLevelTable(nest.nest(nest.child.positions), parentPose));
@@ -142,7 +136,7 @@ TEST(NestedLattices, RefuseWhatDoesNotFit) {
     EXPECT_THAT(
         [&] {
             nestTables(nest.ofChild, nest.child.positions, nest.parentBase, flat.positions, kLevel,
-                       kRules, {.outside = OutsidePolicy::Nearest});
+                       Rules::Siggraph96, {.outside = OutsidePolicy::Nearest});
         },
         ThrowsMessage<Error>(HasSubstr("vertex 0 of the child has no place in the parent lattice: "
                                        "its cell is degenerate")));

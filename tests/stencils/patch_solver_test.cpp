@@ -114,7 +114,7 @@ TEST(TricubicPatch, WeightsAndControlPointsAgree) {
         const auto sum = [&](const std::array<int, 3>& orders) {
             Vector3d result = Vector3d::Zero();
             for (const auto& [vertex, weight] : patch.weights(uvw, orders))
-                result += weight * Vector3d(positions[std::size_t(vertex)].data());
+                result += weight * Vector3d(positions[vertex].data());
             return result;
         };
         EXPECT_LT((sum({0, 0, 0}) - tangent.position).norm(), 1e-14);

@@ -147,8 +147,7 @@ TEST(BaseEntities, AreThoseThatVerticesLieIn) {
         const auto vertices = box.complex.relation(dimension, 0)[index];
         for (const Index vertex : vertices)
             for (std::size_t c = 0; c < 3; ++c)
-                sum[c] += box.positions[static_cast<std::size_t>(vertex)][c] /
-                          static_cast<double>(vertices.size());
+                sum[c] += box.positions[vertex][c] / static_cast<double>(vertices.size());
         return sum;
     };
     std::vector<Point3> centres;
@@ -165,8 +164,7 @@ TEST(BaseEntities, AreThoseThatVerticesLieIn) {
         for (std::size_t c = 0; c < 3; ++c) {
             const double x = positions[v][c], whole = std::round(x);
             const bool isOnVertex = std::abs(x - whole) < 1e-12;
-            EXPECT_EQ(centres[static_cast<std::size_t>(ofVertices[v])][c],
-                      isOnVertex ? whole : std::floor(x) + 0.5);
+            EXPECT_EQ(centres[ofVertices[v]][c], isOnVertex ? whole : std::floor(x) + 0.5);
         }
 }
 

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "papers/rows.h"
 #include "support/zoo.h"
 
 namespace espalier::stencils {
@@ -14,23 +15,9 @@ using far::CellComplex;
 using far::kInfinitelySharp;
 using far::Marks;
 using far::TopologyRefiner;
-
-/// A row by column.
-std::map<Index, double> rowOf(const StencilTable<double>& table, Index row) {
-    std::map<Index, double> weights;
-    for (std::size_t k = 0; k < table.columns(row).size(); ++k)
-        weights[table.columns(row)[k]] = table.weights(row)[k];
-    return weights;
-}
-
-void expectRow(const std::map<Index, double>& row, const std::map<Index, double>& expected) {
-    ASSERT_EQ(row.size(), expected.size());
-    for (const auto& [column, weight] : expected) {
-        ASSERT_TRUE(row.count(column)) << column;
-        // Some ten shares, rounded each.
-        EXPECT_NEAR(row.at(column), weight, 4e-16) << column;
-    }
-}
+using test::expectRow;
+using test::Row;
+using test::rowOf;
 
 /// The plane of 4 × 4 quadrilaterals; 12 is its middle, 11, 13, 7 and 17 are around it, and 6, 8,
 /// 16 and 18 the corners.
@@ -41,7 +28,7 @@ StencilTable<double> levelTable(const Marks& marks) {
 }
 
 /// The row of the point of the edge from 11 to 12.
-std::map<Index, double> westRow(const Marks& marks) {
+Row westRow(const Marks& marks) {
     TopologyRefiner refiner(test::gridMesh(4, 4), {.marks = marks});
     refiner.refineUniform(1);
     const CellComplex& base = refiner.level(0).complex;
@@ -113,7 +100,7 @@ TEST(SemiSharp, GoldenSmoothTriangles) {
             if (std::minmax(ends[0], ends[1]) == std::minmax(a, b))
                 return rowOf(table, refiner.refinement(1).childOf({{1, edge}, {1, edge}})->index);
         }
-        return std::map<Index, double>();
+        return Row();
     };
     expectRow(edgeRow(0, 1),
               {{0, 0.03 + 2 * 0.47 / 3}, {1, 0.03 + 2 * 0.47 / 3}, {2, 0.47 / 3}, {3, 0.47 / 3}});
@@ -164,15 +151,16 @@ TEST(Stencils, PoleOf360EdgesKeepsItsPrecision) {
     TopologyRefiner refiner(far::buildMesh(n + 2, loops));
     refiner.refineUniform(2);
     const double exact = 358. / 360 + 1. / (3 * 360);
-    EXPECT_NEAR(rowOf(buildLevelTable(refiner, 1), 0).at(0), exact, 2e-16);
+    EXPECT_NEAR(rowOf(buildLevelTable(refiner, 1), 0).weights.at(0), exact, 2e-16);
     // Two levels: R₂ R₁ by its definition, in long double.
     const auto first = buildLevelTable(refiner, 1), second = buildLevelTable(refiner, 2);
     long double expected = 0;
-    for (const auto& [middle, factor] : rowOf(second, 0)) {
-        const auto row = rowOf(first, middle);
+    for (const auto& [middle, factor] : rowOf(second, 0).weights) {
+        const auto row = rowOf(first, middle).weights;
         if (row.count(0)) expected += static_cast<long double>(factor) * row.at(0);
     }
-    EXPECT_NEAR(rowOf(buildStencils(refiner, 2), 0).at(0), static_cast<double>(expected), 4e-16);
+    EXPECT_NEAR(rowOf(buildStencils(refiner, 2), 0).weights.at(0), static_cast<double>(expected),
+                4e-16);
 }
 
 }  // namespace

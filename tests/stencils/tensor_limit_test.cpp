@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "stencils/skew_boxes.h"
 #include "support/tables.h"
 #include "support/zoo.h"
 
@@ -11,12 +12,12 @@ namespace espalier::stencils {
 namespace {
 
 using test::asMatrix;
+using test::Cells;
 using test::largestDistance;
 using test::Positions;
 using test::shaken;
 using test::tableOf;
 using test::times;
-using Cells = std::array<Index, 3>;
 
 /// Points of a grid with 6 steps a cell, from `low` to cells − low along each axis. They lie at 0,
 /// 1/3 or 2/3 of the cells of every level, and u(1 − u) is the same at each.
@@ -93,8 +94,7 @@ std::vector<Point3> withPhantoms(const Cells& n, const std::vector<Point3>& pose
                 for (const Share& x : shares(n[0], i))
                     for (const Share& y : shares(n[1], j))
                         for (const Share& z : shares(n[2], k)) {
-                            const Point3& p = pose[static_cast<std::size_t>(
-                                test::gridVertex(n, x.first, y.first, z.first))];
+                            const Point3& p = pose[test::gridVertex(n, x.first, y.first, z.first)];
                             for (std::size_t axis = 0; axis < 3; ++axis)
                                 sum[axis] += x.second * y.second * z.second * p[axis];
                         }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "papers/rows.h"
 #include "stencils/skew_boxes.h"
 #include "support/tables.h"
 #include "support/zoo.h"
@@ -16,6 +17,7 @@ namespace {
 using far::CellComplex;
 using test::asMatrix;
 using test::Cells;
+using test::expectRow;
 using test::largestDistance;
 using test::Positions;
 using test::randomPoints;
@@ -25,36 +27,23 @@ using test::tableOf;
 using test::times;
 
 /// The row of one point in a unit grid.
-std::map<Index, double> rowOf(const Cells& cells, Basis basis, const Point3& point,
-                              OutsidePolicy outside = OutsidePolicy::Error) {
+test::Row rowOfPoint(const Cells& cells, Basis basis, const Point3& point,
+                     OutsidePolicy outside = OutsidePolicy::Error) {
     const TensorLattice lattice(test::grid(cells), test::gridPositions(cells), basis);
-    const auto table = tableOf(lattice, {point}, {.outside = outside});
-    std::map<Index, double> row;
-    for (std::size_t i = 0; i < table.columns(0).size(); ++i)
-        row[table.columns(0)[i]] = table.weights(0)[i];
-    return row;
-}
-
-void expectRow(const std::map<Index, double>& row, const std::map<Index, double>& expected) {
-    ASSERT_EQ(row.size(), expected.size());
-    for (const auto& [column, weight] : expected) {
-        ASSERT_EQ(row.count(column), 1u) << column;
-        // Some ten operations on numbers up to 1.
-        EXPECT_NEAR(row.at(column), weight, 1e-15) << column;
-    }
+    return test::rowOf(tableOf(lattice, {point}, {.outside = outside}), 0);
 }
 
 // Degree 1 is trilinear: of the eight vertices of a cube, (x or 1 − x) (y or 1 − y) (z or 1 − z).
 TEST(TensorProduct, BezierLatticeOfOneCellIsTrilinear) {
     const double x = 0.25, y = 0.5, z = 0.875;
-    expectRow(rowOf({1, 1, 1}, Basis::Bezier, {x, y, z}), {{0, (1 - x) * (1 - y) * (1 - z)},
-                                                           {1, x * (1 - y) * (1 - z)},
-                                                           {2, (1 - x) * y * (1 - z)},
-                                                           {3, x * y * (1 - z)},
-                                                           {4, (1 - x) * (1 - y) * z},
-                                                           {5, x * (1 - y) * z},
-                                                           {6, (1 - x) * y * z},
-                                                           {7, x * y * z}});
+    expectRow(rowOfPoint({1, 1, 1}, Basis::Bezier, {x, y, z}), {{0, (1 - x) * (1 - y) * (1 - z)},
+                                                                {1, x * (1 - y) * (1 - z)},
+                                                                {2, (1 - x) * y * (1 - z)},
+                                                                {3, x * y * (1 - z)},
+                                                                {4, (1 - x) * (1 - y) * z},
+                                                                {5, x * (1 - y) * z},
+                                                                {6, (1 - x) * y * z},
+                                                                {7, x * y * z}});
 }
 
 // Degree 2 along x, at its middle: (1/4, 1/2, 1/4), times 1/2 and 1/2. At an end of y and z, those
@@ -62,8 +51,8 @@ TEST(TensorProduct, BezierLatticeOfOneCellIsTrilinear) {
 TEST(TensorProduct, BezierRowsByHand) {
     std::map<Index, double> expected;
     for (Index v = 0; v < 12; ++v) expected[v] = v % 3 == 1 ? 1. / 8 : 1. / 16;
-    expectRow(rowOf({2, 1, 1}, Basis::Bezier, {1, 0.5, 0.5}), expected);
-    expectRow(rowOf({2, 1, 1}, Basis::Bezier, {1, 0, 0}), {{0, 0.25}, {1, 0.5}, {2, 0.25}});
+    expectRow(rowOfPoint({2, 1, 1}, Basis::Bezier, {1, 0.5, 0.5}), expected);
+    expectRow(rowOfPoint({2, 1, 1}, Basis::Bezier, {1, 0, 0}), {{0, 0.25}, {1, 0.5}, {2, 0.25}});
 }
 
 // Bézier lattices interpolate their corners.
@@ -72,7 +61,7 @@ TEST(TensorProduct, BezierLatticesInterpolateTheirCorners) {
     for (const Index i : {0, n[0]})
         for (const Index j : {0, n[1]})
             for (const Index k : {0, n[2]})
-                expectRow(rowOf(n, Basis::Bezier, {double(i), double(j), double(k)}),
+                expectRow(rowOfPoint(n, Basis::Bezier, {double(i), double(j), double(k)}),
                           {{test::gridVertex(n, i, j, k), 1}});
 }
 
@@ -84,10 +73,8 @@ TEST(TensorProduct, BSplineRowsByHand) {
     for (Index i = 0; i < 3; ++i)
         for (Index j = 0; j < 3; ++j)
             for (Index k = 0; k < 3; ++k)
-                expected[test::gridVertex(n, i + 1, j + 1, k)] = knot[static_cast<std::size_t>(i)] *
-                                                                 knot[static_cast<std::size_t>(j)] *
-                                                                 knot[static_cast<std::size_t>(k)];
-    expectRow(rowOf(n, Basis::BSpline, {2, 2, 1}), expected);
+                expected[test::gridVertex(n, i + 1, j + 1, k)] = knot[i] * knot[j] * knot[k];
+    expectRow(rowOfPoint(n, Basis::BSpline, {2, 2, 1}), expected);
 }
 
 // Rows are the products of the rows of the axes, which have tests of their own.
@@ -106,7 +93,7 @@ TEST(TensorProduct, RowsAreProductsOfTheAxes) {
                                                   y.first + static_cast<Index>(j),
                                                   z.first + static_cast<Index>(k))] =
                             x.values[i] * y.values[j] * z.values[k];
-            expectRow(rowOf(n, basis, point), expected);
+            expectRow(rowOfPoint(n, basis, point), expected);
         }
 }
 
@@ -173,7 +160,7 @@ TEST(TensorProduct, BezierLatticesHaveThePrecisionOfTheirDegrees) {
                 for (Index k = 0; k <= n[2]; ++k)
                     for (Index j = 0; j <= n[1]; ++j)
                         for (Index i = 0; i <= n[0]; ++i)
-                            pose[static_cast<std::size_t>(test::gridVertex(n, i, j, k))][0] +=
+                            pose[test::gridVertex(n, i, j, k)][0] +=
                                 factor * choose(i, a) / choose(n[0], a) * choose(j, b) /
                                 choose(n[1], b) * choose(k, c) / choose(n[2], c);
                 for (std::size_t p = 0; p < points.size(); ++p)
@@ -223,8 +210,8 @@ TEST(TensorProduct, RelabellingRenamesTheColumns) {
     const auto names = test::shuffledIndices(static_cast<Index>(rest.size()), 13);
     auto restThere = rest, poseThere = pose;
     for (std::size_t v = 0; v < names.size(); ++v) {
-        restThere[static_cast<std::size_t>(names[v])] = rest[v];
-        poseThere[static_cast<std::size_t>(names[v])] = pose[v];
+        restThere[names[v]] = rest[v];
+        poseThere[names[v]] = pose[v];
     }
     const CellComplex there = test::relabelled(test::grid(n), names, 14);
     for (const Basis basis : {Basis::Bezier, Basis::BSpline}) {
@@ -240,11 +227,11 @@ TEST(TensorProduct, RelabellingRenamesTheColumns) {
 // The row goes on along the tangent. Degree 2 in x at its end: values (0, 0, 1), and derivatives
 // by the place (0, −1, 1), so half a cell beyond (0, −1/2, 3/2); y and z at 0.
 TEST(TensorProduct, PointsOutsideGoOnAlongTheTangent) {
-    expectRow(rowOf({2, 1, 1}, Basis::Bezier, {2.5, 0, 0}, OutsidePolicy::Nearest),
+    expectRow(rowOfPoint({2, 1, 1}, Basis::Bezier, {2.5, 0, 0}, OutsidePolicy::Nearest),
               {{1, -0.5}, {2, 1.5}});
     // By 1/2 along x, where (0, 1) has the derivatives (−1, 1), and by −1 along y likewise: the
     // tangent has no product of the two.
-    expectRow(rowOf({1, 1, 1}, Basis::Bezier, {1.5, -1, 0}, OutsidePolicy::Nearest),
+    expectRow(rowOfPoint({1, 1, 1}, Basis::Bezier, {1.5, -1, 0}, OutsidePolicy::Nearest),
               {{0, -0.5}, {1, 1 + 0.5 + 1}, {3, -1}});
 }
 

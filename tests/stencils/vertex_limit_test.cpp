@@ -91,8 +91,8 @@ TEST(VertexRing, RegularLimitIsThatOfTheSpline) {
     const Eigen::VectorXd mask = limitMask(ring);
     for (std::size_t i = 0; i < ring.entities.size(); ++i) {
         const std::array<double, 4> perEntity = {8.0 / 27, 4.0 / 9 / 6, 2.0 / 9 / 12, 1.0 / 27 / 8};
-        EXPECT_NEAR(mask[static_cast<Eigen::Index>(i)],
-                    perEntity[static_cast<std::size_t>(ring.entities[i].dimension)], 1e-15);
+        EXPECT_NEAR(mask[static_cast<Eigen::Index>(i)], perEntity[ring.entities[i].dimension],
+                    1e-15);
     }
 }
 

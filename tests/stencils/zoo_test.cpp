@@ -40,8 +40,7 @@ Point3 product(const StencilTable<double>& table, Index row, const std::vector<P
     Point3 sum = {0, 0, 0};
     for (std::size_t k = 0; k < table.columns(row).size(); ++k)
         for (std::size_t c = 0; c < 3; ++c)
-            sum[c] +=
-                table.weights(row)[k] * points[static_cast<std::size_t>(table.columns(row)[k])][c];
+            sum[c] += table.weights(row)[k] * points[table.columns(row)[k]][c];
     return sum;
 }
 

@@ -13,6 +13,9 @@ namespace espalier::test {
 
 using far::Index;
 
+inline constexpr stencils::Rules kLatticeRules[] = {stencils::Rules::Siggraph96,
+                                                    stencils::Rules::Cse96, stencils::Rules::Mlca};
+
 /// A lattice refined, with the positions of its level.
 struct Refined {
     far::TopologyRefiner refiner;
@@ -41,6 +44,10 @@ inline Eigen::Vector3d vec(const Point3& p) {
     return Eigen::Vector3d(p.data());
 }
 
+inline Point3 toPoint(const Eigen::Vector3d& v) {
+    return {v[0], v[1], v[2]};
+}
+
 /// Random convex combinations of the vertices of random cells; most lie in their cell.
 inline std::vector<Point3> pointsIn(const Refined& refined, std::size_t count, unsigned seed) {
     std::mt19937 random(seed);
@@ -54,10 +61,10 @@ inline std::vector<Point3> pointsIn(const Refined& refined, std::size_t count, u
         for (const Index vertex : refined.complex().relation(3, 0)[cell]) {
             const double w = weight(random);
             total += w;
-            sum += w * vec(refined.positions[static_cast<std::size_t>(vertex)]);
+            sum += w * vec(refined.positions[vertex]);
         }
         sum /= total;
-        points.push_back({sum[0], sum[1], sum[2]});
+        points.push_back(toPoint(sum));
     }
     return points;
 }

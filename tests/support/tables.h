@@ -28,10 +28,10 @@ inline double largestDistance(const Positions& a, const Positions& b) {
     return (a - b).rowwise().norm().maxCoeff();
 }
 
-/// Points moved by up to 1/2 in each coordinate.
-inline std::vector<Point3> shaken(std::vector<Point3> points, unsigned seed) {
+/// Points moved by up to `size` in each coordinate.
+inline std::vector<Point3> shaken(std::vector<Point3> points, unsigned seed, double size = 0.5) {
     std::mt19937 random(seed);
-    std::uniform_real_distribution<double> move(-0.5, 0.5);
+    std::uniform_real_distribution<double> move(-size, size);
     for (Point3& point : points)
         for (double& coordinate : point) coordinate += move(random);
     return points;

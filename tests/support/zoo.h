@@ -48,7 +48,7 @@ Lattice carvedGrid(const std::array<Index, 3>& n, IsThere isThere) {
                 for (Index& vertex : cell) {
                     if (names.count(vertex) == 0) {
                         names[vertex] = builder.addVertex();
-                        positions.push_back(all[static_cast<std::size_t>(vertex)]);
+                        positions.push_back(all[vertex]);
                     }
                     vertex = names[vertex];
                 }
@@ -136,7 +136,7 @@ inline std::vector<std::vector<Index>> matchLevels(const far::TopologyRefiner& f
             const auto row = complex.relation(entity.dimension, 0)[entity.index];
             std::vector<Index> key(row.begin(), row.end());
             if (rename)
-                for (Index& vertex : key) vertex = maps.back()[static_cast<std::size_t>(vertex)];
+                for (Index& vertex : key) vertex = maps.back()[vertex];
             std::sort(key.begin(), key.end());
             key.push_back(entity.dimension);
             return key;
