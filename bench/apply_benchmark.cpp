@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/stencils/sparse_matrix.h>
@@ -26,8 +26,6 @@ namespace {
 
 using bench::Tables;
 using bench::Workload;
-using far::Index;
-using far::Offset;
 using osd::BufferDescriptor;
 using stencils::StencilTable;
 
@@ -55,7 +53,7 @@ const Tables<Real>& tablesOf(const Workload& workload) {
 template <class Real, class Evaluate>
 void run(benchmark::State& state, const StencilTable<Real>& table, int components, int threads,
          Evaluate evaluate) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     const std::vector<Real> source = bench::randomValues(table, components);
     std::vector<Real> result(static_cast<std::size_t>(table.rowCount() * Offset{components}));
     evaluate(source, result);
@@ -110,7 +108,7 @@ void applyFactors(benchmark::State& state, const Tables<Real>& tables, int compo
 template <class Real, class Adjoint>
 void runAdjoint(benchmark::State& state, const StencilTable<Real>& table, const Adjoint& adjoint,
                 int components, int threads) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     const auto layout = BufferDescriptor::packed(components);
     const auto source = bench::randomValues(stencils::transposeTable(table), components);
     std::vector<Real> result(static_cast<std::size_t>(table.columnCount() * Offset{components}));

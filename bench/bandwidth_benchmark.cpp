@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
 
 #include <vector>
 
@@ -10,17 +10,17 @@ namespace {
 /// a = b + s · c over arrays that no cache holds: what the memory gives. Counts two reads and one
 /// write a number.
 void triad(benchmark::State& state) {
-    constexpr far::Offset kCount = 64 << 20;
-    const far::ThreadLimit limit(static_cast<int>(state.range(0)));
+    constexpr Offset kCount = 64 << 20;
+    const ThreadLimit limit(static_cast<int>(state.range(0)));
     std::vector<float> a(kCount, 0), b(kCount, 1), c(kCount, 2);
     for (auto _ : state)
-        far::parallelFor(kCount, 1 << 18, [&](far::Offset first, far::Offset last) {
+        parallelFor(kCount, 1 << 18, [&](Offset first, Offset last) {
             float* to = a.data();
             const float *from = b.data(), *other = c.data();
-            for (far::Offset i = first; i < last; ++i) to[i] = from[i] + 3.0F * other[i];
+            for (Offset i = first; i < last; ++i) to[i] = from[i] + 3.0F * other[i];
             benchmark::ClobberMemory();
         });
-    state.SetBytesProcessed(state.iterations() * kCount * 3 * far::Offset{sizeof(float)});
+    state.SetBytesProcessed(state.iterations() * kCount * 3 * Offset{sizeof(float)});
 }
 BENCHMARK(triad)
     ->Name("triad/threads")

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <sys/resource.h>
 
 #include <string>
@@ -30,8 +30,6 @@
 namespace espalier {
 namespace {
 
-using far::Index;
-
 constexpr auto kRules = stencils::Rules::Siggraph96;
 
 struct Scene {
@@ -40,8 +38,8 @@ struct Scene {
     Lattice lattice = shapes::box({.cells = {10, 10, 10}});
     far::TopologyRefiner base{lattice.complex};
 
-    stencils::Binding<double> bind() const {
-        return stencils::bindPoints<double>(base, lattice.positions, level, kRules, points).binding;
+    embed::Binding<double> bind() const {
+        return embed::bindPoints<double>(base, lattice.positions, level, kRules, points).binding;
     }
 };
 
@@ -73,9 +71,9 @@ const Refined& refined() {
 
 /// Refines what the points ask for, finds them and makes D.
 void bind(benchmark::State& state, Scene (*make)(), int threads) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     const Scene scene = make();
-    stencils::Binding<double> binding;
+    embed::Binding<double> binding;
     for (auto _ : state) binding = scene.bind();
     if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
         state.SkipWithError("the rest pose does not give the points back");
@@ -85,11 +83,11 @@ void bind(benchmark::State& state, Scene (*make)(), int threads) {
 
 /// Finds the points alone, in the whole level.
 void embed(benchmark::State& state, int threads) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     const Refined& made = refined();
     for (auto _ : state)
         benchmark::DoNotOptimize(
-            stencils::embedPoints(made.complex(), made.positions, made.scene.points));
+            embed::embedPoints(made.complex(), made.positions, made.scene.points));
 }
 
 #ifdef ESPALIER_WITH_VTK
@@ -110,7 +108,7 @@ void probe(benchmark::State& state) {
     const std::vector<Point3>& points = refined().scene.points;
     vtkNew<vtkCellArray> cells;
     for (Index cell = 0; cell < complex.count(3); ++cell) {
-        const auto corners = far::hexahedronVertices(complex, far::CellId(cell));
+        const auto corners = far::hexahedronVertices(complex, CellId(cell));
         std::array<vtkIdType, 8> ids;
         std::copy(corners->begin(), corners->end(), ids.begin());
         cells->InsertNextCell(8, ids.data());

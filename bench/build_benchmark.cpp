@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
+#include <espalier/base/parallel.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/parallel.h>
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
@@ -24,7 +24,6 @@
 namespace espalier {
 namespace {
 
-using far::Index;
 using stencils::Rules;
 
 /// A value a vertex that tells vertices apart.
@@ -50,7 +49,7 @@ double childCount(const far::TopologyRefiner& refiner) {
 }
 
 void refine(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     const far::TopologyRefiner base(complex);
     double children = 0;
     for (auto _ : state) {
@@ -65,7 +64,7 @@ void refine(benchmark::State& state, const far::CellComplex& complex, int level,
 }
 
 void build(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     const far::TopologyRefiner refiner = refined(complex, level);
     double rows = 0, entries = 0;
     for (auto _ : state) {
@@ -82,7 +81,7 @@ void build(benchmark::State& state, const far::CellComplex& complex, int level, 
 template <class Evaluator>
 void carry(benchmark::State& state, const far::TopologyRefiner& refiner, int level, int threads,
            const Evaluator& evaluator) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     const auto values = valuesOf(refiner.level(0).complex.count(0));
     const std::vector<float> source(values.begin(), values.end());
     std::vector<float> result(3 * static_cast<std::size_t>(evaluator.rowCount()));

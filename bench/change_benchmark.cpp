@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
 #include <espalier/osd/change_evaluator.h>
 
 #include <algorithm>
@@ -17,8 +17,6 @@
 namespace espalier {
 namespace {
 
-using far::Index;
-using far::Offset;
 using osd::BufferDescriptor;
 
 struct Model {
@@ -62,7 +60,7 @@ std::vector<Index> someVertices(const Model& model, std::size_t count, bool areT
 }
 
 void change(benchmark::State& state, std::size_t count, bool areTogether, int threads) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     Model& own = model();
     const auto xyz = BufferDescriptor::packed(3);
     const osd::RowRange rows{0, own.table.rowCount()};
@@ -84,7 +82,7 @@ void change(benchmark::State& state, std::size_t count, bool areTogether, int th
 }
 
 void evaluateAll(benchmark::State& state, int threads) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     Model& own = model();
     const auto xyz = BufferDescriptor::packed(3);
     osd::Workspace workspace = own.compiled.workspace(3);

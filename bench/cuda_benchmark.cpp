@@ -7,7 +7,7 @@
 #include <cuda_runtime_api.h>
 #include <cusparse.h>
 #include <espalier/osd/compiled_adjoint.h>
-#include <espalier/osd/cuda_evaluator.h>
+#include <espalier/osd/cuda/cuda_evaluator.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,8 +26,6 @@
 namespace espalier {
 namespace {
 
-using far::Index;
-using far::Offset;
 using osd::BufferDescriptor;
 using stencils::StencilTable;
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/shapes/inventory.h>
-#include <espalier/stencils/local_binding.h>
 
 #include <cmath>
 #include <map>
@@ -31,14 +31,14 @@ struct Scene {
           lattice(shapes::box({.cells = {cellCount, cellCount, cellCount}})),
           base(lattice.complex) {}
 
-    stencils::Binding<double> bind(int level) const {
-        return stencils::bindPoints<double>(base, lattice.positions, level, kRules, points).binding;
+    embed::Binding<double> bind(int level) const {
+        return embed::bindPoints<double>(base, lattice.positions, level, kRules, points).binding;
     }
 };
 
 void bind(benchmark::State& state, const Scene& scene, int level, int threads) {
-    const far::ThreadLimit limit(threads);
-    stencils::Binding<double> binding;
+    const ThreadLimit limit(threads);
+    embed::Binding<double> binding;
     for (auto _ : state) binding = scene.bind(level);
     if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
         state.SkipWithError("the rest pose does not give the points back");
@@ -82,9 +82,9 @@ void applyByPoints(benchmark::State& state) {
     std::vector<float> source, result(3 * scene.points.size());
     for (const Point3& position : scene.lattice.positions)
         for (const double value : position) source.push_back(static_cast<float>(value));
-    const far::ThreadLimit limit(static_cast<int>(state.range(1)));
+    const ThreadLimit limit(static_cast<int>(state.range(1)));
     const auto layout = osd::BufferDescriptor::packed(3);
-    const auto rowCount = static_cast<far::Index>(scene.points.size());
+    const auto rowCount = static_cast<Index>(scene.points.size());
     for (auto _ : state) {
         table.evaluate(source, layout, result, layout, {0, rowCount});
         benchmark::ClobberMemory();

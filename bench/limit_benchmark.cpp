@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
+#include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_table.h>
-#include <espalier/stencils/limit_binding.h>
 
 #include <cmath>
 #include <map>
@@ -28,12 +28,12 @@ struct Scene {
     far::TopologyRefiner base{lattice.complex};
 
     /// D; of the limit if the level is 0.
-    stencils::Binding<double> bind(int level) const {
+    embed::Binding<double> bind(int level) const {
         if (level > 0)
-            return stencils::bindPoints<double>(base, lattice.positions, level, kRules, points)
+            return embed::bindPoints<double>(base, lattice.positions, level, kRules, points)
                 .binding;
-        return stencils::withoutGradients(
-            stencils::bindLimit<double>(base, lattice.positions, kRules, points).binding);
+        return limit::withoutGradients(
+            limit::bindLimit<double>(base, lattice.positions, kRules, points).binding);
     }
 
     /// The vertices where no two go the same way: by sines of places.
@@ -53,8 +53,8 @@ const Scene& scene(bool isRegular) {
 }
 
 /// Bound once, on all threads; for what is not about binding.
-const stencils::Binding<double>& bound(bool isRegular, int level) {
-    static std::map<std::pair<bool, int>, stencils::Binding<double>> made;
+const embed::Binding<double>& bound(bool isRegular, int level) {
+    static std::map<std::pair<bool, int>, embed::Binding<double>> made;
     const auto [place, isNew] = made.try_emplace({isRegular, level});
     if (isNew) place->second = scene(isRegular).bind(level);
     return place->second;
@@ -70,9 +70,9 @@ double meanDistance(const std::vector<Point3>& first, const std::vector<Point3>&
 }
 
 void bind(benchmark::State& state, bool isRegular, int level, int threads) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     const Scene& made = scene(isRegular);
-    stencils::Binding<double> binding;
+    embed::Binding<double> binding;
     for (auto _ : state) binding = made.bind(level);
     if (!bench::givesBack(osd::evaluateBinding(binding, made.lattice.positions), made.points))
         return state.SkipWithError("the rest pose does not give the points back");
@@ -87,7 +87,7 @@ void bind(benchmark::State& state, bool isRegular, int level, int threads) {
 
 void apply(benchmark::State& state, bool isRegular, int level) {
     const auto table = stencils::convertTable<float>(bound(isRegular, level).table);
-    const far::ThreadLimit limit(1);
+    const ThreadLimit limit(1);
     const osd::CompiledTable<float> compiled(table);
     const auto layout = osd::BufferDescriptor::packed(3);
     const std::vector<float> source = bench::randomValues(table, 3);

@@ -7,12 +7,12 @@
 //                                            columns; the same transposed
 //     mpirun -n RANKS petsc_bench lattice    what a rank has of a lattice of a million vertices
 
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/petsc/distributed_table.h>
 #include <espalier/shapes/inventory.h>
-#include <espalier/stencils/local_binding.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -31,8 +31,6 @@ namespace {
 
 using petsc::DistributedTable;
 using petsc::OwnedRange;
-using stencils::Index;
-using stencils::Offset;
 using stencils::StencilTable;
 
 constexpr int kComponents = 3;
@@ -77,8 +75,8 @@ double peakMegabytes() {
 }
 
 StencilTable<double> bindOwn(const Lattice& lattice, const std::vector<Point3>& points, int level) {
-    return stencils::bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions,
-                                        level, stencils::Rules::Siggraph96, points)
+    return embed::bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions,
+                                     level, stencils::Rules::Siggraph96, points)
         .binding.table;
 }
 
@@ -211,9 +209,9 @@ void runProducts() {
             "| product | ranks | dense matrix | ours | ratio | compiled, own rows | ours over it "
             "|\n| --- | --- | --- | --- | --- | --- | --- |\n");
     const Lattice box = shapes::box({.cells = {10, 10, 10}});
-    const stencils::TensorLattice regular(box.complex, box.positions, stencils::Basis::BSpline);
-    measureProducts("regular model", stencils::buildDeformationTable<double>(
-                                         regular, stencils::embedPoints(regular, ownPoints)));
+    const embed::TensorLattice regular(box.complex, box.positions, embed::Basis::BSpline);
+    measureProducts("regular model", embed::buildDeformationTable<double>(
+                                         regular, embed::embedPoints(regular, ownPoints)));
     const Lattice cylinder = shapes::cylinder({.sectors = 8,
                                                .pattern = {.rings = 3},
                                                .layers = 6,
@@ -264,8 +262,8 @@ void runLattice() {
         for (Point3& point : points) point = {anywhere(random), anywhere(random), along(random)};
         StencilTable<double> rows;
         const double binding = secondsOf([&] {
-            rows = stencils::bindPoints<double>(base, lattice.positions, kLevel,
-                                                stencils::Rules::Siggraph96, points)
+            rows = embed::bindPoints<double>(base, lattice.positions, kLevel,
+                                             stencils::Rules::Siggraph96, points)
                        .binding.table;
         });
         const double peak = largest(peakMegabytes());
@@ -300,7 +298,7 @@ void runLattice() {
 int main(int argumentCount, char** arguments) {
     if (PetscInitialize(&argumentCount, &arguments, nullptr, nullptr)) return 2;
     // Ranks take the place of threads.
-    const espalier::far::ThreadLimit oneThread(1);
+    const espalier::ThreadLimit oneThread(1);
     const bool ofLattice = argumentCount == 2 && !std::strcmp(arguments[1], "lattice");
     const bool ofProducts = argumentCount == 2 && !std::strcmp(arguments[1], "products");
     if (ofLattice) espalier::runLattice();

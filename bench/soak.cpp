@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/memory.h>
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/shapes/inventory.h>
-#include <espalier/stencils/local_binding.h>
 
 #include <algorithm>
 #include <atomic>
@@ -70,8 +70,8 @@ void runOne(int number, const std::filesystem::path& folder) {
     const std::vector<Point3> points = pointsAround(lattice, number);
     const far::TopologyRefiner refiner(lattice.complex);
     io::BoundModel model;
-    model.binding = stencils::bindPoints<double>(refiner, lattice.positions, 2 + number % 2,
-                                                 stencils::Rules::Siggraph96, points)
+    model.binding = embed::bindPoints<double>(refiner, lattice.positions, 2 + number % 2,
+                                              stencils::Rules::Siggraph96, points)
                         .binding;
     model.modelName = "points";
 
@@ -105,7 +105,7 @@ class MemoryRecord {
 public:
     void add() {
         const std::lock_guard lock(mutex_);
-        bytes_.push_back(far::residentMemory());
+        bytes_.push_back(residentMemory());
     }
     /// The most in a part of the record.
     std::uint64_t most(double from, double to) const {
@@ -171,8 +171,8 @@ bool soak(int latticeCount, int threadCount) {
     std::printf(
         "%d lattices on %d threads in %.1f s; most memory %s in the second quarter, %s in "
         "the last\n",
-        latticeCount, threadCount, seconds.count(), far::formatBytes(early).c_str(),
-        far::formatBytes(late).c_str());
+        latticeCount, threadCount, seconds.count(), formatBytes(early).c_str(),
+        formatBytes(late).c_str());
     // What lattices are at work at once is chance. A leak of one table in each would be ten times
     // as much.
     return static_cast<double>(late) < 1.1 * static_cast<double>(early);

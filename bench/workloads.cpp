@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workloads.h"
 
+#include <espalier/embed/tensor_product.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/tensor_product.h>
 
 #include <cmath>
 #include <numbers>
@@ -13,7 +13,6 @@
 
 namespace espalier::bench {
 
-using far::Index;
 using stencils::Rules;
 
 namespace {
@@ -83,9 +82,9 @@ Lattice regularLattice() {
 template <class Real>
 stencils::StencilTable<Real> regularTable(int pointCount) {
     const Lattice box = regularLattice();
-    const stencils::TensorLattice lattice(box.complex, box.positions, stencils::Basis::BSpline);
-    return stencils::buildDeformationTable<Real>(lattice,
-                                                 stencils::embedPoints(lattice, model(pointCount)));
+    const embed::TensorLattice lattice(box.complex, box.positions, embed::Basis::BSpline);
+    return embed::buildDeformationTable<Real>(lattice,
+                                              embed::embedPoints(lattice, model(pointCount)));
 }
 
 template stencils::StencilTable<float> regularTable(int);
@@ -111,13 +110,13 @@ Workload irregularModel() {
     refiner.refineUniform(kLevel);
     const auto rest =
         stencils::refinePositions(refiner, kLevel, Rules::Siggraph96, cylinder.positions);
-    const auto embedding = stencils::embedPoints(refiner.level(kLevel).complex, rest, model());
+    const auto embedding = embed::embedPoints(refiner.level(kLevel).complex, rest, model());
     Workload made = workload(
-        stencils::buildDeformationTable<double>(refiner, kLevel, Rules::Siggraph96, embedding));
+        embed::buildDeformationTable<double>(refiner, kLevel, Rules::Siggraph96, embedding));
     made.inFloat.factors =
-        stencils::buildFactoredTable<float>(refiner, kLevel, Rules::Siggraph96, embedding);
+        embed::buildFactoredTable<float>(refiner, kLevel, Rules::Siggraph96, embedding);
     made.inDouble.factors =
-        stencils::buildFactoredTable<double>(refiner, kLevel, Rules::Siggraph96, embedding);
+        embed::buildFactoredTable<double>(refiner, kLevel, Rules::Siggraph96, embedding);
     return made;
 }
 

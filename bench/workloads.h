@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/point.h>
+#include <espalier/base/point.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/factored_table.h>
 #include <espalier/stencils/stencil_table.h>
@@ -27,12 +27,12 @@ struct Workload {
 
 /// A mesh as its faces' loops of vertices.
 struct Mesh {
-    far::Index vertexCount = 0;
-    std::vector<std::vector<far::Index>> loops;
+    Index vertexCount = 0;
+    std::vector<std::vector<Index>> loops;
 };
 
 /// A torus of side × side quadrilaterals.
-Mesh torus(far::Index side);
+Mesh torus(Index side);
 
 /// S_3 of a torus of quadrilaterals, of about so many rows; 13 entries each.
 Workload surface(int rowCount);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/embedding.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/embedding.h>
 
 #include <cstddef>
 
@@ -30,9 +30,9 @@ inline espalier_bind_options levelOptionsOr(const espalier_bind_options* options
 }
 
 /// \throws Error for an unknown policy
-inline stencils::EmbeddingOptions embeddingOptions(const espalier_bind_options& chosen) {
-    stencils::EmbeddingOptions options;
-    options.outside = choice(chosen.outside, stencils::OutsidePolicy::Error, "outside");
+inline embed::EmbeddingOptions embeddingOptions(const espalier_bind_options& chosen) {
+    embed::EmbeddingOptions options;
+    options.outside = choice(chosen.outside, embed::OutsidePolicy::Error, "outside");
     options.tolerance = chosen.tolerance;
     return options;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/local_binding.h>
+#include <espalier/embed/tensor_product.h>
+#include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
-#include <espalier/stencils/limit_binding.h>
-#include <espalier/stencils/local_binding.h>
-#include <espalier/stencils/tensor_product.h>
 
 #include <string>
 #include <utility>
@@ -14,14 +14,13 @@
 
 using namespace espalier;
 
-static_assert(static_cast<int>(stencils::OutsidePolicy::Nearest) == ESPALIER_OUTSIDE_NEAREST);
-static_assert(static_cast<int>(stencils::OutsidePolicy::Error) == ESPALIER_OUTSIDE_REFUSE);
-static_assert(static_cast<int>(stencils::PointStatus::Inside) == ESPALIER_POINT_INSIDE);
-static_assert(static_cast<int>(stencils::PointStatus::Outside) == ESPALIER_POINT_OUTSIDE);
-static_assert(static_cast<int>(stencils::PointStatus::NotConverged) ==
-              ESPALIER_POINT_NOT_CONVERGED);
-static_assert(static_cast<int>(stencils::Basis::BSpline) == ESPALIER_BASIS_BSPLINE);
-static_assert(sizeof(stencils::PointStatus) == sizeof(std::uint8_t));
+static_assert(static_cast<int>(embed::OutsidePolicy::Nearest) == ESPALIER_OUTSIDE_NEAREST);
+static_assert(static_cast<int>(embed::OutsidePolicy::Error) == ESPALIER_OUTSIDE_REFUSE);
+static_assert(static_cast<int>(embed::PointStatus::Inside) == ESPALIER_POINT_INSIDE);
+static_assert(static_cast<int>(embed::PointStatus::Outside) == ESPALIER_POINT_OUTSIDE);
+static_assert(static_cast<int>(embed::PointStatus::NotConverged) == ESPALIER_POINT_NOT_CONVERGED);
+static_assert(static_cast<int>(embed::Basis::BSpline) == ESPALIER_BASIS_BSPLINE);
+static_assert(sizeof(embed::PointStatus) == sizeof(std::uint8_t));
 
 namespace espalier::c {
 namespace {
@@ -31,14 +30,14 @@ espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Poi
     const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
     if (chosen.limit_tolerance != 0) {
-        auto bound = stencils::bindLimit<double>(
-            base, positions, refiner.rules, points,
-            {.embedding = options, .tolerance = chosen.limit_tolerance});
-        return {{stencils::withoutGradients(std::move(bound.binding)), {}, {}},
+        auto bound =
+            limit::bindLimit<double>(base, positions, refiner.rules, points,
+                                     {.embedding = options, .tolerance = chosen.limit_tolerance});
+        return {{limit::withoutGradients(std::move(bound.binding)), {}, {}},
                 espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
     }
     auto bound =
-        stencils::bindPoints<double>(base, positions, chosen.level, refiner.rules, points, options);
+        embed::bindPoints<double>(base, positions, chosen.level, refiner.rules, points, options);
     return {{std::move(bound.binding), {}, {}},
             espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
 }
@@ -92,16 +91,16 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
     return c::guarded([&] {
         auto& out = c::deref(binding, "binding");
         const auto& own = c::deref(lattice, "lattice").lattice;
-        const auto chosenBasis = c::choice(basis, stencils::Basis::BSpline, "basis");
+        const auto chosenBasis = c::choice(basis, embed::Basis::BSpline, "basis");
         const auto model = c::positions(points, point_count, "points");
         const auto chosen = c::levelOptionsOr(options, "these weights are not subdivided");
         if (!own.marks.empty())
             throw Error("the lattice has marks, which only subdivision heeds; clear them");
-        const stencils::TensorLattice tensor(own.complex, own.positions, chosenBasis);
-        const auto embedding = stencils::embedPoints(tensor, model, c::embeddingOptions(chosen));
+        const embed::TensorLattice tensor(own.complex, own.positions, chosenBasis);
+        const auto embedding = embed::embedPoints(tensor, model, c::embeddingOptions(chosen));
         espalier_binding::Placement placement{{}, embedding.largestResidual()};
         for (const auto& place : embedding.points) placement.statuses.push_back(place.status);
-        auto bound = stencils::makeBinding<double>(tensor, embedding, model);
+        auto bound = embed::makeBinding<double>(tensor, embedding, model);
         out = c::newBinding({{std::move(bound), {}, {}}, std::move(placement)});
     });
 }

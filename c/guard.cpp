@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "guard.h"
 
-#include <espalier/far/error.h>
-#include <espalier/far/memory.h>
-#include <espalier/far/progress.h>
-#include <espalier/io/file.h>
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
+#include <espalier/base/progress.h>
+#include <espalier/io/files/file.h>
 #include <pthread.h>
 
 #include <memory>
@@ -51,7 +51,7 @@ private:
 LastTexts lastTexts;
 
 /// One of these, or one that needs no memory. Of the block that each thread is born with (see
-/// far::loopContext()).
+/// loopContext()).
 [[gnu::tls_model("initial-exec")]] thread_local constinit const char* lastError = "";
 
 espalier_status report(espalier_status status, const char* text) noexcept {
@@ -77,11 +77,11 @@ espalier_status statusOfException() noexcept {
         throw;
     } catch (const io::FileError& error) {
         return report(ESPALIER_ERROR_FILE, error.what());
-    } catch (const far::MemoryError& error) {
+    } catch (const MemoryError& error) {
         return report(ESPALIER_ERROR_MEMORY, error.what());
     } catch (const Error& error) {
         return report(ESPALIER_ERROR_INPUT, error.what());
-    } catch (const far::Cancelled& cancelled) {
+    } catch (const Cancelled& cancelled) {
         return report(ESPALIER_CANCELLED, cancelled.what());
     } catch (const std::bad_alloc&) {
         return reportNoMemory();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/embedding.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/shapes/lattice.h>
-#include <espalier/stencils/embedding.h>
 
 #include <cstdint>
 #include <map>
@@ -45,7 +45,7 @@ struct espalier_table {
 struct espalier_binding {
     /// How points were placed, which a file does not say.
     struct Placement {
-        std::vector<espalier::stencils::PointStatus> statuses;
+        std::vector<espalier::embed::PointStatus> statuses;
         double largestResidual = 0;
     };
     struct Data {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/stencils/continuity.h>
+#include <espalier/embed/continuity.h>
 
 #include <algorithm>
 #include <vector>
@@ -12,13 +12,13 @@
 
 using namespace espalier;
 
-static_assert(static_cast<int>(stencils::Continuity::C2) == ESPALIER_CONTINUITY_C2);
+static_assert(static_cast<int>(embed::Continuity::C2) == ESPALIER_CONTINUITY_C2);
 
 namespace espalier::c {
 namespace {
 
-stencils::Continuity continuityOf(std::int32_t value) {
-    return choice(value, stencils::Continuity::C2, "continuity");
+embed::Continuity continuityOf(std::int32_t value) {
+    return choice(value, embed::Continuity::C2, "continuity");
 }
 
 /// Writes the vertices that `find` returns. Checks first that there is room for all vertices.
@@ -28,7 +28,7 @@ void putHeld(std::int32_t room, std::int32_t all, std::int32_t* held, std::int32
     auto& outCount = deref(count, "held_count");
     checkCount(room, all, "vertices of room for the result");
     const auto out = array(held, room, "held");
-    const std::vector<far::Index> vertices = find();
+    const std::vector<Index> vertices = find();
     std::copy(vertices.begin(), vertices.end(), out.begin());
     outCount = static_cast<std::int32_t>(vertices.size());
 }
@@ -45,7 +45,7 @@ espalier_status espalier_hold_faces(const espalier_refiner* refiner, int32_t fac
         const auto wanted = c::continuityOf(continuity);
         const auto base = c::baseOf(own.refiner);
         c::putHeld(vertex_count, base.level(0).complex.count(0), held, held_count,
-                   [&] { return stencils::verticesHoldingFaces(base, own.rules, some, wanted); });
+                   [&] { return embed::verticesHoldingFaces(base, own.rules, some, wanted); });
     });
 }
 
@@ -63,8 +63,8 @@ espalier_status espalier_hold_points(const espalier_refiner* refiner, int32_t ve
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
         c::putHeld(vertex_count, vertex_count, held, held_count, [&] {
-            return stencils::verticesHoldingPoints(base, rest, chosen.level, own.rules, model,
-                                                   wanted, c::embeddingOptions(chosen));
+            return embed::verticesHoldingPoints(base, rest, chosen.level, own.rules, model, wanted,
+                                                c::embeddingOptions(chosen));
         });
     });
 }
@@ -75,9 +75,8 @@ espalier_status espalier_hold_rows(const espalier_table* deformation, int32_t ro
     return c::guarded([&] {
         const auto& table = *c::deref(deformation, "deformation").table;
         c::putHeld(vertex_count, table.columnCount(), held, held_count, [&] {
-            return c::withRows(table, row_count, rows, "rows", [](const auto& some) {
-                return stencils::verticesHoldingRows(some);
-            });
+            return c::withRows(table, row_count, rows, "rows",
+                               [](const auto& some) { return embed::verticesHoldingRows(some); });
         });
     });
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/executor.h>
-#include <espalier/far/memory.h>
-#include <espalier/far/parallel.h>
-#include <espalier/far/progress.h>
+#include <espalier/base/executor.h>
+#include <espalier/base/memory.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/progress.h>
 
 #include <chrono>
 #include <string>
@@ -13,28 +13,28 @@
 using namespace espalier;
 
 struct espalier_progress_scope {
-    far::ProgressScope scope;
+    ProgressScope scope;
 };
 
 namespace espalier::c {
 namespace {
 
-using Task = far::FunctionRef<void(far::Offset)>;
+using Task = FunctionRef<void(Offset)>;
 
 void runTask(void* task, int64_t index) {
     (*static_cast<const Task*>(task))(index);
 }
 
 /// The threads of a host, or none.
-class HostExecutor final : public far::Executor {
+class HostExecutor final : public Executor {
 public:
     HostExecutor(espalier_run loop, void* user) : loop_(loop), user_(user) {}
 
-    void run(far::Offset count, Task task) override {
+    void run(Offset count, Task task) override {
         if (loop_ != nullptr)
             loop_(user_, count, runTask, &task);
         else
-            far::SerialExecutor().run(count, task);
+            SerialExecutor().run(count, task);
     }
 
 private:
@@ -49,17 +49,17 @@ struct espalier_executor_scope {
     espalier_executor_scope(espalier_run run, void* user) : executor(run, user), scope(executor) {}
 
     c::HostExecutor executor;
-    far::ExecutorScope scope;
+    ExecutorScope scope;
 };
 
 struct espalier_thread_limit {
-    far::ThreadLimit limit;
+    ThreadLimit limit;
 };
 
 struct espalier_memory_limit {
     explicit espalier_memory_limit(std::uint64_t bytes) : limit(bytes) {}
 
-    far::MemoryLimit limit;
+    MemoryLimit limit;
 };
 
 espalier_status espalier_progress_scope_create(espalier_progress_callback callback, void* user,
@@ -70,12 +70,12 @@ espalier_status espalier_progress_scope_create(espalier_progress_callback callba
         if (callback == nullptr) throw Error("callback is null");
         if (milliseconds < 0)
             throw Error("milliseconds is " + std::to_string(milliseconds) + "; expected 0 or more");
-        const auto report = [callback, user](const far::Progress& progress) {
+        const auto report = [callback, user](const Progress& progress) {
             const espalier_progress given = {progress.stage, progress.done, progress.count};
             return callback(user, &given) != 0;
         };
         out = new espalier_progress_scope{
-            far::ProgressScope(report, std::chrono::milliseconds(milliseconds))};
+            ProgressScope(report, std::chrono::milliseconds(milliseconds))};
     });
 }
 
@@ -100,7 +100,7 @@ espalier_status espalier_thread_limit_create(int32_t threads, espalier_thread_li
         auto& out = c::deref(limit, "limit");
         if (threads < 1)
             throw Error("threads is " + std::to_string(threads) + "; expected 1 or more");
-        out = new espalier_thread_limit{far::ThreadLimit(threads)};
+        out = new espalier_thread_limit{ThreadLimit(threads)};
     });
 }
 

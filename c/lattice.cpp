@@ -14,8 +14,6 @@
 namespace espalier::c {
 namespace {
 
-using far::Index;
-
 /// One row of a relation that came as offsets and values.
 std::span<const Index> row(std::span<const std::int64_t> offsets, const Index* values,
                            std::size_t index) {
@@ -152,7 +150,7 @@ espalier_status espalier_lattice_counts(const espalier_lattice* lattice, int32_t
     return c::guarded([&] {
         const auto& complex = c::deref(lattice, "lattice").lattice.complex;
         c::deref(counts, "counts");
-        for (int d = 0; d <= far::kMaxDimension; ++d) counts[d] = complex.count(d);
+        for (int d = 0; d <= kMaxDimension; ++d) counts[d] = complex.count(d);
     });
 }
 

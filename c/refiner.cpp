@@ -26,8 +26,7 @@ namespace {
 std::vector<std::int64_t> offsetsOf(const far::Incidence& relation) {
     std::vector<std::int64_t> offsets;
     offsets.reserve(static_cast<std::size_t>(relation.rowCount()) + 1);
-    for (far::Index row = 0; row <= relation.rowCount(); ++row)
-        offsets.push_back(relation.offset(row));
+    for (Index row = 0; row <= relation.rowCount(); ++row) offsets.push_back(relation.offset(row));
     return offsets;
 }
 
@@ -95,7 +94,7 @@ espalier_status espalier_refiner_counts(const espalier_refiner* refiner, int32_t
     return c::guarded([&] {
         const auto& complex = c::deref(refiner, "refiner").refiner.level(level).complex;
         c::deref(counts, "counts");
-        for (int d = 0; d <= far::kMaxDimension; ++d) counts[d] = complex.count(d);
+        for (int d = 0; d <= kMaxDimension; ++d) counts[d] = complex.count(d);
     });
 }
 

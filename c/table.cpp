@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/matrix_file.h>
+#include <espalier/embed/nested_lattices.h>
+#include <espalier/io/matrices/matrix_file.h>
+#include <espalier/limit/limit_stencils.h>
+#include <espalier/limit/limit_table.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/limit_stencils.h>
-#include <espalier/stencils/limit_table.h>
-#include <espalier/stencils/nested_lattices.h>
 
 #include <algorithm>
 #include <memory>
@@ -26,11 +26,11 @@ espalier_table* newTable(stencils::StencilTable<double> table) {
         std::make_shared<const stencils::StencilTable<double>>(std::move(table))};
 }
 
-std::vector<stencils::LimitLocation> limitLocations(std::int32_t count, const std::int32_t* cells,
-                                                    const double* uvw) {
+std::vector<limit::LimitLocation> limitLocations(std::int32_t count, const std::int32_t* cells,
+                                                 const double* uvw) {
     const auto givenCells = array(cells, count, "cells");
     const auto givenPlaces = array(uvw, count, "uvw", 3);
-    std::vector<stencils::LimitLocation> locations(givenCells.size());
+    std::vector<limit::LimitLocation> locations(givenCells.size());
     for (std::size_t i = 0; i < locations.size(); ++i) {
         locations[i].cell = givenCells[i];
         std::copy_n(&givenPlaces[3 * i], 3, locations[i].uvw.begin());
@@ -64,7 +64,7 @@ espalier_status espalier_table_create_limits(const espalier_refiner* refiner, in
     return c::guarded([&] {
         auto& out = c::deref(table, "table");
         const auto& own = c::deref(refiner, "refiner");
-        out = c::newTable(stencils::buildVertexLimits<double>(own.refiner, level, own.rules));
+        out = c::newTable(limit::buildVertexLimits<double>(own.refiner, level, own.rules));
     });
 }
 
@@ -84,7 +84,7 @@ espalier_status espalier_table_create_limit_stencils(const espalier_refiner* ref
         c::checkCount(table_count, ESPALIER_LIMIT_STENCIL_TABLES(chosen.derivatives),
                       "tables of room for the result");
         const auto out = c::array(tables, table_count, "tables");
-        auto made = stencils::buildLimitStencils<double>(
+        auto made = limit::buildLimitStencils<double>(
             own.refiner, level, own.rules, c::limitLocations(place_count, cells, uvw),
             {.tolerance = chosen.tolerance, .derivatives = chosen.derivatives});
         std::vector<std::unique_ptr<espalier_table>> results;
@@ -124,9 +124,8 @@ espalier_status espalier_table_create_nested(
         const auto pose = c::positions(child_pose, child_vertex_count, "child_pose");
         const auto rest = c::positions(parent_positions, parent_vertex_count, "parent_positions");
         const auto chosen = c::levelOptionsOr(options, "lattices nest in a level");
-        out = c::newTable(stencils::nestTables(own, pose, c::baseOf(outer.refiner), rest,
-                                               chosen.level, outer.rules,
-                                               c::embeddingOptions(chosen)));
+        out = c::newTable(embed::nestTables(own, pose, c::baseOf(outer.refiner), rest, chosen.level,
+                                            outer.rules, c::embeddingOptions(chosen)));
     });
 }
 

@@ -36,7 +36,7 @@ std::vector<Point3> posed(const espalier_validity& validity, const double* pose,
     return refined(validity.levels, validity.level, validity.rules, pose, count, "pose");
 }
 
-far::Index cellCount(const espalier_validity& validity) {
+Index cellCount(const espalier_validity& validity) {
     return validity.levels.level(validity.level).complex.count(3);
 }
 
@@ -52,7 +52,7 @@ espalier_validity* newValidity(const espalier_refiner& refiner, const double* po
     levels.refineUniform(level);
     auto check =
         isLimit
-            ? solve::ValidityCheck(stencils::LimitParts(levels, refiner.rules, chosen.level), base)
+            ? solve::ValidityCheck(limit::LimitParts(levels, refiner.rules, chosen.level), base)
             : solve::ValidityCheck(levels.level(level).complex,
                                    stencils::refinePositions(levels, level, refiner.rules, base));
     return new espalier_validity{std::move(levels), refiner.rules, level, std::move(check)};
@@ -102,7 +102,7 @@ espalier_status espalier_validity_base_cell(const espalier_validity* validity, i
     return c::guarded([&] {
         const auto& own = c::deref(validity, "validity");
         auto& out = c::deref(base_cell, "base_cell");
-        const far::Index count = c::cellCount(own);
+        const Index count = c::cellCount(own);
         if (cell < 0 || cell >= count)
             throw Error("there is no cell " + std::to_string(cell) + " among " +
                         std::to_string(count));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apply_timing.h"
 
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <fmt/format.h>
 
@@ -17,7 +17,6 @@
 namespace espalier::cli {
 namespace {
 
-using far::Index;
 using osd::BufferDescriptor;
 using Evaluator = ApplyTiming::Evaluator;
 using Precision = ApplyTiming::Precision;
@@ -118,13 +117,13 @@ ApplyTiming timeForm(const Form<Real>& form, const Poses& poses, int threads, do
     const std::vector<Real> source(poses.values.begin(), poses.values.end());
     std::vector<Real> result(static_cast<std::size_t>(form.rowCount * layout.length));
     {
-        const far::ThreadLimit limit(threads);
+        const ThreadLimit limit(threads);
         form.evaluate(source, result, layout);
     }
     for (int pose = 0; pose < poses.count; ++pose)
         checkResults<Real>(form.sums, poses.values, result, {3 * pose, 3, components},
                            describe(form, poses, threads));
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
     const double least = quickest(seconds, [&] { form.evaluate(source, result, layout); });
     const std::size_t between =
         static_cast<std::size_t>(form.betweenCount * layout.length) * sizeof(Real);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/parallel.h>
-#include <espalier/io/file.h>
-#include <espalier/osd/simd.h>
+#include <espalier/base/parallel.h>
+#include <espalier/io/files/file.h>
+#include <espalier/osd/kernels/simd.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -81,7 +81,7 @@ void checkRange(const BenchOptions& options, const Lattice& lattice) {
 
 void runBench(const BenchOptions& options) {
     checkBasis(options);
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     checkInputs({{"MODEL", options.model}, {"--rest", options.rest}});
     Stages stages(options.common.quiet);
     const auto model = readModel(options.model, stages);

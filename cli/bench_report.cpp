@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_report.h"
 
-#include <espalier/far/memory.h>
+#include <espalier/base/memory.h>
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -66,7 +66,7 @@ void printText(const RunReport& run, const BenchReport& bench) {
         fmt::print("{:<9} {:<9} {:>5} {:>7} {:>10.4f} {:>10.2f} {:>9} {:>8.3f} {:>8.2f} {:>8.2f}\n",
                    nameOf(timing.evaluator), nameOf(timing.precision), timing.poses, timing.threads,
                    timing.seconds * 1e3, millionPointsPerSecond(run, timing),
-                   far::formatBytes(static_cast<std::size_t>(timing.bytes)),
+                   formatBytes(static_cast<std::size_t>(timing.bytes)),
                    timing.bytesPerSecond() / 1e9, timing.speedup, shareOfTriad(bench, timing));
     for (const auto& [threads, bytesPerSecond] : bench.triad)
         fmt::print("{:<25} {:>7} {:>40.3f}\n", "triad", threads, bytesPerSecond / 1e9);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/osd/simd.h>
+#include <espalier/osd/kernels/simd.h>
 
 #include <map>
 #include <vector>

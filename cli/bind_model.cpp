@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bind_model.h"
 
-#include <espalier/far/error.h>
-#include <espalier/io/file.h>
-#include <espalier/stencils/limit_binding.h>
-#include <espalier/stencils/local_binding.h>
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/io/files/file.h>
+#include <espalier/limit/limit_binding.h>
 
 #include <functional>
 #include <map>
@@ -17,8 +17,8 @@
 namespace espalier::cli {
 namespace {
 
-using Binding = stencils::Binding<double>;
-using stencils::PointStatus;
+using Binding = embed::Binding<double>;
+using embed::PointStatus;
 
 const std::map<std::string, Basis> kBasisWords = {
     {"subdivision", Basis::Subdivision}, {"bezier", Basis::Bezier}, {"bspline", Basis::BSpline}};
@@ -31,14 +31,14 @@ BindingReport reportOf(const Found& found, double largestResidual) {
 }
 
 /// Shows how far the stage is that embeds so many points.
-std::function<void(far::Offset)> progressOf(Stages& stages, std::size_t pointCount) {
-    return [&stages, pointCount](far::Offset done) {
+std::function<void(Offset)> progressOf(Stages& stages, std::size_t pointCount) {
+    return [&stages, pointCount](Offset done) {
         stages.showProgress(static_cast<std::size_t>(done), pointCount);
     };
 }
 
 /// MacCracken & Joy 1996, section 5.
-/// \param bind stencils::bindPoints(), or bindFactored()
+/// \param bind embed::bindPoints(), or bindFactored()
 template <class Bind>
 auto refineAndBind(Bind bind, const BindOptions& options, std::span<const Point3> points,
                    const Lattice& lattice, Stages& stages) {
@@ -49,7 +49,7 @@ auto refineAndBind(Bind bind, const BindOptions& options, std::span<const Point3
 
 BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3> points,
                               const Lattice& lattice, Stages& stages) {
-    auto bound = refineAndBind(stencils::bindPoints<double>, options, points, lattice, stages);
+    auto bound = refineAndBind(embed::bindPoints<double>, options, points, lattice, stages);
     const BindingReport report = reportOf(bound, bound.largestResidual);
     return {std::move(bound.binding), report, std::move(bound.statuses)};
 }
@@ -57,22 +57,22 @@ BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3
 BoundPoints bindToLimit(const BindOptions& options, std::span<const Point3> points,
                         const Lattice& lattice, Gradients gradients, Stages& stages) {
     const auto base = refineLattice(options.rest, lattice, options.common, 0);
-    auto bound = stencils::bindLimit<double>(base, lattice.positions, options.common.rules, points,
-                                             {.embedding = options.common.embedding,
-                                              .tolerance = options.common.embedding.tolerance,
-                                              .gradients = gradients == Gradients::OfLimit},
-                                             progressOf(stages, points.size()));
+    auto bound = limit::bindLimit<double>(base, lattice.positions, options.common.rules, points,
+                                          {.embedding = options.common.embedding,
+                                           .tolerance = options.common.embedding.tolerance,
+                                           .gradients = gradients == Gradients::OfLimit},
+                                          progressOf(stages, points.size()));
     const BindingReport report = reportOf(bound, bound.largestResidual);
     auto gradientTables = std::move(bound.binding.table.gradients);
-    return {stencils::withoutGradients(std::move(bound.binding)), report, std::move(bound.statuses),
+    return {limit::withoutGradients(std::move(bound.binding)), report, std::move(bound.statuses),
             std::move(gradientTables)};
 }
 
-stencils::TensorLattice tensorLattice(const BindOptions& options, const Lattice& lattice) {
+embed::TensorLattice tensorLattice(const BindOptions& options, const Lattice& lattice) {
     return ofFile(options.rest, [&] {
-        return stencils::TensorLattice(
+        return embed::TensorLattice(
             lattice.complex, lattice.positions,
-            options.basis == Basis::Bezier ? stencils::Basis::Bezier : stencils::Basis::BSpline);
+            options.basis == Basis::Bezier ? embed::Basis::Bezier : embed::Basis::BSpline);
     });
 }
 
@@ -82,13 +82,13 @@ BoundPoints bindToTensorProduct(const BindOptions& options, std::span<const Poin
     // To go on without them would be another deformation than the file asks for.
     if (!lattice.marks.empty())
         throw io::FileError(options.rest, "has marks, which only --basis subdivision heeds");
-    const stencils::TensorLattice tensor = tensorLattice(options, lattice);
-    const auto embedding = stencils::embedPoints(tensor, points, options.common.embedding,
-                                                 progressOf(stages, points.size()));
+    const embed::TensorLattice tensor = tensorLattice(options, lattice);
+    const auto embedding = embed::embedPoints(tensor, points, options.common.embedding,
+                                              progressOf(stages, points.size()));
     std::vector<PointStatus> statuses;
     statuses.reserve(embedding.points.size());
     for (const auto& point : embedding.points) statuses.push_back(point.status);
-    return {stencils::makeBinding<double>(tensor, embedding, points),
+    return {embed::makeBinding<double>(tensor, embedding, points),
             reportOf(embedding, embedding.largestResidual()), std::move(statuses)};
 }
 
@@ -153,8 +153,7 @@ std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& 
                                                              Stages& stages) {
     if (options.basis != Basis::Subdivision || options.limit) return std::nullopt;
     return stages.run("binding in factors", [&] {
-        auto bound =
-            refineAndBind(stencils::bindFactored<double>, options, points, lattice, stages);
+        auto bound = refineAndBind(embed::bindFactored<double>, options, points, lattice, stages);
         stages.addBytes(bytesOf(bound.binding.table));
         return std::move(bound.binding.table);
     });

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/binding.h>
 #include <espalier/shapes/lattice.h>
-#include <espalier/stencils/binding.h>
 #include <espalier/stencils/factored_table.h>
 
 #include <CLI/CLI.hpp>
@@ -45,16 +45,16 @@ void checkBasis(const BindOptions& options);
 
 /// What binding found.
 struct BindingReport {
-    far::Index inside, outside, notConverged;
+    Index inside, outside, notConverged;
     double largestResidual;
 };
 
 /// A model frozen to a lattice.
 struct BoundPoints {
-    stencils::Binding<double> binding;
+    embed::Binding<double> binding;
     BindingReport report;
-    std::vector<stencils::PointStatus> statuses;  ///< one per point
-    /// stencils::LimitTable::gradients; 0 × 0 if they were not asked for, or bound to a level.
+    std::vector<embed::PointStatus> statuses;  ///< one per point
+    /// limit::LimitTable::gradients; 0 × 0 if they were not asked for, or bound to a level.
     std::array<stencils::StencilTable<double>, 3> gradients = {};
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/shapes/level_lattice.h>
 #include <espalier/solve/validity.h>
@@ -22,7 +22,6 @@
 namespace espalier::cli {
 namespace {
 
-using far::Index;
 using nlohmann::ordered_json;
 
 struct CheckOptions {
@@ -191,7 +190,7 @@ Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, 
         const auto validity = ofFile(options.rest, [&] {
             if (!options.limit) return solve::ValidityCheck(checked.complex(), checked.rest);
             return solve::ValidityCheck(
-                stencils::LimitParts(refiner, options.common.rules, options.level), checked.rest);
+                limit::LimitParts(refiner, options.common.rules, options.level), checked.rest);
         });
         checked.badAtRest = validity.badAtRest();
         checked.validity = ofFile(options.pose, [&] { return validity.check(checked.pose); });
@@ -205,7 +204,7 @@ Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, 
 }
 
 void runCheck(const CheckOptions& options) {
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     const std::vector<Input> inputs = {{"LATTICE", options.pose}, {"--rest", options.rest}};
     checkInputs(inputs);
     if (!options.output.empty()) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/printable.h>
 #include <espalier/compare/comparison.h>
 #include <espalier/compare/html_report.h>
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
-#include <espalier/far/printable.h>
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
 #include <fmt/format.h>
 
@@ -47,7 +47,7 @@ compare::ReportedShape compareFile(const CompareOptions& options, const std::str
 }
 
 /// "1602", or "1602 (theirs 1600)".
-std::string countText(far::Index ours, far::Index theirs) {
+std::string countText(Index ours, Index theirs) {
     return ours == theirs ? fmt::format("{}", ours) : fmt::format("{} (theirs {})", ours, theirs);
 }
 
@@ -101,7 +101,7 @@ void checkAll(const compare::Report& report) {
 }
 
 void runCompare(const CompareOptions& options) {
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     const std::vector<Input> inputs = inputsOf("FILE", options.files);
     checkInputs(inputs);
     if (!options.html.empty()) checkOutput(options.html, inputs);

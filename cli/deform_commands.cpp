@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/parallel.h>
-#include <espalier/far/printable.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/printable.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/io/directions.h>
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/io/numbered_path.h>
@@ -26,7 +26,7 @@
 namespace espalier::cli {
 namespace {
 
-using Binding = stencils::Binding<double>;
+using Binding = embed::Binding<double>;
 
 struct DeformOptions : BindOptions {
     std::vector<std::string> poses;
@@ -77,7 +77,7 @@ std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradi
     std::vector<double> moved;
     for (std::size_t v = 0; v < pose.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - gradients.rest[v][c]);
-    const far::Index count = gradients.tables[0].rowCount();
+    const Index count = gradients.tables[0].rowCount();
     std::vector<io::DeformationGradient> result(static_cast<std::size_t>(count),
                                                 {1, 0, 0, 0, 1, 0, 0, 0, 1});
     const auto layout = osd::BufferDescriptor::packed(3);
@@ -130,7 +130,7 @@ Bound bindModel(const DeformOptions& options, const io::Model& model, const Latt
 
 void runDeform(const DeformOptions& options) {
     checkBasis(options);
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
     const auto model = readModel(options.model, stages);
@@ -149,7 +149,7 @@ void runDeform(const DeformOptions& options) {
 
 void runBind(const DeformOptions& options) {
     checkBasis(options);
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     const std::vector<Input> inputs = {{"MODEL", options.model}, {"--rest", options.rest}};
     checkInputs(inputs);
     checkOutput(options.output, inputs, {".espb"});
@@ -187,7 +187,7 @@ std::vector<Point3> readPoseOf(const Binding& binding, const std::string& path,
 }
 
 void runApply(const DeformOptions& options) {
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
     io::BoundModel bound;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "distinct_outputs.h"
 
-#include <espalier/far/printable.h>
-#include <espalier/io/file.h>
+#include <espalier/base/printable.h>
+#include <espalier/io/files/file.h>
 #include <fmt/format.h>
 
 #include <map>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
-#include <espalier/far/printable.h>
-#include <espalier/io/file.h>
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/printable.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/targets.h>
-#include <espalier/io/text_reader.h>
 #include <espalier/solve/lattice_fit.h>
 #include <fmt/format.h>
 
@@ -55,9 +55,9 @@ struct Wishes {
         targets.push_back(target);
     }
 
-    Wishes select(std::span<const far::Index> rows) const {
+    Wishes select(std::span<const Index> rows) const {
         Wishes selected;
-        for (const far::Index row : rows) {
+        for (const Index row : rows) {
             const auto at = static_cast<std::size_t>(row);
             selected.points.push_back(points[at]);
             selected.misses.push_back(misses[at]);
@@ -78,7 +78,7 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
     if (isList(options.targets)) {
         const auto targets = stages.run("reading", [&] {
             stages.addFile(options.targets);
-            return io::readTargets(options.targets, static_cast<far::Index>(points.size()));
+            return io::readTargets(options.targets, static_cast<Index>(points.size()));
         });
         for (const io::Target& target : targets) wishes.add(points[target.point], target);
         return wishes;
@@ -89,7 +89,7 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
                             fmt::format("has {} points; {} has {}", wanted->positions().size(),
                                         printable(options.model), points.size()));
     for (std::size_t i = 0; i < points.size(); ++i)
-        wishes.add(points[i], {static_cast<far::Index>(i), wanted->positions()[i], 0});
+        wishes.add(points[i], {static_cast<Index>(i), wanted->positions()[i], 0});
     return wishes;
 }
 
@@ -99,8 +99,8 @@ struct FitRows {
 };
 
 /// The end of a message: why a point has no row of D.
-std::string whyNotCarried(const FitCommandOptions& options, stencils::PointStatus status) {
-    return status == stencils::PointStatus::Outside
+std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus status) {
+    return status == embed::PointStatus::Outside
                ? fmt::format("lies outside the lattice {}", printable(options.rest))
                : fmt::format(
                      "has no place in the lattice {}: the search for it did not converge, "
@@ -109,7 +109,7 @@ std::string whyNotCarried(const FitCommandOptions& options, stencils::PointStatu
 }
 
 [[noreturn]] void refuseTarget(const FitCommandOptions& options, const io::Target& target,
-                               stencils::PointStatus status) {
+                               embed::PointStatus status) {
     const std::string cause = fmt::format("point {} {}; the lattice cannot carry it to its target",
                                           target.point, whyNotCarried(options, status));
     throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
@@ -119,13 +119,12 @@ std::string whyNotCarried(const FitCommandOptions& options, stencils::PointStatu
 /// The targets that the lattice carries its points to, by their rows. Leaves out points that the
 /// lattice does not carry but that are wanted where they are, unless points outside are errors.
 /// \throws FileError for other points that it does not carry, and if no target is left
-std::vector<far::Index> carriedTargets(const FitCommandOptions& options, const BoundPoints& bound,
-                                       const Wishes& wishes) {
-    const bool isOutsideRefused =
-        options.common.embedding.outside == stencils::OutsidePolicy::Error;
-    std::vector<far::Index> carried;
+std::vector<Index> carriedTargets(const FitCommandOptions& options, const BoundPoints& bound,
+                                  const Wishes& wishes) {
+    const bool isOutsideRefused = options.common.embedding.outside == embed::OutsidePolicy::Error;
+    std::vector<Index> carried;
     for (std::size_t i = 0; i < wishes.targets.size(); ++i) {
-        const auto row = static_cast<far::Index>(i);
+        const auto row = static_cast<Index>(i);
         if (!bound.binding.table.columns(row).empty())
             carried.push_back(row);
         else if (isOutsideRefused || wishes.misses[i] != Point3{})
@@ -163,13 +162,13 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
                 const HeldPart& part, std::span<const Point3> modelPoints, const Lattice& lattice,
                 Stages& stages) {
     std::vector<Point3> points = wishes.points;
-    std::vector<far::Index> heldRows;
+    std::vector<Index> heldRows;
     if (!part.points.empty()) {
-        std::unordered_map<far::Index, far::Index> rowOf;
+        std::unordered_map<Index, Index> rowOf;
         for (std::size_t i = 0; i < wishes.targets.size(); ++i)
-            rowOf.emplace(wishes.targets[i].point, static_cast<far::Index>(i));
-        for (const far::Index point : part.points) {
-            const auto [row, isNew] = rowOf.emplace(point, static_cast<far::Index>(points.size()));
+            rowOf.emplace(wishes.targets[i].point, static_cast<Index>(i));
+        for (const Index point : part.points) {
+            const auto [row, isNew] = rowOf.emplace(point, static_cast<Index>(points.size()));
             if (isNew) points.push_back(modelPoints[point]);
             heldRows.push_back(row->second);
         }
@@ -178,9 +177,9 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
     const auto carried = carriedTargets(options, bound, wishes);
     stencils::StencilTable<double>& table = bound.binding.table;
     FitRows rows{{}, stencils::selectRows<double>(table, heldRows)};
-    if (options.common.embedding.outside == stencils::OutsidePolicy::Error)
+    if (options.common.embedding.outside == embed::OutsidePolicy::Error)
         for (std::size_t i = 0; i < part.points.size(); ++i)
-            if (rows.ofHeld.columns(static_cast<far::Index>(i)).empty())
+            if (rows.ofHeld.columns(static_cast<Index>(i)).empty())
                 throw io::FileError(
                     options.model,
                     fmt::format("point {}, in the box of --hold, {}", part.points[i],
@@ -192,20 +191,19 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
 }
 
 /// How many vertices of a lattice are among some. What is no vertex of it, fitting refuses.
-std::size_t countAmong(std::vector<far::Index> vertices, const Lattice& lattice) {
+std::size_t countAmong(std::vector<Index> vertices, const Lattice& lattice) {
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     return static_cast<std::size_t>(std::count_if(
         vertices.begin(), vertices.end(),
-        [&](far::Index vertex) { return vertex >= 0 && vertex < lattice.complex.count(0); }));
+        [&](Index vertex) { return vertex >= 0 && vertex < lattice.complex.count(0); }));
 }
 
 /// The vertices that stay, of --freeze and of --hold.
-std::vector<far::Index> frozenVertices(const FitCommandOptions& options,
-                                       const std::vector<far::Index>& held,
-                                       const Lattice& lattice) {
+std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::vector<Index>& held,
+                                  const Lattice& lattice) {
     const auto& named = options.fit.frozen;
-    std::vector<far::Index> frozen = named;
+    std::vector<Index> frozen = named;
     frozen.insert(frozen.end(), held.begin(), held.end());
     const std::size_t all = lattice.positions.size();
     if (countAmong(frozen, lattice) < all) return frozen;
@@ -250,7 +248,7 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
 
 void runFit(const FitCommandOptions& options) {
     checkBasis(options);
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     const std::vector<Input> inputs = {
         {"MODEL", options.model}, {"--rest", options.rest}, {"--targets", options.targets}};
     checkInputs(inputs);
@@ -265,8 +263,8 @@ void runFit(const FitCommandOptions& options) {
     const HeldPart part = findHeldPart(options.hold, options, points, lattice);
     // A point outside is named by bindAll(), by its number in the model.
     BindOptions bind = options;
-    if (bind.common.embedding.outside == stencils::OutsidePolicy::Error)
-        bind.common.embedding.outside = stencils::OutsidePolicy::Keep;
+    if (bind.common.embedding.outside == embed::OutsidePolicy::Error)
+        bind.common.embedding.outside = embed::OutsidePolicy::Keep;
     const FitRows rows = bindAll(options, bind, wishes, part, points, lattice, stages);
     const auto held = heldVertices(part, options.hold, bind, points, rows.ofHeld, lattice, stages);
     solve::FitOptions fitOptions = options.fit;

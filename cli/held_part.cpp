@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "held_part.h"
 
-#include <espalier/far/error.h>
-#include <espalier/far/printable.h>
+#include <espalier/base/error.h>
+#include <espalier/base/printable.h>
 #include <espalier/shapes/refiner_options.h>
 #include <fmt/format.h>
 
@@ -15,8 +15,7 @@
 namespace espalier::cli {
 namespace {
 
-using far::Index;
-using stencils::Continuity;
+using embed::Continuity;
 
 const std::map<std::string, Continuity> kContinuities = {
     {"c0", Continuity::C0}, {"c1", Continuity::C1}, {"c2", Continuity::C2}};
@@ -91,7 +90,7 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
                         part.points.front(), printable(options.model), printable(options.rest)));
     return stages.run("holding", [&] {
         // What D says of its points needs no second look at the lattice.
-        auto held = stencils::verticesHoldingRows(rows);
+        auto held = embed::verticesHoldingRows(rows);
         const bool isBeyondPlaces = hold.continuity != Continuity::C0 && rows.entryCount() > 0;
         if (part.faces.empty() && !isBeyondPlaces) return held;
         const auto base = refineLattice(options.rest, lattice, options.common, 0);
@@ -102,13 +101,13 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
             std::vector<Point3> own;
             for (const Index point : part.points)
                 own.push_back(points[static_cast<std::size_t>(point)]);
-            add(stencils::verticesHoldingPoints(base, lattice.positions, options.level,
-                                                options.common.rules, own, hold.continuity,
-                                                options.common.embedding));
+            add(embed::verticesHoldingPoints(base, lattice.positions, options.level,
+                                             options.common.rules, own, hold.continuity,
+                                             options.common.embedding));
         }
         if (!part.faces.empty())
-            add(stencils::verticesHoldingFaces(base, options.common.rules, part.faces,
-                                               hold.continuity));
+            add(embed::verticesHoldingFaces(base, options.common.rules, part.faces,
+                                            hold.continuity));
         std::sort(held.begin(), held.end());
         held.erase(std::unique(held.begin(), held.end()), held.end());
         return held;

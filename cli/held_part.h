@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/stencils/continuity.h>
+#include <espalier/embed/continuity.h>
 
 #include <array>
 #include <optional>
@@ -17,7 +17,7 @@ namespace espalier::cli {
 /// box.
 struct HoldOptions {
     std::optional<std::array<double, 6>> box;  ///< its least coordinates, then its largest
-    stencils::Continuity continuity = stencils::Continuity::C0;
+    embed::Continuity continuity = embed::Continuity::C0;
 };
 
 /// Adds --hold and --continuity to a command that binds with the basis of subdivision only.
@@ -25,8 +25,8 @@ void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options);
 
 /// What lies in the box.
 struct HeldPart {
-    std::vector<far::Index> points;  ///< of the model, ascending
-    std::vector<far::Index> faces;   ///< of the lattice's boundary, ascending
+    std::vector<Index> points;  ///< of the model, ascending
+    std::vector<Index> faces;   ///< of the lattice's boundary, ascending
 };
 
 /// Finds what is to be held. Nothing without --hold.
@@ -39,9 +39,9 @@ HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
 /// \param points of the model
 /// \param rows of D, of the points of the part, as the options say to bind them
 /// \throws Error if there is a part but none of it asks for a vertex
-std::vector<far::Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
-                                     const BindOptions& options, std::span<const Point3> points,
-                                     const stencils::StencilTable<double>& rows,
-                                     const Lattice& lattice, Stages& stages);
+std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
+                                const BindOptions& options, std::span<const Point3> points,
+                                const stencils::StencilTable<double>& rows, const Lattice& lattice,
+                                Stages& stages);
 
 }  // namespace espalier::cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/parallel.h>
-#include <espalier/far/printable.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/printable.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -72,7 +72,7 @@ nlohmann::json toJson(const std::vector<Smoothness>& entries) {
     for (const Smoothness& entry : entries) {
         nlohmann::json values = nlohmann::json::array();
         for (const auto& value : entry.eigenvalues) values.push_back({value.real(), value.imag()});
-        nlohmann::json object = {{far::dimensionName(entry.entity.dimension), entry.entity.index},
+        nlohmann::json object = {{dimensionName(entry.entity.dimension), entry.entity.index},
                                  {"stratum", kStrata[entry.stratum]},
                                  {"ring_points", entry.ringPoints},
                                  {"eigenvalues", values},
@@ -142,14 +142,14 @@ void printSmoothness(const std::vector<Smoothness>& entries) {
     if (entries.empty()) fmt::print("  everywhere\n");
     for (const Smoothness& entry : entries) {
         if (!entry.isKnown) {
-            fmt::print("  {:<6} {:>6}  {:<8}  {}\n", far::dimensionName(entry.entity.dimension),
+            fmt::print("  {:<6} {:>6}  {:<8}  {}\n", dimensionName(entry.entity.dimension),
                        entry.entity.index, kStrata[entry.stratum], noteOf(entry));
             continue;
         }
         std::vector<std::string> values;
         for (const auto& value : entry.eigenvalues) values.push_back(toText(value));
         fmt::print("  {:<6} {:>6}  {:<8}  eigenvalues 1 {}\n",
-                   far::dimensionName(entry.entity.dimension), entry.entity.index,
+                   dimensionName(entry.entity.dimension), entry.entity.index,
                    kStrata[entry.stratum], fmt::join(values, " "));
         fmt::print(
             "  {:25}limit {:.4f} of itself, {:.4f} of edges, {:.4f} of faces, {:.4f} of cells\n",
@@ -158,7 +158,7 @@ void printSmoothness(const std::vector<Smoothness>& entries) {
 }
 
 void runInfo(const InfoOptions& options) {
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
     const auto [lattice, refiner] = readAndRefine(options, FileKind::Lattice, stages);
     const LatticeReport report =

@@ -99,7 +99,7 @@ LevelReport reportLevel(const far::Level& level, const std::vector<Point3>& posi
         report.smallestVolume = std::min(report.smallestVolume, volume);
         report.largestVolume = std::max(report.largestVolume, volume);
         report.invertedCells += !(volume > 0);
-        if (const auto corners = far::hexahedronVertices(complex, far::CellId(cell)))
+        if (const auto corners = far::hexahedronVertices(complex, CellId(cell)))
             report.smallestScaledJacobian =
                 std::min(report.smallestScaledJacobian, scaledJacobian(*corners, positions));
     }

@@ -11,8 +11,6 @@
 
 namespace espalier::cli {
 
-using far::Index;
-
 /// How many there are of each value.
 using Histogram = std::map<Index, Index>;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory_option.h"
 
-#include <espalier/far/memory.h>
+#include <espalier/base/memory.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -29,7 +29,7 @@ std::uint64_t machineMemory() {
 /// What the option is set to, and what comes of it.
 struct Setting {
     std::uint64_t bytes = machineMemory() / 2;
-    std::optional<far::MemoryLimit> limit;
+    std::optional<MemoryLimit> limit;
 
     void apply() {
         limit.emplace(bytes);

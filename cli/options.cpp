@@ -69,12 +69,12 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
             return isOne ? std::string() : "expected 0 to 1, got " + text;
         },
         "");
-    addChoice<stencils::OutsidePolicy>(command, "--outside", options.embedding.outside,
-                                       {{"keep", stencils::OutsidePolicy::Keep},
-                                        {"nearest", stencils::OutsidePolicy::Nearest},
-                                        {"error", stencils::OutsidePolicy::Error}},
-                                       "Points outside the lattice stay in place, go with the "
-                                       "nearest place in it, or are an error");
+    addChoice<embed::OutsidePolicy>(command, "--outside", options.embedding.outside,
+                                    {{"keep", embed::OutsidePolicy::Keep},
+                                     {"nearest", embed::OutsidePolicy::Nearest},
+                                     {"error", embed::OutsidePolicy::Error}},
+                                    "Points outside the lattice stay in place, go with the "
+                                    "nearest place in it, or are an error");
     command
         .add_option("--tolerance", options.embedding.tolerance,
                     "How far outside still counts as inside, as a fraction of the lattice's size")

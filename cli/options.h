@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/embedding.h>
 #include <espalier/far/strata.h>
 #include <espalier/shapes/lattice.h>
-#include <espalier/stencils/embedding.h>
 #include <espalier/stencils/masks.h>
 
 #include <CLI/CLI.hpp>
@@ -16,7 +16,7 @@ struct CommonOptions {
     RefinementTags refinement;  ///< set where an option was given; it wins over the file's tags
     far::SharpEdges sharpEdges = far::SharpEdges::SingleCell;
     stencils::Rules rules = stencils::Rules::Siggraph96;
-    stencils::EmbeddingOptions embedding;
+    embed::EmbeddingOptions embedding;
     bool quiet = false;
     int threads = 0;
 };

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/far/topology_match.h>
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>

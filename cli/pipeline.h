@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/memory.h>
+#include <espalier/base/memory.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <espalier/io/model.h>
 #include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
@@ -70,8 +70,8 @@ auto ofFile(const std::filesystem::path& path, const Work& work) {
         return work();
     } catch (const io::FileError&) {
         throw;
-    } catch (const far::MemoryError& error) {
-        throw far::MemoryError(io::shownPath(path) + ": " + error.what());
+    } catch (const MemoryError& error) {
+        throw MemoryError(io::shownPath(path) + ": " + error.what());
     } catch (const Error& error) {
         throw io::FileError(path, error.what());
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/parallel.h>
-#include <espalier/far/printable.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/printable.h>
 #include <espalier/io/lattice_file.h>
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ struct RefineOptions : LatticeOptions {
 };
 
 void runRefine(const RefineOptions& options) {
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     checkOutput(options.output, {{"LATTICE|MESH|CURVE", options.lattice}});
     Stages stages(options.common.quiet);
     const Lattice base = readLattice(options.lattice, stages, FileKind::Refinable);

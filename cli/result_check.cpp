@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "result_check.h"
 
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <fmt/format.h>
 
@@ -13,8 +13,6 @@
 namespace espalier::cli {
 namespace {
 
-using far::Index;
-using far::Offset;
 using osd::BufferDescriptor;
 
 constexpr Offset kGrain = 2048;
@@ -57,7 +55,7 @@ template <class Real>
 Rounded apply(const stencils::StencilTable<double>& table, const Rounded& source, Offset length,
               UlpBound bound) {
     Rounded result(table.rowCount() * length);
-    far::parallelFor(table.rowCount(), kGrain, [&](Offset first, Offset last) {
+    parallelFor(table.rowCount(), kGrain, [&](Offset first, Offset last) {
         for (Offset i = first * length; i < last * length; ++i) {
             const auto row = static_cast<Index>(i / length);
             const auto columns = table.columns(row);
@@ -112,7 +110,7 @@ ExpectedSums::Numbers ExpectedSums::of(std::span<const double> values,
 
     Numbers numbers{std::vector<double>(rounded.sizes.size()), std::move(rounded.errors)};
     const auto packed = BufferDescriptor::packed(length);
-    far::parallelFor(matrix_->rowCount(), kGrain, [&](Offset first, Offset last) {
+    parallelFor(matrix_->rowCount(), kGrain, [&](Offset first, Offset last) {
         osd::ReferenceEvaluator::evaluate(*matrix_, values, layout, numbers.values, packed,
                                           {static_cast<Index>(first), static_cast<Index>(last)});
         for (Offset i = first * length; i < last * length; ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/memory.h>
+#include <espalier/base/memory.h>
 
 #include <array>
 #include <chrono>
@@ -56,8 +56,8 @@ public:
         std::optional<std::size_t> bytes;
     };
 
-    /// Runs one stage, unless the process holds more memory than far::MemoryLimit allows already.
-    /// \throws OutOfMemory in place of std::bad_alloc and std::length_error; far::MemoryError, with
+    /// Runs one stage, unless the process holds more memory than MemoryLimit allows already.
+    /// \throws OutOfMemory in place of std::bad_alloc and std::length_error; MemoryError, with
     /// the stage in its message; what else `work` throws
     template <class Work>
     auto run(std::string_view name, Work work) {
@@ -67,11 +67,10 @@ public:
                 Stages* stages;
                 ~End() { stages->end(); }
             } end{this};
-            far::checkMemory();
+            checkMemory();
             return work();
-        } catch (const far::MemoryError& error) {
-            throw far::MemoryError(std::string(error.what()) + " (while " + std::string(name) +
-                                   ")");
+        } catch (const MemoryError& error) {
+            throw MemoryError(std::string(error.what()) + " (while " + std::string(name) + ")");
         } catch (const std::bad_alloc&) {
             throw OutOfMemory(name);
         } catch (const std::length_error&) {
@@ -108,7 +107,7 @@ private:
 /// The most memory that this process has had, in bytes.
 std::size_t peakMemory();
 
-/// How many threads work under far::ThreadLimit(limit): never more than there are cores for this
+/// How many threads work under ThreadLimit(limit): never more than there are cores for this
 /// process, and one in a build without oneTBB.
 int threadCount(int limit);
 

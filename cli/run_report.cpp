@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run_report.h"
 
-#include <espalier/far/memory.h>
+#include <espalier/base/memory.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,7 +47,7 @@ std::size_t labelWidth(const Stages& stages) {
 
 void printStage(const Stages::Finished& stage, std::size_t labelWidth) {
     fmt::print("{:<{}} {:>9.3f} s", stage.name, labelWidth, stage.seconds);
-    if (stage.bytes) fmt::print("  {:>9}", far::formatBytes(*stage.bytes));
+    if (stage.bytes) fmt::print("  {:>9}", formatBytes(*stage.bytes));
     if (const auto rate = gigabytesPerSecond(stage)) fmt::print("  {:>7.3f} GB/s", *rate);
     fmt::print("\n");
 }
@@ -97,9 +97,9 @@ void printText(const RunReport& report) {
     printLine("matrix", fmt::format("{} × {}, {:.1f} entries a bound row, {}", table.rowCount(),
                                     table.columnCount(),
                                     bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
-                                    far::formatBytes(bytesOf(table))));
+                                    formatBytes(bytesOf(table))));
     for (const Stages::Finished& stage : report.stages.finished()) printStage(stage, width);
-    printLine("peak memory", far::formatBytes(report.peakMemory));
+    printLine("peak memory", formatBytes(report.peakMemory));
 }
 
 void print(const RunReport& report, ReportFormat format) {

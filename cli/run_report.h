@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/stencils/binding.h>
+#include <espalier/embed/binding.h>
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
@@ -44,7 +44,7 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///                        points, for each pose
 struct RunReport {
     std::optional<BindingReport> points;  ///< nothing where the binding was read from a file
-    const stencils::Binding<double>& binding;
+    const embed::Binding<double>& binding;
     const Stages& stages;
     std::size_t peakMemory;
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/printable.h>
+#include <espalier/base/error.h>
+#include <espalier/base/printable.h>
+#include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
-#include <espalier/io/text_reader.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/solids.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "smoothness_report.h"
 
-#include <espalier/far/parallel.h>
-#include <espalier/stencils/regular_cells.h>
-#include <espalier/stencils/vertex_ring.h>
+#include <espalier/base/parallel.h>
+#include <espalier/embed/regular_cells.h>
+#include <espalier/limit/vertex_ring.h>
 
 #include <algorithm>
 
@@ -11,34 +11,34 @@ namespace espalier::cli {
 namespace {
 
 /// The number of points in the ring of a vertex: one for each entity that contains it.
-far::Index ringPointsAt(const far::CellComplex& complex, far::Index vertex) {
+Index ringPointsAt(const far::CellComplex& complex, Index vertex) {
     std::size_t count = 0;
     for (int d = 0; d <= complex.dimension(); ++d) count += complex.relation(0, d)[vertex].size();
-    return static_cast<far::Index>(count);
+    return static_cast<Index>(count);
 }
 
 /// The number of vertices of the cells at a vertex, all of which its ring is refined with.
-std::size_t cornersAt(const far::CellComplex& complex, far::Index vertex) {
+std::size_t cornersAt(const far::CellComplex& complex, Index vertex) {
     std::size_t count = 0;
-    for (const far::Index cell : complex.relation(0, 3)[vertex])
+    for (const Index cell : complex.relation(0, 3)[vertex])
         count += complex.relation(3, 0)[cell].size();
     return count;
 }
 
-Smoothness smoothnessOf(const far::Entity& entity, const far::Level& level, far::Index vertex,
+Smoothness smoothnessOf(const Entity& entity, const far::Level& level, Index vertex,
                         const far::RefinerOptions& options, stencils::Rules rules) {
     constexpr std::size_t kMostEigenvalues = 6;
     Smoothness result{entity, level.strata.of({0, vertex}), ringPointsAt(level.complex, vertex)};
     if (result.ringPoints > kMaxRingPoints ||
         cornersAt(level.complex, vertex) > static_cast<std::size_t>(kMaxRingPoints))
         return result;
-    const auto ring = stencils::ringOf(level, options, rules, vertex);
-    auto values = stencils::eigenvalues(ring);
+    const auto ring = limit::ringOf(level, options, rules, vertex);
+    auto values = limit::eigenvalues(ring);
     values.erase(values.begin());
     values.resize(std::min(values.size(), kMostEigenvalues));
     result.isKnown = true;
     result.eigenvalues = std::move(values);
-    const Eigen::VectorXd mask = stencils::limitMask(ring);
+    const Eigen::VectorXd mask = limit::limitMask(ring);
     for (std::size_t i = 0; i < ring.entities.size(); ++i)
         result.mask[static_cast<std::size_t>(ring.entities[i].dimension)] +=
             mask[static_cast<Eigen::Index>(i)];
@@ -52,18 +52,18 @@ std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
     far::TopologyRefiner refiner(lattice.level(0), lattice.options());
     refiner.refineUniform(1);
     const far::Level& level = refiner.level(1);
-    std::vector<std::pair<far::Entity, far::Index>> irregular;
+    std::vector<std::pair<Entity, Index>> irregular;
     for (int d = 0; d <= 1; ++d)
-        for (far::Index index = 0; index < refiner.level(0).complex.count(d); ++index) {
-            const far::Entity entity{d, index};
+        for (Index index = 0; index < refiner.level(0).complex.count(d); ++index) {
+            const Entity entity{d, index};
             const auto point = refiner.refinement(1).childOf({entity, entity});
             if (point && !level.strata.isOpen(*point) &&
-                !stencils::isRegularVertex(level, point->index))
+                !embed::isRegularVertex(level, point->index))
                 irregular.emplace_back(entity, point->index);
         }
     std::vector<Smoothness> result(irregular.size());
-    far::parallelFor(std::ssize(irregular), 1, [&](far::Offset first, far::Offset last) {
-        for (far::Offset i = first; i < last; ++i) {
+    parallelFor(std::ssize(irregular), 1, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i) {
             const auto& [entity, vertex] = irregular[static_cast<std::size_t>(i)];
             result[static_cast<std::size_t>(i)] =
                 smoothnessOf(entity, level, vertex, refiner.options(), rules);

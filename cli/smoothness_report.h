@@ -2,8 +2,8 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
+#include <espalier/limit/vertex_ring.h>
 #include <espalier/stencils/masks.h>
-#include <espalier/stencils/vertex_ring.h>
 
 #include <array>
 #include <complex>
@@ -13,9 +13,9 @@ namespace espalier::cli {
 
 /// What refining does around an irregular vertex or edge of a lattice, for ever.
 struct Smoothness {
-    far::Entity entity;  ///< of level 0: a vertex or an edge
+    Entity entity;  ///< of level 0: a vertex or an edge
     int stratum;
-    far::Index ringPoints;  ///< points of the ring, the point itself among them
+    Index ringPoints;  ///< points of the ring, the point itself among them
     /// False for rings of more than kMaxRingPoints: they have no eigenvalues and no mask here.
     bool isKnown = false;
     /// Of the matrix from ring to ring, without the first one, 1; by descending modulus, six at
@@ -28,7 +28,7 @@ struct Smoothness {
 
 /// Largest ring whose eigenvalues are computed: they take seconds there, and eight times as long
 /// for twice the points.
-inline constexpr far::Index kMaxRingPoints = stencils::kMaxEigenvalues;
+inline constexpr Index kMaxRingPoints = limit::kMaxEigenvalues;
 
 /// One for each vertex and each edge of level 0 whose ring is not regular, in their order. An edge
 /// is judged by the ring of its new point: those of the further ones on it are the same.

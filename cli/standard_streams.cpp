@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "standard_streams.h"
 
-#include <espalier/far/printable.h>
+#include <espalier/base/printable.h>
 #include <fcntl.h>
 #include <unistd.h>
 

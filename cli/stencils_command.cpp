@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/parallel.h>
-#include <espalier/far/printable.h>
-#include <espalier/io/file.h>
-#include <espalier/io/matrix_file.h>
-#include <espalier/io/matrix_market.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/printable.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/matrices/matrix_file.h>
+#include <espalier/io/matrices/matrix_market.h>
 #include <espalier/io/numbered_path.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
@@ -142,7 +142,7 @@ void runStencils(StencilsOptions& options) {
     options.bind.common = options.common;
     options.bind.rest = options.lattice;
     options.bind.level = options.level;
-    const far::ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit(options.common.threads);
     std::vector<Input> inputs = {{"LATTICE", options.lattice}};
     if (!options.points.empty()) inputs.push_back({"--points", options.points});
     checkInputs(inputs);

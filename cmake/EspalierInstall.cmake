@@ -26,7 +26,15 @@ foreach(name IN LISTS components)
   install(TARGETS espalier_${name} EXPORT espalier-${name}
           LIBRARY COMPONENT ${component} NAMELINK_COMPONENT development
           ARCHIVE COMPONENT development
-          FILE_SET HEADERS COMPONENT development)
+          PUBLIC_HEADER COMPONENT development)
+  get_target_property(source_dir espalier_${name} SOURCE_DIR)
+  get_property(folder GLOBAL PROPERTY ESPALIER_${name}_FOLDER)
+  get_property(headers GLOBAL PROPERTY ESPALIER_${name}_HEADERS)
+  foreach(header IN LISTS headers)
+    cmake_path(GET header PARENT_PATH inner)
+    install(FILES ${source_dir}/${header} COMPONENT development
+            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/espalier/${folder}/${inner})
+  endforeach()
   install(EXPORT espalier-${name} NAMESPACE espalier:: DESTINATION ${package_dir}
           FILE espalier-${name}.cmake COMPONENT development)
 

@@ -11,9 +11,10 @@ endif()
 # espalier_library(NAME [FOLDER name] SOURCES ... HEADERS ... DEPENDS ...)
 #
 # One library a folder, and one component of the package: espalier_NAME, with the alias
-# espalier::NAME. HEADERS are those that are installed. They are included as
-# <espalier/FOLDER/header.h>, FOLDER being NAME unless it is given, by a link of its own to the
-# folder, so that no target sees the headers of one that it does not depend on.
+# espalier::NAME. HEADERS are the public headers, which are installed. They are included as
+# <espalier/FOLDER/header.h>, where FOLDER is NAME unless it is given. The include path holds a link to each
+# public header of this library and of the libraries that it depends on, and nothing else: a private
+# header cannot be included from another folder, nor any header against the flow.
 function(espalier_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "SOURCES;HEADERS;DEPENDS")
   set(target espalier_${name})
@@ -31,11 +32,18 @@ function(espalier_library name)
   endif()
 
   set(include_dir ${PROJECT_BINARY_DIR}/include/${name})
-  file(MAKE_DIRECTORY ${include_dir}/espalier)
-  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_dir}/espalier/${arg_FOLDER} SYMBOLIC)
-  list(TRANSFORM arg_HEADERS PREPEND ${include_dir}/espalier/${arg_FOLDER}/)
-  target_sources(${target} PUBLIC
-    FILE_SET HEADERS BASE_DIRS ${include_dir} FILES ${arg_HEADERS})
+  file(REMOVE_RECURSE ${include_dir})
+  foreach(header IN LISTS arg_HEADERS)
+    cmake_path(GET header PARENT_PATH inner)
+    file(MAKE_DIRECTORY ${include_dir}/espalier/${arg_FOLDER}/${inner})
+    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${header}
+                     ${include_dir}/espalier/${arg_FOLDER}/${header} SYMBOLIC)
+  endforeach()
+  target_sources(${target} PRIVATE ${arg_HEADERS})
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${include_dir}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  set_property(GLOBAL PROPERTY ESPALIER_${name}_FOLDER ${arg_FOLDER})
+  set_property(GLOBAL PROPERTY ESPALIER_${name}_HEADERS ${arg_HEADERS})
   foreach(dependency IN LISTS arg_DEPENDS)
     target_link_libraries(${target} PUBLIC espalier::${dependency})
   endforeach()

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/point.h>
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
 
@@ -11,8 +11,6 @@
 #include <vector>
 
 namespace espalier::compare {
-
-using far::Index;
 
 /// What counts as agreement.
 struct Bounds {

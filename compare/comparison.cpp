@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/compare/comparison.h>
-#include <espalier/compare/differences.h>
-#include <espalier/compare/level_match.h>
-#include <espalier/compare/memory_needs.h>
-#include <espalier/compare/open_subdiv_refiner.h>
 #include <espalier/compare/open_subdiv_tables.h>
-#include <espalier/far/error.h>
-#include <espalier/far/memory.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <espalier/stencils/composition.h>
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/stencilTableFactory.h>
+#include "differences.h"
+#include "level_match.h"
+#include "memory_needs.h"
+#include "open_subdiv_refiner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,6 @@ namespace espalier::compare {
 namespace {
 
 namespace Far = OpenSubdiv::Far;
-using far::Offset;
 using stencils::StencilTable;
 
 }  // namespace
@@ -68,7 +67,7 @@ Comparison::Comparison(const far::TopologyRefiner& refiner) {
     auto data = std::make_unique<Data>(Data{refiner, surfaceOf(base), {}, {}, {}, nullptr});
     data->theirs = makeOpenSubdivRefiner(refiner, data->base);
     for (int level = 0; level <= refiner.maxLevel(); ++level) {
-        far::checkMemory();
+        checkMemory();
         if (level == refiner.maxLevel()) requireForMatch(refiner, level);
         data->matches.push_back(
             level == 0 ? matchBase(base, data->base, data->theirLevel(0))
@@ -83,7 +82,7 @@ Comparison::Comparison(const far::TopologyRefiner& refiner) {
         Factory::Options options;
         options.maxLevel = static_cast<unsigned>(refiner.maxLevel()) & 15U;
         data->table.reset(Factory::Create(*data->theirs.refiner, options));
-        far::checkMemory();
+        checkMemory();
     }
     data_ = std::move(data);
 }
@@ -103,9 +102,9 @@ StencilTable<double> Comparison::openSubdivTable(int level) const {
     const std::vector<Index>& ours = vertices(level);
     const StencilTable<double> theirs = fromOpenSubdiv(*data_->table, data_->firstRow(level),
                                                        data_->theirLevel(level).GetNumVertices());
-    far::Array<Offset> offsets = {0};
-    far::Array<Index> columns;
-    far::Array<double> weights;
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<double> weights;
     for (const Index vertex : ours) {
         const Index row = data_->theirVertex(level, vertex);
         // Their base vertices are ours of the surface in order, so that columns still ascend.
@@ -282,12 +281,12 @@ Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> 
             "nothing to compare");
     Agreement agreement;
     for (int level = 1; level <= data_->maxLevel(); ++level) {
-        far::checkMemory();
+        checkMemory();
         const StencilTable<double> table =
             stencils::buildStencils(data_->ours, level, rules, vertices(level));
-        far::checkMemory();
+        checkMemory();
         agreement.levels.push_back(compare(level, table));
-        far::checkMemory();
+        checkMemory();
         const bool isMatched = std::isfinite(agreement.levels.back().positionDifference);
         const Surface& region = data_->regions[level];
         if (isMatched && !region.faces.empty() && region.faces.size() <= kMaxFaces)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/api.h>
 #include <espalier/compare/agreement.h>
-#include <espalier/far/api.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -26,8 +26,8 @@ public:
     ///
     /// \param refiner of a mesh, or of a lattice under boundary control; must outlive this
     /// \throws Error for a curve, for a lattice under Boundary::Open (what is left of its boundary
-    ///         is no subdivision surface), and if OpenSubdiv refuses the surface; far::MemoryError
-    ///         before memory beyond a far::MemoryLimit is taken
+    ///         is no subdivision surface), and if OpenSubdiv refuses the surface; MemoryError
+    ///         before memory beyond a MemoryLimit is taken
     explicit Comparison(const far::TopologyRefiner& refiner);
     ~Comparison();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/compare/differences.h>
+#include "differences.h"
 #include <espalier/osd/cpu_evaluator.h>
 #include <opensubdiv/osd/cpuEvaluator.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/point.h>
 #include <espalier/compare/open_subdiv_tables.h>
-#include <espalier/far/point.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -12,8 +12,6 @@
 
 // The figures of a comparison.
 namespace espalier::compare {
-
-using far::Index;
 
 /// A point in single precision.
 using PointF = std::array<float, 3>;

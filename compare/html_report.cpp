@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "html_report.h"
+#include <espalier/compare/html_report.h>
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/api.h>
 #include <espalier/compare/agreement.h>
-#include <espalier/far/api.h>
 
 #include <string>
 #include <vector>

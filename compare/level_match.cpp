@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/compare/level_match.h>
+#include "level_match.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,6 @@ namespace espalier::compare {
 namespace {
 
 namespace Far = OpenSubdiv::Far;
-using far::Entity;
 
 LevelMatch emptyMatch(const far::CellComplex& complex) {
     LevelMatch match;
@@ -204,8 +203,7 @@ public:
 
 private:
     static std::string name(Entity entity) {
-        return std::string(far::dimensionName(entity.dimension)) + " " +
-               std::to_string(entity.index);
+        return std::string(dimensionName(entity.dimension)) + " " + std::to_string(entity.index);
     }
 
     /// Sharpness as OpenSubdiv has it, where infinite is 10.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/compare/surface.h>
 #include <espalier/far/topology_refiner.h>
 #include <opensubdiv/far/topologyRefiner.h>
+#include "surface.h"
 
 #include <array>
 #include <optional>
@@ -17,7 +17,7 @@ namespace espalier::compare {
 struct LevelMatch {
     std::array<std::vector<std::optional<Index>>, 3> theirs;
 
-    std::optional<Index> of(far::Entity entity) const {
+    std::optional<Index> of(Entity entity) const {
         return theirs[static_cast<std::size_t>(entity.dimension)]
                      [static_cast<std::size_t>(entity.index)];
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/compare/memory_needs.h>
-#include <espalier/far/memory.h>
+#include "memory_needs.h"
+#include <espalier/base/memory.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ void requireForLevels(std::size_t cornerCount, int maxLevel) {
     constexpr std::uint64_t kFaceBytes = 200;
     std::uint64_t faceCount = 0, ofLevel = cornerCount;
     for (int level = 1; level <= maxLevel; ++level, ofLevel *= 4) faceCount += ofLevel;
-    far::requireMemory(kFaceBytes * faceCount, "OpenSubdiv's topology of " + levelsTo(maxLevel));
+    requireMemory(kFaceBytes * faceCount, "OpenSubdiv's topology of " + levelsTo(maxLevel));
 }
 
 void requireForMatch(const far::TopologyRefiner& refiner, int level) {
@@ -33,15 +33,14 @@ void requireForMatch(const far::TopologyRefiner& refiner, int level) {
     for (int d = 0; d <= 2; ++d)
         bytes += sizeof(std::optional<Index>) * static_cast<std::uint64_t>(complex.count(d));
     // Face → vertices: offsets, values, and the values once more while they are gathered.
-    const std::uint64_t offsets =
-        sizeof(far::Offset) * static_cast<std::uint64_t>(complex.count(2));
+    const std::uint64_t offsets = sizeof(Offset) * static_cast<std::uint64_t>(complex.count(2));
     const auto valuesOf = [&](int dimension) {
         return sizeof(Index) * complex.boundary(dimension).unsignedRows().values().size();
     };
     bytes += offsets + 2 * valuesOf(2);
     // Face → cells: offsets and values, held meanwhile.
     if (complex.dimension() == 3) bytes += offsets + valuesOf(3);
-    far::requireMemory(bytes, "matching level " + std::to_string(level) + " with OpenSubdiv's");
+    requireMemory(bytes, "matching level " + std::to_string(level) + " with OpenSubdiv's");
 }
 
 void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surface> regions) {
@@ -65,18 +64,18 @@ void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surfac
     // OpenSubdiv's factory gathers a source, a destination and a weight for each entry, and copies
     // them to a table of sources and weights (29 bytes an entry measured, 4 million entries).
     constexpr std::uint64_t kEntryBytes = 2 * (sizeof(int) + sizeof(double)) + sizeof(int);
-    far::requireMemory(kEntryBytes * static_cast<std::uint64_t>(entryCount),
-                       "OpenSubdiv's stencil table of " + levelsTo(maxLevel));
+    requireMemory(kEntryBytes * static_cast<std::uint64_t>(entryCount),
+                  "OpenSubdiv's stencil table of " + levelsTo(maxLevel));
 }
 
-void requireForComparison(int level, far::Offset entryCount) {
+void requireForComparison(int level, Offset entryCount) {
     // OpenSubdiv's rows over our columns in double precision, while those over theirs are there;
     // then, in their place, each table for the evaluators, in single precision, and its copy.
     constexpr std::uint64_t kEntryBytes =
         sizeof(Index) + sizeof(double) +
         std::max(sizeof(Index) + sizeof(double), 2 * (sizeof(int) + sizeof(float)));
-    far::requireMemory(kEntryBytes * static_cast<std::uint64_t>(entryCount),
-                       "comparing the stencil tables of level " + std::to_string(level));
+    requireMemory(kEntryBytes * static_cast<std::uint64_t>(entryCount),
+                  "comparing the stencil tables of level " + std::to_string(level));
 }
 
 }  // namespace espalier::compare

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/compare/surface.h>
 #include <espalier/far/topology_refiner.h>
+#include "surface.h"
 
 #include <cstddef>
 #include <span>
 
 // Memory that the steps of a comparison take, asked for before each step: neither OpenSubdiv nor
-// the relations of a large level look at a far::MemoryLimit while they grow. Each function counts
-// what its step holds at its peak, at least, and throws far::MemoryError, naming the step, if that
+// the relations of a large level look at a MemoryLimit while they grow. Each function counts
+// what its step holds at its peak, at least, and throws MemoryError, naming the step, if that
 // is beyond the limit.
 namespace espalier::compare {
 
@@ -28,6 +28,6 @@ void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surfac
 
 /// For the tables of one level that are compared.
 /// \param entryCount of our own table of that level
-void requireForComparison(int level, far::Offset entryCount);
+void requireForComparison(int level, Offset entryCount);
 
 }  // namespace espalier::compare

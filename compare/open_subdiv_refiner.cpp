@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/compare/memory_needs.h>
-#include <espalier/compare/open_subdiv_refiner.h>
-#include <espalier/far/error.h>
+#include "open_subdiv_refiner.h"
+#include <espalier/base/error.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/version.h>
+#include "memory_needs.h"
 
 #include <algorithm>
 #include <vector>
@@ -179,10 +179,10 @@ std::vector<int> misjudgedCorners(const Far::TopologyRefiner& refiner) {
 /// OpenSubdiv counts what is around a face, an edge or a vertex in 16 bits, and prints what is
 /// more.
 void checkValences(const far::CellComplex& complex, const Surface& surface) {
-    const auto check = [&](far::Entity entity, int around) {
+    const auto check = [&](Entity entity, int around) {
         const std::size_t count = complex.relation(entity.dimension, around)[entity.index].size();
         if (count > static_cast<std::size_t>(Far::VALENCE_LIMIT))
-            throw Error(std::string(far::dimensionName(entity.dimension)) + " " +
+            throw Error(std::string(dimensionName(entity.dimension)) + " " +
                         std::to_string(entity.index) + " meets " + std::to_string(count) + " " +
                         (around == 0   ? "vertices"
                          : around == 1 ? "edges"

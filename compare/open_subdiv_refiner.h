@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/compare/surface.h>
 #include <espalier/far/topology_refiner.h>
 #include <opensubdiv/far/topologyRefiner.h>
+#include "surface.h"
 
 #include <memory>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/compare/open_subdiv_tables.h>
-#include <espalier/far/error.h>
 
 #include <algorithm>
 #include <limits>
@@ -8,9 +8,6 @@
 #include <string>
 
 namespace espalier::compare {
-
-using far::Index;
-using far::Offset;
 
 template <class Real>
 OpenSubdivTable<Real>::OpenSubdivTable(const stencils::StencilTable<Real>& table)
@@ -62,9 +59,9 @@ stencils::StencilTable<Real> fromOpenSubdiv(const OpenSubdiv::Far::StencilTableR
                                             Index first, Index count) {
     const std::vector<int>& sizes = table.GetSizes();
     Offset at = firstEntry(table, first, count);
-    far::Array<Offset> offsets = {0};
-    far::Array<Index> columns;
-    far::Array<Real> weights;
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<Real> weights;
     std::vector<std::pair<Index, Real>> row;
     for (Index i = first; i < first + count; ++i) {
         row.clear();

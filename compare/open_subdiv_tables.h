@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
 #include <espalier/stencils/stencil_table.h>
 #include <opensubdiv/far/stencilTable.h>
 
@@ -22,8 +22,8 @@ public:
     /// Rows `first` to `first` + `count` − 1 of one of OpenSubdiv's own tables in double precision,
     /// entry by entry as they are there, weights rounded.
     /// \throws Error if the table does not have these rows
-    OpenSubdivTable(const OpenSubdiv::Far::StencilTableReal<double>& table, far::Index first,
-                    far::Index count);
+    OpenSubdivTable(const OpenSubdiv::Far::StencilTableReal<double>& table, Index first,
+                    Index count);
 
     // OpenSubdiv's names.
     int GetNumStencils() const { return static_cast<int>(sizes_.size()); }
@@ -46,6 +46,6 @@ private:
 /// \cost O(entries of the table)
 template <class Real>
 ESPALIER_API stencils::StencilTable<Real> fromOpenSubdiv(
-    const OpenSubdiv::Far::StencilTableReal<Real>& table, far::Index first, far::Index count);
+    const OpenSubdiv::Far::StencilTableReal<Real>& table, Index first, Index count);
 
 }  // namespace espalier::compare

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/compare/surface.h>
-#include <espalier/far/error.h>
+#include "surface.h"
+#include <espalier/base/error.h>
 
 #include <algorithm>
 

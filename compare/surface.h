@@ -7,8 +7,6 @@
 
 namespace espalier::compare {
 
-using far::Index;
-
 /// The surface of a complex: all of a mesh, or the boundary of a lattice.
 struct Surface {
     std::vector<Index> vertices;  ///< those in one of the faces, ascending

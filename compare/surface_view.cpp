@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "surface_view.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 
 #include <fmt/format.h>
 

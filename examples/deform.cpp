@@ -2,10 +2,10 @@
 //
 // Deforms a model by a lattice: deform MODEL REST POSE OUT
 
+#include <espalier/embed/local_binding.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/osd/binding_evaluator.h>
-#include <espalier/stencils/local_binding.h>
 
 using namespace espalier;
 
@@ -15,10 +15,9 @@ int main(int, char** arguments) {
 
     // Once: find each point of the model in level 3 of the lattice, and compose the matrix.
     const far::TopologyRefiner base(rest.complex, {.marks = rest.marks});
-    const auto binding =
-        stencils::bindPoints<double>(base, rest.positions, 3, stencils::Rules::Siggraph96,
-                                     model->positions())
-            .binding;
+    const auto binding = embed::bindPoints<double>(base, rest.positions, 3,
+                                                   stencils::Rules::Siggraph96, model->positions())
+                             .binding;
 
     // For every pose: one sparse product.
     model->write(arguments[4], osd::evaluateBinding(binding, pose.positions));

@@ -5,10 +5,10 @@
 // The deformed points stay on the device, where a renderer or another kernel takes them; OUT is the
 // model of the last pose.
 
+#include <espalier/embed/local_binding.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
-#include <espalier/osd/cuda_evaluator.h>
-#include <espalier/stencils/local_binding.h>
+#include <espalier/osd/cuda/cuda_evaluator.h>
 
 #include <cstdio>
 #include <exception>
@@ -25,10 +25,9 @@ void deform(int count, char** arguments) {
     // Once: find each point of the model in level 3 of the lattice, compose the matrix, and copy it
     // to the device.
     const far::TopologyRefiner base(rest.complex, {.marks = rest.marks});
-    const auto binding =
-        stencils::bindPoints<double>(base, rest.positions, 3, stencils::Rules::Siggraph96,
-                                     model->positions())
-            .binding;
+    const auto binding = embed::bindPoints<double>(base, rest.positions, 3,
+                                                   stencils::Rules::Siggraph96, model->positions())
+                             .binding;
     const osd::CudaEvaluator<float> table(stencils::convertTable<float>(binding.table));
     const osd::CudaKeptPoints<float> kept(table.rowCount(), binding.kept, binding.keptAt);
     const auto xyz = osd::BufferDescriptor::packed(3);

@@ -12,16 +12,16 @@
 // D moves the points with the lattice, and so Dᵀ carries the forces on them to the lattice: both do
 // the same work.
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/osd/binding_evaluator.h>
+#include <espalier/solve/design_variables.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/design_variables.h>
-#include <espalier/stencils/local_binding.h>
 #include <espalier/stencils/sparse_matrix.h>
-#include <espalier/stencils/trilinear.h>
 
 #include <Eigen/SparseCholesky>
 #include <array>
@@ -44,15 +44,15 @@ using Sparse = Eigen::SparseMatrix<double>;
 
 /// The stiffness of a hexahedron of Young's modulus 1, by the displacements of its corners:
 /// corner by corner, x, y, z. Gauss's rule of 2 × 2 × 2 points.
-Eigen::Matrix<double, 24, 24> cellStiffness(const stencils::Trilinear::Corners& corners) {
+Eigen::Matrix<double, 24, 24> cellStiffness(const embed::Trilinear::Corners& corners) {
     const double lambda = kPoisson / ((1 + kPoisson) * (1 - 2 * kPoisson));
     const double mu = 1 / (2 * (1 + kPoisson));
     Eigen::Matrix<double, 24, 24> result = Eigen::Matrix<double, 24, 24>::Zero();
     for (int point = 0; point < 8; ++point) {
         const Eigen::Vector3d sides(point & 1, point >> 1 & 1, point >> 2);
         const Eigen::Vector3d uvw = (sides.array() - 0.5) / std::sqrt(3.0) + 0.5;
-        const Eigen::Matrix3d jacobian = stencils::Trilinear(corners).jacobian(uvw);
-        const auto byPlace = stencils::Trilinear::weightDerivatives(uvw);
+        const Eigen::Matrix3d jacobian = embed::Trilinear(corners).jacobian(uvw);
+        const auto byPlace = embed::Trilinear::weightDerivatives(uvw);
         Eigen::Matrix<double, 3, 8> gradients;  // of the corners' weights
         for (int axis = 0; axis < 3; ++axis)
             gradients.row(axis) = Eigen::Map<const Eigen::RowVectorXd>(
@@ -73,17 +73,17 @@ Eigen::Matrix<double, 24, 24> cellStiffness(const stencils::Trilinear::Corners& 
 /// The stiffness of a refined lattice: 3 × vertices, square.
 Sparse stiffness(const far::CellComplex& complex, std::span<const Point3> positions) {
     std::vector<Eigen::Triplet<double>> entries;
-    for (far::Index cell = 0; cell < complex.count(3); ++cell) {
-        const auto vertices = far::hexahedronVertices(complex, far::CellId(cell));
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        const auto vertices = far::hexahedronVertices(complex, CellId(cell));
         if (!vertices)
             throw Error("cell " + std::to_string(cell) + " of level " + std::to_string(kLevel) +
                         " is not a hexahedron, the only finite element of this example");
-        stencils::Trilinear::Corners corners;
-        std::array<far::Index, 24> rows;
+        embed::Trilinear::Corners corners;
+        std::array<Index, 24> rows;
         for (std::size_t i = 0; i < 24; ++i) {
-            const far::Index vertex = (*vertices)[i / 3];
+            const Index vertex = (*vertices)[i / 3];
             corners[i / 3] = Eigen::Vector3d(positions[static_cast<std::size_t>(vertex)].data());
-            rows[i] = 3 * vertex + static_cast<far::Index>(i % 3);
+            rows[i] = 3 * vertex + static_cast<Index>(i % 3);
         }
         const auto matrix = cellStiffness(corners);
         for (std::size_t i = 0; i < 24; ++i)
@@ -100,9 +100,9 @@ Sparse stiffness(const far::CellComplex& complex, std::span<const Point3> positi
 
 /// B, 3 · vertices × variables: all coordinates may move, but those of vertices up to x = `held`.
 stencils::StencilTable<double> movements(std::span<const Point3> positions, double held) {
-    stencils::DesignVariables variables(static_cast<far::Index>(positions.size()));
+    solve::DesignVariables variables(static_cast<Index>(positions.size()));
     for (std::size_t v = 0; v < positions.size(); ++v)
-        if (positions[v][0] <= held) variables.freeze(static_cast<far::Index>(v));
+        if (positions[v][0] <= held) variables.freeze(static_cast<Index>(v));
     return variables.matrix();
 }
 
@@ -139,17 +139,17 @@ void run(int count, char** arguments) {
     const double held = numberOf(arguments[3]), weight = numberOf(arguments[4]);
     Lattice lattice = io::readLattice(arguments[2]);
     far::TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
-    const auto bound = stencils::bindPoints<double>(refiner, lattice.positions, kLevel,
-                                                    stencils::Rules::Siggraph96, model->positions(),
-                                                    {.outside = stencils::OutsidePolicy::Error});
+    const auto bound =
+        embed::bindPoints<double>(refiner, lattice.positions, kLevel, stencils::Rules::Siggraph96,
+                                  model->positions(), {.outside = embed::OutsidePolicy::Error});
     const stencils::StencilTable<double>& deformation = bound.binding.table;
     refiner.refineUniform(kLevel);
     const auto levelTable = stencils::buildStencils(refiner, kLevel);
 
     // What may move moves the level by (S ⊗ I₃) B, and the points by (D ⊗ I₃) B.
     const auto movable = movements(lattice.positions, held);
-    const Sparse toLevel = toEigen(stencils::buildJacobian(levelTable, movable));
-    const Sparse toPoints = toEigen(stencils::buildJacobian(deformation, movable));
+    const Sparse toLevel = toEigen(solve::buildJacobian(levelTable, movable));
+    const Sparse toPoints = toEigen(solve::buildJacobian(deformation, movable));
 
     Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, deformation.rowCount());
     forces.row(2).setConstant(-weight / deformation.rowCount());

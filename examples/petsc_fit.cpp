@@ -11,12 +11,12 @@
 // Each rank binds its share of the points, and has no other rows of D. (It does read both files: a
 // program for models beyond one machine's memory would read its own part of them.)
 
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/model.h>
 #include <espalier/petsc/distributed_table.h>
-#include <espalier/stencils/local_binding.h>
 #include <petscksp.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ struct Ranks {
 
     template <class Value>
     std::span<const Value> ownPart(std::span<const Value> all) const {
-        const auto own = petsc::evenRange(static_cast<far::Offset>(all.size()), rank, size);
+        const auto own = petsc::evenRange(static_cast<Offset>(all.size()), rank, size);
         return all.subspan(static_cast<std::size_t>(own.first),
                            static_cast<std::size_t>(own.count()));
     }
@@ -91,7 +91,7 @@ std::vector<Point3> gather(const Ranks& ranks, const std::vector<double>& own, s
     std::vector<Point3> all(ranks.rank == 0 ? total : 0);
     std::vector<int> counts, firsts;
     for (int rank = 0; rank < ranks.size; ++rank) {
-        const auto range = petsc::evenRange(static_cast<far::Offset>(total), rank, ranks.size);
+        const auto range = petsc::evenRange(static_cast<Offset>(total), rank, ranks.size);
         counts.push_back(static_cast<int>(3 * range.count()));
         firsts.push_back(static_cast<int>(3 * range.first));
     }
@@ -117,8 +117,8 @@ PetscErrorCode fit(const Paths& paths) {
     const auto ownPoints = ranks.ownPart(model->positions());
     const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
 
-    const auto own = stencils::bindPoints<double>(base, lattice.positions, kLevel,
-                                                  stencils::Rules::Siggraph96, ownPoints);
+    const auto own = embed::bindPoints<double>(base, lattice.positions, kLevel,
+                                               stencils::Rules::Siggraph96, ownPoints);
     const auto vertices = petsc::evenRange(lattice.complex.count(0), ranks.rank, ranks.size);
     petsc::DistributedTable table(PETSC_COMM_WORLD, own.binding, vertices.count());
 
@@ -148,7 +148,7 @@ int main(int count, char** arguments) {
     PetscCheck(count >= 6, PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT,
                "usage: petsc_fit MODEL REST WANTED OUT POSE");
     // Ranks take the place of threads.
-    const far::ThreadLimit oneThread(1);
+    const ThreadLimit oneThread(1);
     try {
         PetscCall(fit({arguments[1], arguments[2], arguments[3], arguments[4], arguments[5]}));
     } catch (const std::exception& error) {

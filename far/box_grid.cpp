@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/far/box_grid.h>
-#include <espalier/far/error.h>
 #include <espalier/far/standard_cells.h>
+#include <espalier/far/topology_error.h>
 
 #include <algorithm>
 #include <optional>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
 #include <espalier/far/cell_complex.h>
+#include <espalier/far/topology_error.h>
 
 #include <array>
 #include <vector>

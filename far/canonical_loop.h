@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/index.h>
+#include <espalier/base/index.h>
 
 #include <algorithm>
 #include <span>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/loop_context.h>
 #include <espalier/far/cell_complex.h>
-#include <espalier/far/loop_context.h>
 
 #include <atomic>
 #include <cassert>

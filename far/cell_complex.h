@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
 #include <espalier/far/incidence.h>
-#include <espalier/far/index.h>
+#include <espalier/far/topology_error.h>
 
 #include <array>
 #include <memory>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/far/fading.h>
 #include <espalier/far/refinement.h>
 #include <espalier/far/strata.h>
-#include <espalier/far/surface_fans.h>
+#include <espalier/far/topology_error.h>
+#include "surface_fans.h"
 
 #include <algorithm>
 #include <string>
@@ -12,15 +13,15 @@ namespace espalier::far {
 namespace {
 
 /// A number for every entity of a complex.
-Strata::ByEntity filled(const CellComplex& complex, int value) {
-    Strata::ByEntity values;
+Strata::Numbers filled(const CellComplex& complex, int value) {
+    Strata::Numbers values;
     for (int d = 0; d <= complex.dimension(); ++d)
         values[d].assign(complex.count(d), static_cast<std::uint8_t>(value));
     return values;
 }
 
 /// Sets the number of an entity and of all that it contains.
-void setClosure(const CellComplex& complex, Entity entity, int value, Strata::ByEntity& values) {
+void setClosure(const CellComplex& complex, Entity entity, int value, Strata::Numbers& values) {
     for (int d = 0; d <= entity.dimension; ++d)
         for (const Index part : complex.relation(entity.dimension, d)[entity.index])
             values[d][part] = static_cast<std::uint8_t>(value);
@@ -28,8 +29,8 @@ void setClosure(const CellComplex& complex, Entity entity, int value, Strata::By
 
 /// The strata without sharpness: all of the complex's own dimension, but for the boundary faces of
 /// a lattice.
-Strata::ByEntity classifySmooth(const CellComplex& complex) {
-    Strata::ByEntity smooth = filled(complex, complex.dimension());
+Strata::Numbers classifySmooth(const CellComplex& complex) {
+    Strata::Numbers smooth = filled(complex, complex.dimension());
     if (complex.dimension() < 3) return smooth;
     for (Index face = 0; face < complex.count(2); ++face)
         if (complex.relation(2, 3)[face].size() != 2) setClosure(complex, {2, face}, 2, smooth);
@@ -37,8 +38,8 @@ Strata::ByEntity classifySmooth(const CellComplex& complex) {
 }
 
 /// What lies on the open boundary of the region, given the sharpness that marks ask for.
-Strata::ByEntity classifyOpen(const CellComplex& complex, const SharpnessValues& sharpness) {
-    Strata::ByEntity isOpen = filled(complex, 0);
+Strata::Numbers classifyOpen(const CellComplex& complex, const SharpnessValues& sharpness) {
+    Strata::Numbers isOpen = filled(complex, 0);
     const int side = complex.dimension() - 1;
     const auto isSharp = [&](Index index) {
         if (side == 2) return false;
@@ -140,7 +141,7 @@ Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule,
                 const Marks& marks) {
     const MarkedSharpness marked = readMarks(complex, marks);
     SharpnessValues sharpness = markedSharpness(complex, marked);
-    Strata::ByEntity smooth = classifySmooth(complex), isOpen;
+    Strata::Numbers smooth = classifySmooth(complex), isOpen;
     if (boundary == Boundary::Open) isOpen = classifyOpen(complex, sharpness);
     if (complex.dimension() == 1) {
         sharpenEnds(complex, marked, sharpness);
@@ -157,7 +158,7 @@ Strata classify(const CellComplex& complex, Boundary boundary, SharpEdges rule,
 Strata refineStrata(const CellComplex& parent, const Strata& strata, const Refinement& refinement,
                     Boundary boundary, Creasing creasing) {
     const CellComplex& child = refinement.child();
-    Strata::ByEntity smooth = refinement.inherit(strata.smoothStrata()), isOpen;
+    Strata::Numbers smooth = refinement.inherit(strata.smoothStrata()), isOpen;
     SharpnessValues sharpness{std::vector<float>(child.count(0), kSmooth),
                               std::vector<float>(child.count(1), kSmooth)};
     refinement.forEachChild(0, 0, [&](Entity entity, const Interval& interval) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/canonical_loop.h>
+#include <espalier/base/error.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/error.h>
+#include <espalier/far/topology_error.h>
+#include "canonical_loop.h"
 
 #include <numeric>
 #include <string>

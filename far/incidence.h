@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/array.h>
-#include <espalier/far/index.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/api.h>
+#include <espalier/base/array.h>
+#include <espalier/base/index.h>
+#include <espalier/base/parallel.h>
 
 #include <algorithm>
 #include <cstdint>

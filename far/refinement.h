@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
+#include <espalier/base/parallel.h>
 #include <espalier/far/cell_complex.h>
-#include <espalier/far/parallel.h>
+#include <espalier/far/topology_error.h>
 
 #include <array>
 #include <cstdint>

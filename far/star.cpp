@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/far/star.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ CellComplex complexOf(const CellComplex& complex, const ByEntity<Index>& entitie
 }
 
 Strata strataOf(const CellComplex& complex, const Strata& strata, const ByEntity<Index>& entities) {
-    Strata::ByEntity smooth, isOpen;
+    Strata::Numbers smooth, isOpen;
     SharpnessValues sharpness;
     for (int d = 0; d <= complex.dimension(); ++d)
         for (const Index index : entities[d]) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/index.h>
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <vector>

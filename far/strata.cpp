@@ -4,7 +4,7 @@
 #include <algorithm>
 
 namespace espalier::far {
-Strata::Strata(const CellComplex& complex, ByEntity smoothStrata, ByEntity isOpen,
+Strata::Strata(const CellComplex& complex, Numbers smoothStrata, Numbers isOpen,
                SharpnessValues sharpness)
     : smoothStrata_(std::move(smoothStrata)),
       strata_(smoothStrata_),

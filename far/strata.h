@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/marks.h>
 #include <espalier/far/sharpness.h>
+#include <espalier/far/topology_error.h>
 
 #include <array>
 #include <cstdint>
@@ -58,14 +59,14 @@ public:
     Strata() = default;
 
     /// One number for each entity.
-    using ByEntity = far::ByEntity<std::uint8_t>;
+    using Numbers = ByEntity<std::uint8_t>;
 
     /// The strata that follow from sharpness: an edge that is sharp has stratum 1; a vertex that is
     /// sharp, or in which three or more sharp edges of its surface meet, has 0, and with two 1.
     ///
     /// \param smoothStrata what the strata would be without sharpness
     /// \param isOpen not 0 for the entities on the open boundary; may be left empty
-    Strata(const CellComplex& complex, ByEntity smoothStrata, ByEntity isOpen,
+    Strata(const CellComplex& complex, Numbers smoothStrata, Numbers isOpen,
            SharpnessValues sharpness);
 
     int of(Entity entity) const { return valueAt(strata_, entity); }
@@ -75,7 +76,7 @@ public:
     int smoothStratum(Entity entity) const { return valueAt(smoothStrata_, entity); }
 
     /// Of every entity.
-    const ByEntity& smoothStrata() const { return smoothStrata_; }
+    const Numbers& smoothStrata() const { return smoothStrata_; }
 
     /// Whether `other`, which contains `entity` or is it, belongs to the sub-complex that the rule
     /// of `stratum` averages over: it lies on that stratum or a lower one, and on the surface if
@@ -105,14 +106,14 @@ public:
     Index count(int dimension, int stratum) const;
 
 private:
-    static std::uint8_t valueAt(const ByEntity& values, Entity entity) {
+    static std::uint8_t valueAt(const Numbers& values, Entity entity) {
         return values[static_cast<std::size_t>(entity.dimension)]
                      [static_cast<std::size_t>(entity.index)];
     }
 
-    ByEntity smoothStrata_;
-    ByEntity strata_;
-    ByEntity isOpen_;
+    Numbers smoothStrata_;
+    Numbers strata_;
+    Numbers isOpen_;
     SharpnessValues sharpness_;
     bool hasSemiSharp_ = false;
 };

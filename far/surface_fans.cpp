@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/surface_fans.h>
+#include "surface_fans.h"
 
 #include <algorithm>
 #include <numeric>

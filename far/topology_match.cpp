@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/canonical_loop.h>
 #include <espalier/far/topology_match.h>
+#include "canonical_loop.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/far/level_size.h>
-#include <espalier/far/memory.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <algorithm>

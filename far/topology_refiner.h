@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/refinement.h>
 #include <espalier/far/strata.h>
+#include <espalier/far/topology_error.h>
 
 #include <optional>
 #include <span>

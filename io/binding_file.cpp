@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/binding_file.h>
-#include <espalier/io/byte_output.h>
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <zlib.h>
+#include "files/byte_output.h"
 
 #include <array>
 #include <cmath>
@@ -42,13 +42,13 @@ public:
         return loadNumber<Number>(bytes(sizeof(Number)).data(), std::endian::little);
     }
     template <class Number>
-    far::Array<Number> numbers(std::int64_t count) {
-        far::Array<Number> result(static_cast<std::size_t>(count));
+    Array<Number> numbers(std::int64_t count) {
+        Array<Number> result(static_cast<std::size_t>(count));
         for (Number& value : result) value = number<Number>();
         return result;
     }
     /// \throws FileError if a weight is not finite
-    far::Array<double> weights(std::int64_t count) {
+    Array<double> weights(std::int64_t count) {
         auto result = numbers<double>(count);
         for (std::size_t i = 0; i < result.size(); ++i)
             if (!std::isfinite(result[i]))
@@ -122,10 +122,9 @@ Sizes readHeader(const std::filesystem::path& path, NumberReader& in, std::uint6
 
 /// \throws FileError if the arrays are no table of so many columns
 StencilTable<double> makeTable(const std::filesystem::path& path, std::int64_t columnCount,
-                               far::Array<stencils::Offset> offsets,
-                               far::Array<stencils::Index> columns, far::Array<double> weights) {
+                               Array<Offset> offsets, Array<Index> columns, Array<double> weights) {
     try {
-        return StencilTable<double>(static_cast<stencils::Index>(columnCount), std::move(offsets),
+        return StencilTable<double>(static_cast<Index>(columnCount), std::move(offsets),
                                     std::move(columns), std::move(weights));
     } catch (const Error& error) {
         throw FileError(path, error.what());
@@ -137,9 +136,9 @@ BoundGradients readGradients(const std::filesystem::path& path, const Sizes& siz
     BoundGradients gradients;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t entries = (*sizes.gradientEntries)[axis];
-        auto offsets = in.numbers<stencils::Offset>(sizes.rows + 1);
+        auto offsets = in.numbers<Offset>(sizes.rows + 1);
         auto weights = in.weights(entries);
-        auto columns = in.numbers<stencils::Index>(entries);
+        auto columns = in.numbers<Index>(entries);
         gradients.tables[axis] = makeTable(path, sizes.columns, std::move(offsets),
                                            std::move(columns), std::move(weights));
     }
@@ -199,7 +198,7 @@ void writeBoundModel(const std::filesystem::path& path, const BoundModel& model)
         out.numbers(table.weights());
         write(out, model.binding.keptAt);
         out.numbers(table.columns());
-        out.numbers(std::span<const stencils::Index>(model.binding.kept));
+        out.numbers(std::span<const Index>(model.binding.kept));
         if (model.gradients) write(out, *model.gradients);
         out.bytes(model.modelName);
         out.bytes(model.modelBytes);
@@ -223,15 +222,15 @@ BoundModel readBoundModel(const std::filesystem::path& path, std::string_view by
     if (expected != got) throw FileError(path, "is corrupted: its checksum does not match");
 
     // The checks below find nothing wrong in a file of ours, but in one that was made to mislead.
-    if (sizes.columns < 0 || sizes.columns > far::kMaxIndex)
+    if (sizes.columns < 0 || sizes.columns > kMaxIndex)
         throw FileError(path, "claims " + std::to_string(sizes.columns) + " lattice vertices");
-    auto offsets = in.numbers<stencils::Offset>(sizes.rows + 1);
+    auto offsets = in.numbers<Offset>(sizes.rows + 1);
     auto weights = in.weights(sizes.entries);
     model.binding.keptAt = in.points(sizes.kept, "kept point");
-    auto columns = in.numbers<stencils::Index>(sizes.entries);
-    const auto keptPoints = in.numbers<stencils::Index>(sizes.kept);
+    auto columns = in.numbers<Index>(sizes.entries);
+    const auto keptPoints = in.numbers<Index>(sizes.kept);
     model.binding.kept.assign(keptPoints.begin(), keptPoints.end());
-    for (const stencils::Index kept : model.binding.kept)
+    for (const Index kept : model.binding.kept)
         if (kept < 0 || kept >= sizes.rows)
             throw FileError(
                 path, "keeps point " + std::to_string(kept) + " of " + std::to_string(sizes.rows));

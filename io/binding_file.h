@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/stencils/binding.h>
+#include <espalier/base/api.h>
+#include <espalier/embed/binding.h>
 
 #include <array>
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace espalier::io {
 
 /// How the surroundings of bound points are deformed, which carries their normals and tangents.
 struct BoundGradients {
-    /// As stencils::LimitTable::gradients: the products with a pose are the columns of F. One row a
+    /// As limit::LimitTable::gradients: the products with a pose are the columns of F. One row a
     /// point, one column a base vertex.
     std::array<stencils::StencilTable<double>, 3> tables;
 
@@ -28,7 +28,7 @@ struct BoundGradients {
 
 /// A bound model, complete: apply it to a pose, and write the result in the format of the model.
 struct BoundModel {
-    stencils::Binding<double> binding;
+    embed::Binding<double> binding;
     std::string modelName;   ///< of the model's file, without folders; its extension is its format
     std::string modelBytes;  ///< the model's file
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/point.h>
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
 
 #include <array>
 

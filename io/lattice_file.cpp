@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
-#include <espalier/io/obj_mesh.h>
-#include <espalier/io/ovm.h>
-#include <espalier/io/text_reader.h>
-#include <espalier/io/vtk_legacy.h>
+#include <espalier/io/lattices/ovm.h>
+#include <espalier/io/models/obj_mesh.h>
+#include <espalier/io/vtk/vtk_legacy.h>
 
 #include <string>
 #include <string_view>

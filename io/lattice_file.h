@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/io/file.h>
+#include <espalier/base/api.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/io/files/file.h>
 #include <espalier/io/read_notes.h>
-#include <espalier/io/vtu.h>
+#include <espalier/io/vtk/vtu.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
 #include <espalier/io/model.h>
-#include <espalier/io/obj.h>
-#include <espalier/io/ply.h>
-#include <espalier/io/stl.h>
-#include <espalier/io/text_reader.h>
-#include <espalier/io/vtu_model.h>
+#include <espalier/io/models/obj.h>
+#include <espalier/io/models/ply.h>
+#include <espalier/io/models/stl.h>
+#include "vtk/vtu_model.h"
 
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/printable.h>
+#include <espalier/base/error.h>
+#include <espalier/base/printable.h>
 #include <espalier/io/numbered_path.h>
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <espalier/io/read_notes.h>
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace espalier::io {
 
 std::string describe(const std::filesystem::path& path, const ReadNotes& notes) {
     constexpr std::size_t kMaxNamed = 5;
-    const std::vector<far::Index>& dropped = notes.droppedVertices;
+    const std::vector<Index>& dropped = notes.droppedVertices;
     if (dropped.empty()) return "";
     const bool isOne = dropped.size() == 1;
     std::string text = shownPath(path) + ": dropped " + std::to_string(dropped.size()) +

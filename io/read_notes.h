@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/index.h>
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
 
 #include <filesystem>
 #include <string>
@@ -15,7 +15,7 @@ namespace espalier::io {
 struct ReadNotes {
     /// The vertices that no cell of a lattice, or no line of a curve, uses: their numbers in the
     /// file, ascending. The lattice lacks them, and its vertices are numbered without them.
-    std::vector<far::Index> droppedVertices;
+    std::vector<Index> droppedVertices;
 
     friend bool operator==(const ReadNotes&, const ReadNotes&) = default;
 };

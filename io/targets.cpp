@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
 #include <espalier/io/targets.h>
-#include <espalier/io/text_reader.h>
 
 #include <cmath>
 #include <string>
 
 namespace espalier::io {
 
-std::vector<Target> readTargets(const std::filesystem::path& path, far::Index pointCount) {
+std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCount) {
     return readTargets(path, pointCount, readFile(path));
 }
 
-std::vector<Target> readTargets(const std::filesystem::path& path, far::Index pointCount,
+std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCount,
                                 std::string_view bytes) {
     TextReader reader(path, bytes);
     reader.skipComments('#');
@@ -20,7 +20,7 @@ std::vector<Target> readTargets(const std::filesystem::path& path, far::Index po
     std::vector<std::size_t> lines(static_cast<std::size_t>(pointCount), 0);
     while (!reader.atEnd()) {
         Target target{};
-        target.point = reader.number<far::Index>("the number of a point");
+        target.point = reader.number<Index>("the number of a point");
         target.line = reader.line();
         if (targets.size() > 0 && targets.back().line == target.line)
             reader.fail("expected one target a line");

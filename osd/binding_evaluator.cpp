@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/cpu_evaluator.h>
 
@@ -26,7 +26,7 @@ std::vector<Real> times(const stencils::FactoredTable<Real>& table, std::span<co
 }  // namespace
 
 template <class Real, class Table>
-std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& binding,
+std::vector<Point3> evaluateBinding(const embed::Binding<Real, Table>& binding,
                                     std::span<const Point3> pose) {
     if (pose.size() != static_cast<std::size_t>(binding.table.columnCount()))
         throw Error("the pose has " + std::to_string(pose.size()) +
@@ -47,7 +47,7 @@ std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& bindin
 }
 
 template <class Real, class Stored, class Table>
-void writeKept(const stencils::Binding<Stored, Table>& binding, MutableValues<Real> destination,
+void writeKept(const embed::Binding<Stored, Table>& binding, MutableValues<Real> destination,
                const BufferDescriptor& layout) {
     const Index count = binding.table.rowCount();
     checkEvaluation(count, 0, 0, kXyz, destination.size(), layout, {0, count});
@@ -57,30 +57,29 @@ void writeKept(const stencils::Binding<Stored, Table>& binding, MutableValues<Re
                         c] = static_cast<Real>(binding.keptAt[i][c]);
 }
 
-template std::vector<Point3> evaluateBinding(const stencils::Binding<float>&,
-                                             std::span<const Point3>);
-template std::vector<Point3> evaluateBinding(const stencils::Binding<double>&,
+template std::vector<Point3> evaluateBinding(const embed::Binding<float>&, std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(const embed::Binding<double>&,
                                              std::span<const Point3>);
 template std::vector<Point3> evaluateBinding(
-    const stencils::Binding<float, stencils::FactoredTable<float>>&, std::span<const Point3>);
+    const embed::Binding<float, stencils::FactoredTable<float>>&, std::span<const Point3>);
 template std::vector<Point3> evaluateBinding(
-    const stencils::Binding<double, stencils::FactoredTable<double>>&, std::span<const Point3>);
+    const embed::Binding<double, stencils::FactoredTable<double>>&, std::span<const Point3>);
 
-template void writeKept<float>(const stencils::Binding<float>&, MutableValues<float>,
+template void writeKept<float>(const embed::Binding<float>&, MutableValues<float>,
                                const BufferDescriptor&);
-template void writeKept<float>(const stencils::Binding<double>&, MutableValues<float>,
+template void writeKept<float>(const embed::Binding<double>&, MutableValues<float>,
                                const BufferDescriptor&);
-template void writeKept<float>(const stencils::Binding<float, stencils::FactoredTable<float>>&,
+template void writeKept<float>(const embed::Binding<float, stencils::FactoredTable<float>>&,
                                MutableValues<float>, const BufferDescriptor&);
-template void writeKept<float>(const stencils::Binding<double, stencils::FactoredTable<double>>&,
+template void writeKept<float>(const embed::Binding<double, stencils::FactoredTable<double>>&,
                                MutableValues<float>, const BufferDescriptor&);
-template void writeKept<double>(const stencils::Binding<float>&, MutableValues<double>,
+template void writeKept<double>(const embed::Binding<float>&, MutableValues<double>,
                                 const BufferDescriptor&);
-template void writeKept<double>(const stencils::Binding<double>&, MutableValues<double>,
+template void writeKept<double>(const embed::Binding<double>&, MutableValues<double>,
                                 const BufferDescriptor&);
-template void writeKept<double>(const stencils::Binding<float, stencils::FactoredTable<float>>&,
+template void writeKept<double>(const embed::Binding<float, stencils::FactoredTable<float>>&,
                                 MutableValues<double>, const BufferDescriptor&);
-template void writeKept<double>(const stencils::Binding<double, stencils::FactoredTable<double>>&,
+template void writeKept<double>(const embed::Binding<double, stencils::FactoredTable<double>>&,
                                 MutableValues<double>, const BufferDescriptor&);
 
 }  // namespace espalier::osd

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/point.h>
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
+#include <espalier/embed/binding.h>
 #include <espalier/osd/evaluation.h>
-#include <espalier/stencils/binding.h>
 #include <espalier/stencils/factored_table.h>
 
 #include <span>
@@ -21,7 +21,7 @@ namespace espalier::osd {
 /// \cost O(entries), on all threads; memory for the pose and the result as Real
 /// \cite MacCracken & Joy 1996, section 5
 template <class Real, class Table>
-ESPALIER_API std::vector<Point3> evaluateBinding(const stencils::Binding<Real, Table>& binding,
+ESPALIER_API std::vector<Point3> evaluateBinding(const embed::Binding<Real, Table>& binding,
                                                  std::span<const Point3> pose);
 
 /// Puts the kept points where they were: an evaluator of binding.table has made them 0. So each
@@ -37,7 +37,7 @@ ESPALIER_API std::vector<Point3> evaluateBinding(const stencils::Binding<Real, T
 ///         written then
 /// \cost O(kept points)
 template <class Real, class Stored, class Table>
-ESPALIER_API void writeKept(const stencils::Binding<Stored, Table>& binding,
+ESPALIER_API void writeKept(const embed::Binding<Stored, Table>& binding,
                             MutableValues<Real> destination, const BufferDescriptor& layout);
 
 }  // namespace espalier::osd

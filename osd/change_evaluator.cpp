@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
 #include <espalier/osd/change_evaluator.h>
-#include <espalier/osd/compiled_table_data.h>
-#include <espalier/osd/places_of_columns.h>
-#include <espalier/osd/room.h>
+#include "compile/compiled_table_data.h"
+#include "compile/places_of_columns.h"
+#include "kernels/room.h"
 
 #include <algorithm>
 #include <array>
@@ -258,7 +258,7 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
                                             true};
     auto some = all;
     some.isWhole = false;  // Rows are looked at, whether they are in the range.
-    far::parallelFor(std::ssize(changes.groups), kGroupsOfTask, [&](Offset first, Offset last) {
+    parallelFor(std::ssize(changes.groups), kGroupsOfTask, [&](Offset first, Offset last) {
         typename TaskNumbers<Real>::Local entries(numbers, first / kGroupsOfTask);
         typename Data::RowsOfGroup rows;
         for (Offset i = first; i < last; ++i) {
@@ -271,7 +271,7 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
         }
     });
     const auto& runs = table.rows.runs;
-    far::parallelFor(
+    parallelFor(
         Marks::wordCount(data_->aloneCount()), kWordsOfTask, [&](Offset first, Offset last) {
             typename TaskNumbers<Real>::Local entries(numbers, first / kWordsOfTask);
             auto run = runs.begin();

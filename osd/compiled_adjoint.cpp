@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
 #include <espalier/osd/compiled_adjoint.h>
-#include <espalier/osd/places_of_columns.h>
-#include <espalier/osd/room.h>
-#include <espalier/osd/table_compiler.h>
+#include "compile/places_of_columns.h"
+#include "compile/table_compiler.h"
+#include "kernels/room.h"
 
 #include <algorithm>
 #include <utility>
@@ -41,7 +41,7 @@ struct CompiledAdjoint<Real>::Data {
     void sumGroups(const kernels::RowValues<Real>& source, const TaskNumbers<Real>& numbers,
                    std::span<Real> sums) const {
         const auto& starts = rows.taskStarts;
-        far::parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
+        parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
             typename TaskNumbers<Real>::Local lanes(numbers, task);
             for (Offset g = starts[task]; g < starts[task + 1]; ++g) {
                 const auto& group = rows.groups[g];
@@ -151,7 +151,7 @@ void CompiledAdjoint<Real>::evaluateIn(std::byte* memory, Values<Real> source,
     const std::span<Real> sums = room.take<Real>(std::ssize(data_->rows.groupColumns) * length);
     data_->sumGroups(values, numbers, sums);
     constexpr Offset kGrain = 64;
-    far::parallelFor(rows.last - rows.first, kGrain, [&](Offset first, Offset last) {
+    parallelFor(rows.last - rows.first, kGrain, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
             const auto row = static_cast<Index>(rows.first + i);
             Real* const result =

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
 #include <espalier/osd/evaluation.h>
-#include <espalier/osd/simd.h>
+#include <espalier/osd/kernels/simd.h>
 #include <espalier/osd/workspace.h>
 
 #include <cstddef>

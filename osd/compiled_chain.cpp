@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/osd/compiled_chain.h>
-#include <espalier/osd/room.h>
+#include "kernels/room.h"
 
 #include <algorithm>
 #include <array>

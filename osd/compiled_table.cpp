@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
-#include <espalier/osd/compiled_table_data.h>
-#include <espalier/osd/room.h>
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
+#include "compile/compiled_table_data.h"
+#include "kernels/room.h"
 
 #include <algorithm>
 #include <utility>
@@ -111,7 +111,7 @@ void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
     if (!isPadded<Real>(columnCount(), source, sourceLayout)) {
         const std::span<Real> copy = room.take<Real>(columnCount() * stride);
         constexpr Offset kGrain = 8192;
-        far::parallelFor(columnCount(), kGrain, [&](Offset first, Offset last) {
+        parallelFor(columnCount(), kGrain, [&](Offset first, Offset last) {
             for (Offset i = first; i < last; ++i)
                 copyPadded(entries + i * sourceLayout.stride, length, stride,
                            copy.data() + i * stride);
@@ -125,7 +125,7 @@ void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
                                            rows.last,
                                            rows.first == 0 && rows.last == rowCount()};
     const auto& starts = data_->rows.taskStarts;
-    far::parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
+    parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
         typename TaskNumbers<Real>::Local own(numbers, task);
         for (Offset g = starts[task]; g < starts[task + 1]; ++g) {
             const auto& group = data_->rows.groups[g];
@@ -136,7 +136,7 @@ void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
             data_->evaluateGroup(group, own.data(), stride, data_->rowsOf(group).data(), to);
         }
     });
-    far::parallelFor(std::ssize(data_->rows.runs), 1, [&](Offset run, Offset) {
+    parallelFor(std::ssize(data_->rows.runs), 1, [&](Offset run, Offset) {
         data_->evaluateRun(data_->rows.runs[run], entries, stride, to);
     });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
 #include <espalier/osd/cpu_evaluator.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ void CpuEvaluator::evaluate(const stencils::StencilTable<Real>& table, Values<Re
     checkEvaluation(table, source, sourceLayout, destination, destinationLayout, rows);
     constexpr Offset kGrain = 2048;
     const Offset length = sourceLayout.length;
-    far::parallelFor(rows.last - rows.first, kGrain, [&](Offset first, Offset last) {
+    parallelFor(rows.last - rows.first, kGrain, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
             const Index row = rows.first + static_cast<Index>(i);
             const auto columns = table.columns(row);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
 #include <espalier/osd/buffer_descriptor.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -10,9 +10,6 @@
 #include <type_traits>
 
 namespace espalier::osd {
-
-using far::Index;
-using far::Offset;
 
 /// Part of the rows of a table: first to last − 1.
 struct RowRange {

@@ -10,13 +10,13 @@ namespace espalier::osd {
 /// Memory that an evaluation takes besides what it is given, kept for the next one.
 ///
 /// An evaluation with a workspace allocates only if no earlier one has needed as much; and takes no
-/// lock, if it runs on the calling thread (far::SerialExecutor). So in real time:
+/// lock, if it runs on the calling thread (SerialExecutor). So in real time:
 ///
 ///     const osd::CompiledTable<float> table(binding.table);
 ///     osd::Workspace workspace = table.workspace(3);
-///     far::SerialExecutor serial;
+///     SerialExecutor serial;
 ///     …
-///     const far::ExecutorScope scope(serial);  // for each pose
+///     const ExecutorScope scope(serial);  // for each pose
 ///     table.evaluate(pose, xyz, points, xyz, {0, table.rowCount()}, workspace);
 ///
 /// For one evaluation at a time: threads that evaluate at once have one each.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/petsc/agreement.h>
-#include <espalier/petsc/error_capture.h>
+#include "agreement.h"
+#include <espalier/base/error.h>
+#include "error_capture.h"
 
 #include <array>
 #include <cstring>

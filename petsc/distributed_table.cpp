@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/petsc/agreement.h>
+#include <espalier/base/error.h>
 #include <espalier/petsc/distributed_table.h>
-#include <espalier/petsc/error_capture.h>
+#include "agreement.h"
+#include "error_capture.h"
 
 #include <array>
 #include <cmath>
@@ -80,7 +80,7 @@ struct IntegersOf {
         }
     }
 
-    far::Array<Integer> offsets, ownColumns;
+    Array<Integer> offsets, ownColumns;
     std::span<const Integer> columns;
 };
 
@@ -174,7 +174,7 @@ DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ow
     makeVector(vertices_, ownVertices_.count(), vertexCount_);
 }
 
-DistributedTable::DistributedTable(MPI_Comm comm, const stencils::Binding<double>& own,
+DistributedTable::DistributedTable(MPI_Comm comm, const embed::Binding<double>& own,
                                    Offset ownVertexCount)
     : DistributedTable(comm, own.table, ownVertexCount, 3) {
     checkOnAllRanks(comm, [&] {

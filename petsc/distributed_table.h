@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/point.h>
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
+#include <espalier/embed/binding.h>
 #include <espalier/petsc/owned_range.h>
-#include <espalier/stencils/binding.h>
 #include <petscmat.h>
 
 #include <memory>
@@ -46,7 +46,7 @@ namespace espalier::petsc {
 class ESPALIER_API DistributedTable {
 public:
     /// \param ownRows the rows of this rank's points, over all vertices of the lattice: the table
-    ///        of stencils::bindPoints() for these points. It is copied, so that it may go
+    ///        of embed::bindPoints() for these points. It is copied, so that it may go
     /// \param ownVertexCount how many of the vertices are this rank's; evenRange() splits them.
     ///        A rank may have no vertices, or no points
     /// \param components numbers an entry, the same on all ranks
@@ -63,7 +63,7 @@ public:
     /// nothing. (With the constructor above, rows that are empty give 0.)
     ///
     /// \throws Error also for kept points that are not the rank's
-    DistributedTable(MPI_Comm comm, const stencils::Binding<double>& own, Offset ownVertexCount);
+    DistributedTable(MPI_Comm comm, const embed::Binding<double>& own, Offset ownVertexCount);
 
     int components() const { return components_; }
     OwnedRange ownPoints() const { return ownPoints_; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/petsc/error_capture.h>
+#include "error_capture.h"
+#include <espalier/base/error.h>
 
 namespace espalier::petsc {
 namespace {

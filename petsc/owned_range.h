@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/index.h>
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
 
 namespace espalier::petsc {
-
-using far::Index;
-using far::Offset;
 
 /// The points, or the lattice vertices, of one rank: first to last − 1 of all. Those of rank 0 come
 /// first, then those of rank 1.

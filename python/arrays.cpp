@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,8 +22,6 @@ std::string typeName(const py::handle& object) {
 }
 
 namespace {
-
-using far::Index;
 
 /// An array of numbers; `kinds` are NumPy's letters for those that will do.
 py::array numberArray(const py::handle& object, const std::string& name, const std::string& kinds,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/index.h>
-#include <espalier/far/point.h>
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -60,10 +60,10 @@ std::vector<Point3> toPoints(const py::handle& object, const std::string& name,
                              std::optional<std::size_t> count = {});
 
 /// Integers of any shape, in C order, that an Index can hold.
-py::array_t<far::Index> indexArray(const py::handle& object, const std::string& name);
+py::array_t<Index> indexArray(const py::handle& object, const std::string& name);
 
 /// The integers of an array of one dimension.
-std::vector<far::Index> toIndices(const py::handle& object, const std::string& name);
+std::vector<Index> toIndices(const py::handle& object, const std::string& name);
 
 /// A read-only array of numbers that belong to `owner`, which it keeps alive.
 template <class T>

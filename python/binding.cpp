@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "binding.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/embed/tensor_product.h>
 #include <espalier/far/topology_match.h>
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
+#include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
-#include <espalier/stencils/limit_binding.h>
-#include <espalier/stencils/local_binding.h>
-#include <espalier/stencils/tensor_product.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -40,38 +40,37 @@ const Words<Weights> kBases = {{"subdivision", Weights::Subdivision},
                                {"bspline", Weights::BSpline}};
 
 void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
-                       std::span<const Point3> points, const stencils::EmbeddingOptions& options) {
-    auto found = stencils::bindPoints<double>(refiner.base(), refiner.lattice()->positions, level,
-                                              refiner.rules(), points, options);
+                       std::span<const Point3> points, const embed::EmbeddingOptions& options) {
+    auto found = embed::bindPoints<double>(refiner.base(), refiner.lattice()->positions, level,
+                                           refiner.rules(), points, options);
     result.bound.binding = std::move(found.binding);
     result.placement = {std::move(found.statuses), found.largestResidual};
 }
 
 /// \param gradients whether the binding keeps those, for directions of the model
 void bindToLimit(BoundPoints& result, const Refiner& refiner, std::span<const Point3> points,
-                 const stencils::EmbeddingOptions& options, bool gradients) {
+                 const embed::EmbeddingOptions& options, bool gradients) {
     const auto& rest = refiner.lattice()->positions;
-    auto found = stencils::bindLimit<double>(
+    auto found = limit::bindLimit<double>(
         refiner.base(), rest, refiner.rules(), points,
         {.embedding = options, .tolerance = options.tolerance, .gradients = gradients});
     if (gradients)
         result.bound.gradients = io::BoundGradients{std::move(found.binding.table.gradients), rest};
-    result.bound.binding = stencils::withoutGradients(std::move(found.binding));
+    result.bound.binding = limit::withoutGradients(std::move(found.binding));
     result.placement = {std::move(found.statuses), found.largestResidual};
 }
 
 void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights basis,
-                         std::span<const Point3> points,
-                         const stencils::EmbeddingOptions& options) {
+                         std::span<const Point3> points, const embed::EmbeddingOptions& options) {
     const Lattice& lattice = *refiner.lattice();
     // To go on without them would be another deformation than the lattice asks for.
     if (!lattice.marks.empty())
         throw Error("basis: the lattice has marks, which only subdivision heeds");
-    const stencils::TensorLattice tensor(
+    const embed::TensorLattice tensor(
         lattice.complex, lattice.positions,
-        basis == Weights::Bezier ? stencils::Basis::Bezier : stencils::Basis::BSpline);
-    const auto embedding = stencils::embedPoints(tensor, points, options);
-    result.bound.binding = stencils::makeBinding<double>(tensor, embedding, points);
+        basis == Weights::Bezier ? embed::Basis::Bezier : embed::Basis::BSpline);
+    const auto embedding = embed::embedPoints(tensor, points, options);
+    result.bound.binding = embed::makeBinding<double>(tensor, embedding, points);
     Placement placement{{}, embedding.largestResidual()};
     for (const auto& point : embedding.points) placement.statuses.push_back(point.status);
     result.placement = std::move(placement);
@@ -148,7 +147,7 @@ py::array inPrecisionOf(const py::object& values, Function function) {
 template <class Real>
 py::array deformIn(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
     const auto& binding = self.bound.binding;
-    const far::Index rows = binding.table.rowCount();
+    const Index rows = binding.table.rowCount();
     return evaluate<Real>({"pose", binding.table.columnCount(), rows, 3,
                            [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
                                std::span<Real> result) {
@@ -240,8 +239,8 @@ void addPoints(py::class_<BoundPoints, Bound>& type) {
 
 }  // namespace
 
-std::span<const std::uint8_t> bytesOf(const std::vector<stencils::PointStatus>& statuses) {
-    using stencils::PointStatus;
+std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& statuses) {
+    using embed::PointStatus;
     static_assert(sizeof(PointStatus) == sizeof(std::uint8_t) &&
                   static_cast<int>(PointStatus::Inside) == 0 &&
                   static_cast<int>(PointStatus::Outside) == 1 &&

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/point.h>
+#include <espalier/base/point.h>
+#include <espalier/embed/point_location.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
-#include <espalier/stencils/point_location.h>
 
 #include <atomic>
 #include <cstdint>
@@ -46,7 +46,7 @@ private:
 
 /// How binding went for each point.
 struct Placement {
-    std::vector<stencils::PointStatus> statuses;
+    std::vector<embed::PointStatus> statuses;
     double largestResidual = 0;
 };
 
@@ -69,7 +69,7 @@ struct BoundPoints {
 };
 
 /// How binding went, as NumPy has it: PointStatus in espalier/__init__.py.
-std::span<const std::uint8_t> bytesOf(const std::vector<stencils::PointStatus>& statuses);
+std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& statuses);
 
 /// The points of what was bound, where its model tells.
 /// \throws Error if the model cannot be read, or has another number of points

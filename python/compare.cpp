@@ -26,7 +26,7 @@ Agreement compareWithOpenSubdiv(const Refiner& refiner, int level) {
     });
 }
 
-py::tuple toTuple(const std::array<far::Index, 3>& counts) {
+py::tuple toTuple(const std::array<Index, 3>& counts) {
     return py::make_tuple(counts[0], counts[1], counts[2]);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/osd/change_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
@@ -70,11 +70,11 @@ InEither<osd::ChangeEvaluator> changeEvaluatorOf(const InEither<osd::CompiledTab
 }
 
 /// Which of the columns have changed.
-std::vector<far::Index> columnsOf(const ArrayLike& changed,
-                                  const InEither<osd::ChangeEvaluator>& evaluator) {
+std::vector<Index> columnsOf(const ArrayLike& changed,
+                             const InEither<osd::ChangeEvaluator>& evaluator) {
     auto columns = toIndices(changed, "changed");
-    const far::Index count = evaluator.shape().second;
-    for (const far::Index column : columns)
+    const Index count = evaluator.shape().second;
+    for (const Index column : columns)
         if (column < 0 || column >= count)
             throw Error("changed: there is no column " + std::to_string(column) + " among " +
                         std::to_string(count));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/stencils/design_variables.h>
+#include <espalier/solve/design_variables.h>
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <pybind11/stl.h>
 
 #include <array>
@@ -21,8 +21,7 @@ using namespace py::literals;
 
 namespace {
 
-using far::Index;
-using stencils::DesignVariables;
+using solve::DesignVariables;
 
 /// One vertex, or several.
 std::vector<Index> verticesOf(const ArrayLike& object) {
@@ -92,7 +91,7 @@ tolerance : how far an image may be from its vertex, in the units of the positio
             const auto d = tableOf(deformation);
             const auto b = tableOf(design);
             return withoutGil(
-                [&] { return std::make_shared<Table>(stencils::buildJacobian(*d, *b)); });
+                [&] { return std::make_shared<Table>(solve::buildJacobian(*d, *b)); });
         },
         "deformation"_a, "design"_a, R"(
 The derivatives of the points by the variables: a StencilTable of shape (3 N, variables), whose row

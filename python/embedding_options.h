@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/stencils/embedding.h>
+#include <espalier/embed/embedding.h>
 
 #include <string>
 
@@ -9,12 +9,12 @@
 
 namespace espalier::python {
 
-inline const Words<stencils::OutsidePolicy> kOutsidePolicies = {
-    {"keep", stencils::OutsidePolicy::Keep},
-    {"nearest", stencils::OutsidePolicy::Nearest},
-    {"error", stencils::OutsidePolicy::Error}};
+inline const Words<embed::OutsidePolicy> kOutsidePolicies = {
+    {"keep", embed::OutsidePolicy::Keep},
+    {"nearest", embed::OutsidePolicy::Nearest},
+    {"error", embed::OutsidePolicy::Error}};
 
-inline stencils::EmbeddingOptions embeddingOptions(const std::string& outside, double tolerance) {
+inline embed::EmbeddingOptions embeddingOptions(const std::string& outside, double tolerance) {
     return {chosen(kOutsidePolicies, "outside", outside), tolerance};
 }
 

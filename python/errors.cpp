@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/memory.h>
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 
 #include <exception>
 #include <string_view>
@@ -24,7 +24,7 @@ void translateErrors() {
     py::register_local_exception_translator([](std::exception_ptr thrown) {
         try {
             std::rethrow_exception(thrown);
-        } catch (const far::MemoryError& error) {
+        } catch (const MemoryError& error) {
             raise(PyExc_MemoryError, error.what());
         } catch (const Error& error) {
             raise(PyExc_ValueError, error.what());

@@ -19,9 +19,9 @@ namespace espalier::python {
 template <class Real>
 struct Evaluation {
     std::string source;  ///< name of the argument
-    far::Index sourceRows = 0;
-    far::Index rows = 0;
-    std::optional<far::Offset> components = {};  ///< that there have to be; any number without
+    Index sourceRows = 0;
+    Index rows = 0;
+    std::optional<Offset> components = {};  ///< that there have to be; any number without
 
     /// Of one set.
     std::function<void(std::span<const Real>, const osd::BufferDescriptor&, std::span<Real>)> run;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/solve/lattice_fit.h>
 #include <pybind11/stl.h>
@@ -19,8 +19,6 @@ namespace espalier::python {
 using namespace py::literals;
 
 namespace {
-
-using far::Index;
 
 const Words<solve::Smoothing> kSmoothings = {{"none", solve::Smoothing::None},
                                              {"tikhonov", solve::Smoothing::Tikhonov},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/stencils/continuity.h>
-#include <espalier/stencils/nested_lattices.h>
+#include <espalier/base/error.h>
+#include <espalier/embed/continuity.h>
+#include <espalier/embed/nested_lattices.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -22,8 +22,7 @@ using namespace py::literals;
 
 namespace {
 
-using far::Index;
-using stencils::Continuity;
+using embed::Continuity;
 
 const Words<Continuity> kContinuities = {
     {"c0", Continuity::C0}, {"c1", Continuity::C1}, {"c2", Continuity::C2}};
@@ -44,12 +43,10 @@ py::array_t<Index> hold(const RefinerLike& lattice, const std::optional<ArrayLik
             vertices.insert(vertices.end(), some.begin(), some.end());
         };
         if (faces)
-            add(stencils::verticesHoldingFaces(refiner->base(), refiner->rules(), heldFaces,
-                                               wanted));
+            add(embed::verticesHoldingFaces(refiner->base(), refiner->rules(), heldFaces, wanted));
         if (points)
-            add(stencils::verticesHoldingPoints(refiner->base(), refiner->lattice()->positions,
-                                                level, refiner->rules(), heldPoints, wanted,
-                                                options));
+            add(embed::verticesHoldingPoints(refiner->base(), refiner->lattice()->positions, level,
+                                             refiner->rules(), heldPoints, wanted, options));
         std::sort(vertices.begin(), vertices.end());
         vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
         return vertices;
@@ -65,9 +62,9 @@ std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
     const auto refiner = refinerOf(parent);
     const auto options = embeddingOptions(outside, tolerance);
     return withoutGil([&] {
-        return std::make_shared<Table>(stencils::nestTables(*table, pose, refiner->base(),
-                                                            refiner->lattice()->positions, level,
-                                                            refiner->rules(), options));
+        return std::make_shared<Table>(embed::nestTables(*table, pose, refiner->base(),
+                                                         refiner->lattice()->positions, level,
+                                                         refiner->rules(), options));
     });
 }
 

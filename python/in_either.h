@@ -22,7 +22,7 @@ public:
 
     const Variant& variant() const { return variant_; }
 
-    std::pair<far::Index, far::Index> shape() const {
+    std::pair<Index, Index> shape() const {
         return std::visit(
             [](const auto& evaluator) {
                 return std::pair(evaluator.rowCount(), evaluator.columnCount());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/error.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/shapes/lattice.h>
@@ -26,8 +26,6 @@ namespace espalier::python {
 using namespace py::literals;
 
 namespace {
-
-using far::Index;
 
 /// A lattice is never changed once it is made, so that any number of threads may read it.
 using LatticePointer = std::shared_ptr<Lattice>;
@@ -122,7 +120,7 @@ std::vector<std::vector<std::vector<Index>>> cellsOf(const far::CellComplex& com
     return withoutGil([&] {
         std::vector<std::vector<std::vector<Index>>> cells;
         for (Index cell = 0; cell < complex.count(3); ++cell)
-            cells.push_back(far::outwardLoops(complex, far::CellId(cell)));
+            cells.push_back(far::outwardLoops(complex, CellId(cell)));
         return cells;
     });
 }
@@ -132,7 +130,7 @@ py::array_t<Index> hexahedra(const Lattice& lattice) {
     return toArray(withoutGil([&] {
                std::vector<Index> vertices;
                for (Index cell = 0; cell < count; ++cell) {
-                   const auto corners = far::hexahedronVertices(lattice.complex, far::CellId(cell));
+                   const auto corners = far::hexahedronVertices(lattice.complex, CellId(cell));
                    if (!corners)
                        throw Error("cell " + std::to_string(cell) +
                                    " is not a hexahedron; cells gives the faces of any");

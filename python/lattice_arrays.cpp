@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_arrays.h"
 
+#include <espalier/base/error.h>
+#include <espalier/base/printable.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/error.h>
-#include <espalier/far/printable.h>
 
 #include <cstdint>
 #include <optional>
@@ -17,7 +17,6 @@
 namespace espalier::python {
 namespace {
 
-using far::Index;
 using far::StandardCell;
 
 /// How io/lattice_parts.h names what a lattice has besides its attributes, in a file of these.

@@ -3,6 +3,7 @@
 
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/marks.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/lattice.h>
 #include <pybind11/pybind11.h>
 
@@ -18,10 +19,10 @@ namespace py = pybind11;
 /// The complex of cells: an array (C, 4), (C, 5), (C, 6) or (C, 8) of standard cells, or a list of
 /// cells that are each 4, 5, 6 or 8 vertices or a list of loops.
 /// \throws Error naming the first cell that is neither; TopologyError as far::ComplexBuilder
-far::CellComplex complexOfCells(far::Index vertexCount, const py::object& cells);
+far::CellComplex complexOfCells(Index vertexCount, const py::object& cells);
 
 /// The complex of faces: an array (F, k), or a list of loops.
-far::CellComplex complexOfFaces(far::Index vertexCount, const py::object& faces);
+far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces);
 
 /// What vertices carry besides their positions.
 struct VertexArrays {
@@ -34,11 +35,11 @@ struct VertexArrays {
 VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount);
 
 /// By the two vertices of an edge.
-using EdgeSharpness = std::map<std::pair<far::Index, far::Index>, double>;
-using VertexSharpness = std::map<far::Index, double>;
+using EdgeSharpness = std::map<std::pair<Index, Index>, double>;
+using VertexSharpness = std::map<Index, double>;
 
 /// Checked against the complex.
 far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
-                   const VertexSharpness& vertices, std::vector<far::Index> holes);
+                   const VertexSharpness& vertices, std::vector<Index> holes);
 
 }  // namespace espalier::python

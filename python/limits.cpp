@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/memory.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
+#include <espalier/base/parallel.h>
 
 #include <cstdint>
 #include <memory>
@@ -56,13 +56,13 @@ void addLimit(py::module_& module, const char* name, const char* parameter, std:
 }  // namespace
 
 void addLimits(py::module_& module) {
-    addLimit<far::ThreadLimit, int>(module, "ThreadLimit", "threads", 0, R"(
+    addLimit<ThreadLimit, int>(module, "ThreadLimit", "threads", 0, R"(
 Limits the threads that Espalier uses, in a with block: `with espalier.ThreadLimit(2): ...`. Results do
 not depend on their number, bit for bit.
 
 threads : at most so many, of the whole process; 0 is one a core
 )");
-    addLimit<far::MemoryLimit, std::uint64_t>(module, "MemoryLimit", "bytes", 1, R"(
+    addLimit<MemoryLimit, std::uint64_t>(module, "MemoryLimit", "bytes", 1, R"(
 Limits the memory of the process, in a with block: `with espalier.MemoryLimit(4 * 10**9): ...`. What
 Espalier knows to take more raises MemoryError before memory is taken for it; what turns out to take
 more, soon after.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "matrix_check.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 
 #include <string>
 
@@ -9,8 +9,6 @@
 
 namespace espalier::python {
 namespace {
-
-using far::Offset;
 
 [[noreturn]] void refuse(const std::string& name, py::ssize_t at, Offset value,
                          const std::string& expected) {

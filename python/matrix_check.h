@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/index.h>
+#include <espalier/base/index.h>
 #include <pybind11/numpy.h>
 
 #include <utility>
@@ -12,11 +12,11 @@ namespace espalier::python {
 
 namespace py = pybind11;
 
-std::pair<far::Offset, far::Offset> shapeOf(const py::object& matrix);
+std::pair<Offset, Offset> shapeOf(const py::object& matrix);
 
 /// An array of a matrix, which has to be one of integers, of one dimension.
 /// \throws Error naming it
-py::array_t<far::Offset> integersOf(const py::object& matrix, const char* name);
+py::array_t<Offset> integersOf(const py::object& matrix, const char* name);
 
 /// Checks the arrays of a csr, csc, bsr or coo matrix of SciPy, so that it can be converted. Those
 /// of other formats SciPy checks. \throws Error naming the first entry that does not fit

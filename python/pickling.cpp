@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pickling.h"
 
+#include <espalier/base/error.h>
 #include <espalier/far/cell_complex.h>
-#include <espalier/far/error.h>
 #include <espalier/far/marks.h>
 #include <pybind11/stl.h>
 
@@ -22,9 +22,6 @@
 namespace espalier::python {
 namespace {
 
-using far::Index;
-using far::Offset;
-
 [[noreturn]] void refuseState() {
     throw Error("the pickled state is not one of this version of Espalier");
 }
@@ -38,7 +35,7 @@ std::string nameIn(const py::handle& object) {
     return nameOfStr(py::reinterpret_borrow<py::str>(object));
 }
 
-/// The numbers of an array of any shape. Container is a vector or a far::Array.
+/// The numbers of an array of any shape. Container is a vector or a Array.
 template <class Container>
 Container numbersOf(const py::handle& object) {
     using Number = typename Container::value_type;
@@ -76,14 +73,14 @@ py::object lengthsOf(const far::Incidence& rows) {
     return toArray(std::move(offsets));
 }
 
-far::Incidence rowsOf(const py::handle& lengths, far::Array<Index> values) {
+far::Incidence rowsOf(const py::handle& lengths, Array<Index> values) {
     const auto size = static_cast<Offset>(values.size());
     if (py::isinstance<py::int_>(lengths)) {
         const auto length = lengths.cast<Index>();
         requireState(length > 0 && size % length == 0 && std::in_range<Index>(size / length));
         return far::Incidence::uniform(length, std::move(values));
     }
-    auto offsets = numbersOf<far::Array<Offset>>(lengths);
+    auto offsets = numbersOf<Array<Offset>>(lengths);
     requireState(!offsets.empty() && std::in_range<Index>(offsets.size() - 1) &&
                  offsets.front() == 0 && offsets.back() == size &&
                  std::is_sorted(offsets.begin(), offsets.end()));
@@ -107,8 +104,8 @@ far::CellComplex complexOf(Index vertexCount, const py::sequence& boundaries) {
     for (std::size_t i = 0; i < boundaries.size(); ++i) {
         const py::tuple parts = boundaries[i];
         requireState(parts.size() == 3);
-        auto rows = rowsOf(parts[0], numbersOf<far::Array<Index>>(parts[1]));
-        auto signs = numbersOf<far::Array<std::int8_t>>(parts[2]);
+        auto rows = rowsOf(parts[0], numbersOf<Array<Index>>(parts[1]));
+        auto signs = numbersOf<Array<std::int8_t>>(parts[2]);
         requireState(signs.size() == rows.values().size());
         for (const std::int8_t sign : signs) requireState(sign == 1 || sign == -1);
         all[i] = far::SignedIncidence(std::move(rows), std::move(signs));
@@ -228,9 +225,9 @@ py::tuple stateOfTable(const py::object& self) {
 std::shared_ptr<Table> tableOfState(const py::tuple& state) {
     requireState(state.size() == 4);
     const auto columnCount = state[0].cast<Index>();
-    auto offsets = numbersOf<far::Array<Offset>>(state[1]);
-    auto columns = numbersOf<far::Array<Index>>(state[2]);
-    auto weights = numbersOf<far::Array<double>>(state[3]);
+    auto offsets = numbersOf<Array<Offset>>(state[1]);
+    auto columns = numbersOf<Array<Index>>(state[2]);
+    auto weights = numbersOf<Array<double>>(state[3]);
     return withoutGil([&] {
         return std::make_shared<Table>(columnCount, std::move(offsets), std::move(columns),
                                        std::move(weights));
@@ -304,8 +301,8 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
     if (!state[7].is_none()) {
         Placement placement{{}, state[8].cast<double>()};
         for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[7])) {
-            requireState(status <= static_cast<std::uint8_t>(stencils::PointStatus::NotConverged));
-            placement.statuses.push_back(static_cast<stencils::PointStatus>(status));
+            requireState(status <= static_cast<std::uint8_t>(embed::PointStatus::NotConverged));
+            placement.statuses.push_back(static_cast<embed::PointStatus>(status));
         }
         requireState(placement.statuses.size() == static_cast<std::size_t>(rows));
         result->placement = std::move(placement);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
@@ -92,8 +92,7 @@ std::shared_ptr<Table> levelTable(const Refiner& refiner, int level) {
     });
 }
 
-std::tuple<far::Index, far::Index, far::Index, far::Index> countsOf(const Refiner& refiner,
-                                                                    int level) {
+std::tuple<Index, Index, Index, Index> countsOf(const Refiner& refiner, int level) {
     return withoutGil([&] {
         const auto levels = refiner.upTo(level);
         const auto& complex = levels->level(level).complex;
@@ -109,7 +108,7 @@ py::array_t<std::uint8_t> strataOf(const Refiner& refiner, int level, int dimens
             throw Error("dimension: expected 0 to " + std::to_string(complex.dimension()) +
                         ", got " + std::to_string(dimension));
         std::vector<std::uint8_t> result;
-        for (far::Index i = 0; i < complex.count(dimension); ++i)
+        for (Index i = 0; i < complex.count(dimension); ++i)
             result.push_back(static_cast<std::uint8_t>(strata.of({dimension, i})));
         return result;
     }));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "refiner.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/memory.h>
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
 #include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
@@ -53,7 +53,7 @@ std::shared_ptr<Lattice> make(Lattice (*shape)(const Options&), const Options& o
     return withoutGil([&] {
         try {
             return std::make_shared<Lattice>(shape(options));
-        } catch (const far::MemoryError&) {
+        } catch (const MemoryError&) {
             throw;
         } catch (const Error& error) {
             throw Error(aboutArguments(error.what()));

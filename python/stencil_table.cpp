@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/io/matrix_file.h>
+#include <espalier/base/error.h>
+#include <espalier/io/matrices/matrix_file.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
@@ -22,9 +22,6 @@ using namespace py::literals;
 
 namespace {
 
-using far::Index;
-using far::Offset;
-
 /// An array of a table, which lives as long as the array.
 template <class T>
 py::array arrayOf(std::span<const T> values, const std::shared_ptr<Table>& table) {
@@ -44,8 +41,8 @@ std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
     const auto columns = indexArray(rows.attr("indices"), "indices");
     const auto weights = realArray<double>(rows.attr("data"), "data");
     const auto copyOf = [](const auto& array) {
-        return far::Array<std::remove_cvref_t<decltype(*array.data())>>(
-            array.data(), array.data() + array.size());
+        return Array<std::remove_cvref_t<decltype(*array.data())>>(array.data(),
+                                                                   array.data() + array.size());
     };
     return withoutGil([&] {
         return std::make_shared<Table>(static_cast<Index>(shape.second), copyOf(offsets),
@@ -70,7 +67,7 @@ py::object csrOf(const std::shared_ptr<Table>& table) {
     py::object columns = arrayOf(table->columns(), table);
     py::object offsets = arrayOf(table->offsets(), table);
     // SciPy wants both in one width, and would make them so itself, by a copy.
-    if (table->entryCount() <= far::kMaxIndex)
+    if (table->entryCount() <= kMaxIndex)
         offsets = offsets.attr("astype")("int32");
     else
         columns = columns.attr("astype")("int64");

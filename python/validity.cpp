@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/solve/validity.h>
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/stencils/composition.h>
 #include <pybind11/stl.h>
 
@@ -22,8 +22,6 @@ using namespace py::literals;
 
 namespace {
 
-using far::Index;
-
 /// The check of a level, or of the limit, for poses of the base.
 class PoseCheck {
 public:
@@ -32,11 +30,10 @@ public:
         : refiner_(std::move(refiner)),
           level_(limit ? 0 : level),
           levels_(refiner_->upTo(level_)),
-          check_(
-              limit ? solve::ValidityCheck(stencils::LimitParts(*levels_, refiner_->rules(), level),
-                                           refiner_->lattice()->positions)
-                    : solve::ValidityCheck(levels_->level(level_).complex,
-                                           refined(refiner_->lattice()->positions))) {}
+          check_(limit ? solve::ValidityCheck(limit::LimitParts(*levels_, refiner_->rules(), level),
+                                              refiner_->lattice()->positions)
+                       : solve::ValidityCheck(levels_->level(level_).complex,
+                                              refined(refiner_->lattice()->positions))) {}
 
     const std::vector<Index>& badAtRest() const { return check_.badAtRest(); }
 

@@ -6,7 +6,7 @@
 namespace espalier::python {
 
 InterruptScope::InterruptScope()
-    : scope_([caller = std::this_thread::get_id()](const far::Progress&) {
+    : scope_([caller = std::this_thread::get_id()](const Progress&) {
           // Python answers signals on its main thread alone; that of another call does nothing
           // here.
           if (std::this_thread::get_id() != caller) return true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/progress.h>
+#include <espalier/base/progress.h>
 #include <pybind11/pybind11.h>
 
 #include <utility>
@@ -17,7 +17,7 @@ public:
     InterruptScope();
 
 private:
-    far::ProgressScope scope_;
+    ProgressScope scope_;
 };
 
 /// Calls a function that touches no Python object, while other threads run Python.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/error.h>
-#include <espalier/far/printable.h>
+#include <espalier/base/error.h>
+#include <espalier/base/printable.h>
 
 #include <initializer_list>
 #include <string>

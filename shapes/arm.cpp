@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/vector3.h>
-#include <espalier/shapes/checks.h>
+#include <espalier/base/vector3.h>
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>
+#include "checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -114,7 +114,7 @@ Affine station(const ArmJoint& a, const Frame& frameA, const ArmJoint& b, const 
 Lattice arm(const ArmOptions& options) {
     check(options);
     const std::vector<ArmJoint>& joints = options.joints;
-    requireCountable("arm", {static_cast<far::Offset>(joints.size() - 1), options.segments,
+    requireCountable("arm", {static_cast<Offset>(joints.size() - 1), options.segments,
                              options.sides, options.pattern.rings, 6});
     const std::vector<Frame> frames = jointFrames(options);
     std::vector<Affine> stations = {station(joints[0], frames[0], joints[1], frames[1], 0)};

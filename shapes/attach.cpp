@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/vector3.h>
+#include <espalier/base/error.h>
+#include <espalier/base/vector3.h>
 #include <espalier/shapes/attach.h>
-#include <espalier/shapes/cell_loops.h>
-#include <espalier/shapes/checks.h>
+#include "cell_loops.h"
+#include "checks.h"
 
 #include <numeric>
 #include <string>
 
 namespace espalier::shapes {
 namespace {
-
-using far::Index;
 
 /// The old vertices under their own numbers, and the new ones after them.
 Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices) {
@@ -36,7 +34,7 @@ Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices)
                     values.push_back(noInteger(type));
                     continue;
                 }
-                const far::Offset from = vertex.attributesFrom[0];
+                const Offset from = vertex.attributesFrom[0];
                 values.push_back(values[static_cast<std::size_t>(from * components + component)]);
             }
     return result;
@@ -45,7 +43,7 @@ Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices)
 void check(const Lattice& lattice, std::span<const NewVertex> newVertices) {
     requireConsistent("attach", "the lattice", lattice, 3);
     const Index count = lattice.complex.count(0);
-    requireCountable("attach", {count + static_cast<far::Offset>(newVertices.size())});
+    requireCountable("attach", {count + static_cast<Offset>(newVertices.size())});
     for (const NewVertex& vertex : newVertices) {
         requireFinite("attach", "the position of a new vertex", vertex.position);
         for (const Index from : vertex.attributesFrom)
@@ -60,7 +58,7 @@ struct Site {
     Loop loop;  ///< anticlockwise seen from outside the lattice
     std::vector<Point3> positions;
 
-    Site(const std::string& who, const Lattice& lattice, far::FaceId face) {
+    Site(const std::string& who, const Lattice& lattice, FaceId face) {
         requireConsistent(who, "the lattice", lattice, 3);
         const far::CellComplex& complex = lattice.complex;
         if (face.value < 0 || face.value >= complex.count(2))
@@ -73,7 +71,7 @@ struct Site {
                         "; expected a boundary face");
         const auto faces = complex.relation(3, 2)[cells[0]];
         for (std::size_t i = 0; i < faces.size(); ++i)
-            if (faces[i] == face.value) loop = far::outwardLoops(complex, far::CellId(cells[0]))[i];
+            if (faces[i] == face.value) loop = far::outwardLoops(complex, CellId(cells[0]))[i];
         for (const Index vertex : loop)
             positions.push_back(lattice.positions[static_cast<std::size_t>(vertex)]);
     }
@@ -93,7 +91,7 @@ struct Site {
 
 }  // namespace
 
-Lattice attachPrism(const Lattice& lattice, far::FaceId face, const Point3& offset) {
+Lattice attachPrism(const Lattice& lattice, FaceId face, const Point3& offset) {
     const Site site("attachPrism", lattice, face);
     site.requireOutward("attachPrism", "offset", offset, offset);
     const std::size_t n = site.loop.size();
@@ -111,7 +109,7 @@ Lattice attachPrism(const Lattice& lattice, far::FaceId face, const Point3& offs
     return attachCell(lattice, loops, newVertices);
 }
 
-Lattice attachPyramid(const Lattice& lattice, far::FaceId face, const Point3& apex) {
+Lattice attachPyramid(const Lattice& lattice, FaceId face, const Point3& apex) {
     const Site site("attachPyramid", lattice, face);
     site.requireOutward("attachPyramid", "apex", difference(apex, mean(site.positions)), apex);
     const std::size_t n = site.loop.size();

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/index.h>
-#include <espalier/far/point.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/lattice.h>
 
 #include <span>
@@ -31,7 +32,7 @@ namespace espalier::shapes {
 /// \param offset to the outside of the lattice
 /// \throws Error if the face does not exist, is between two cells, or the offset points inwards or
 ///         along the face
-ESPALIER_API Lattice attachPrism(const Lattice& lattice, far::FaceId face, const Point3& offset);
+ESPALIER_API Lattice attachPrism(const Lattice& lattice, FaceId face, const Point3& offset);
 
 /// Puts a pyramid on a face: a tetrahedron on a triangle. The attributes of the apex are the mean
 /// of those of the face; it has no integers (noInteger()). The faces of the new cell are: the one
@@ -39,14 +40,14 @@ ESPALIER_API Lattice attachPrism(const Lattice& lattice, far::FaceId face, const
 ///
 /// \param apex a new vertex, outside the lattice
 /// \throws Error as attachPrism does
-ESPALIER_API Lattice attachPyramid(const Lattice& lattice, far::FaceId face, const Point3& apex);
+ESPALIER_API Lattice attachPyramid(const Lattice& lattice, FaceId face, const Point3& apex);
 
 /// A vertex that comes with a new cell.
 struct NewVertex {
     Point3 position = {0, 0, 0};
     /// Vertices whose mean attributes it takes; with none, its attributes are 0. It takes the
     /// integers of one vertex; with none, or more than one, it has noInteger().
-    std::vector<far::Index> attributesFrom = {};
+    std::vector<Index> attributesFrom = {};
 };
 
 /// Adds any polyhedron, face to face with the lattice or apart from it.
@@ -55,13 +56,12 @@ struct NewVertex {
 ///              old ones
 /// \throws Error for an attribute source that does not exist; far::TopologyError for a cell that
 ///         does not fit: a face that then has three cells, a new vertex that is not used
-ESPALIER_API Lattice attachCell(const Lattice& lattice,
-                                std::span<const std::vector<far::Index>> loops,
+ESPALIER_API Lattice attachCell(const Lattice& lattice, std::span<const std::vector<Index>> loops,
                                 std::span<const NewVertex> newVertices);
 
 /// The same with a tetrahedron, pyramid, wedge or hexahedron.
 ESPALIER_API Lattice attachCell(const Lattice& lattice, far::StandardCell cell,
-                                std::span<const far::Index> vertices,
+                                std::span<const Index> vertices,
                                 std::span<const NewVertex> newVertices);
 
 }  // namespace espalier::shapes

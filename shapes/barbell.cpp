@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/vector3.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/vector3.h>
-#include <espalier/shapes/cell_loops.h>
-#include <espalier/shapes/checks.h>
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
+#include "cell_loops.h"
+#include "checks.h"
 
 #include <cmath>
 #include <numbers>
@@ -12,8 +12,6 @@
 
 namespace espalier::shapes {
 namespace {
-
-using far::Index;
 
 void check(const BarbellOptions& options) {
     requireAtLeast("barbell", "endSegments", options.endSegments, 3);
@@ -36,7 +34,7 @@ void check(const BarbellOptions& options) {
             (options.roundness < 1 ? "numbers up to endRadius, which is "
                                    : "with roundness 1, numbers below endRadius, which is ") +
                 textOf(options.endRadius));
-    const far::Offset sides = options.endSegments + far::Offset{options.barAcross};
+    const Offset sides = options.endSegments + Offset{options.barAcross};
     requireCountable("barbell", {sides, options.pattern.rings, options.layers, 12});
     requireCountable("barbell", {options.barSegments, options.barAcross, options.layers, 24});
 }

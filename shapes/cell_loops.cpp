@@ -1,25 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/shapes/cell_loops.h>
+#include "cell_loops.h"
 
 namespace espalier::shapes {
 namespace {
 
-Loop renamed(std::span<const far::Index> loop, std::span<const far::Index> newVertex) {
+Loop renamed(std::span<const Index> loop, std::span<const Index> newVertex) {
     Loop result;
     result.reserve(loop.size());
-    for (const far::Index vertex : loop)
-        result.push_back(newVertex[static_cast<std::size_t>(vertex)]);
+    for (const Index vertex : loop) result.push_back(newVertex[static_cast<std::size_t>(vertex)]);
     return result;
 }
 
 }  // namespace
 
-void addAll(const far::CellComplex& complex, std::span<const far::Index> newVertex,
+void addAll(const far::CellComplex& complex, std::span<const Index> newVertex,
             far::ComplexBuilder& builder) {
     const int dimension = complex.dimension();
-    for (far::Index top = 0; top < complex.count(dimension); ++top) {
+    for (Index top = 0; top < complex.count(dimension); ++top) {
         if (dimension == 3) {
-            std::vector<Loop> loops = far::outwardLoops(complex, far::CellId(top));
+            std::vector<Loop> loops = far::outwardLoops(complex, CellId(top));
             for (Loop& loop : loops) loop = renamed(loop, newVertex);
             builder.addCell(loops);
         } else {

@@ -10,11 +10,11 @@
 // Reading the cells of a complex back as what a ComplexBuilder takes; not installed.
 namespace espalier::shapes {
 
-using Loop = std::vector<far::Index>;
+using Loop = std::vector<Index>;
 
 /// Adds all cells of a lattice, faces of a mesh or edges of a curve to a builder of the same
 /// dimension; vertex v becomes newVertex[v].
-void addAll(const far::CellComplex& complex, std::span<const far::Index> newVertex,
+void addAll(const far::CellComplex& complex, std::span<const Index> newVertex,
             far::ComplexBuilder& builder);
 
 }  // namespace espalier::shapes

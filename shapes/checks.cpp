@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/shapes/checks.h>
+#include "checks.h"
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
 
 #include <charconv>
 #include <cmath>
@@ -71,20 +72,20 @@ void requireInterval(const std::string& shape, std::size_t index, double min, do
                     "numbers above " + indexed("min", index) + ", which is " + textOf(min));
 }
 
-void requireCountable(const std::string& shape, std::initializer_list<far::Offset> factors) {
-    far::Offset count = 1;
-    for (const far::Offset factor : factors) {
+void requireCountable(const std::string& shape, std::initializer_list<Offset> factors) {
+    Offset count = 1;
+    for (const Offset factor : factors) {
         // Below 2^31 before each product, so that none overflows.
-        if (factor <= far::kMaxIndex / count) {
+        if (factor <= kMaxIndex / count) {
             count *= factor;
             continue;
         }
         std::string product;
-        for (const far::Offset each : factors)
+        for (const Offset each : factors)
             product += (product.empty() ? "" : " x ") + std::to_string(each);
-        throw far::TopologyError(far::TopologyCause::TooManyEntities, {0, far::kMaxIndex},
+        throw far::TopologyError(far::TopologyCause::TooManyEntities, {0, kMaxIndex},
                                  shape + ": would take " + product + " entries; the most is " +
-                                     std::to_string(far::kMaxIndex));
+                                     std::to_string(kMaxIndex));
     }
 }
 
@@ -113,7 +114,7 @@ void requireConsistent(const std::string& who, const std::string& name, const La
     };
     for (const VertexAttribute& attribute : lattice.attributes) checkAttribute(attribute);
     for (const VertexIntegers& integers : lattice.integers) checkAttribute(integers);
-    const auto checkMark = [&](far::Index vertex) {
+    const auto checkMark = [&](Index vertex) {
         if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertexCount)
             throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {0, vertex},
                                      who + ": a mark of " + name + " names vertex " +
@@ -121,7 +122,7 @@ void requireConsistent(const std::string& who, const std::string& name, const La
                                          std::to_string(vertexCount));
     };
     for (const far::Marks::Edge& mark : lattice.marks.edges)
-        for (const far::Index vertex : mark.vertices) checkMark(vertex);
+        for (const Index vertex : mark.vertices) checkMark(vertex);
     for (const far::Marks::Vertex& mark : lattice.marks.vertices) checkMark(mark.vertex);
 }
 

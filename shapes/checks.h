@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/index.h>
-#include <espalier/far/point.h>
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/lattice.h>
 
 #include <initializer_list>
@@ -33,7 +34,7 @@ void requireInterval(const std::string& shape, std::size_t index, double min, do
 /// That a number of entities, or of entries in their loops, given by its factors (each above 0),
 /// can be counted by an Index. Asked before memory is taken for them.
 /// \throws far::TopologyError (TooManyEntities)
-void requireCountable(const std::string& shape, std::initializer_list<far::Offset> factors);
+void requireCountable(const std::string& shape, std::initializer_list<Offset> factors);
 
 /// That a lattice has the dimension that `who` works on, one finite position a vertex and
 /// `components` values a vertex in each attribute, and marks on vertices that exist.

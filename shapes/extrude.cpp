@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/vector3.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/error.h>
-#include <espalier/far/vector3.h>
-#include <espalier/shapes/cell_loops.h>
-#include <espalier/shapes/checks.h>
 #include <espalier/shapes/extrude.h>
+#include "cell_loops.h"
+#include "checks.h"
 
 #include <algorithm>
 #include <string>
@@ -12,8 +12,6 @@
 
 namespace espalier::shapes {
 namespace {
-
-using far::Index;
 
 /// What a sweep makes of one mesh, whatever its positions.
 class Sweep {
@@ -117,8 +115,8 @@ void requireManifold(const std::string& who, const far::CellComplex& mesh) {
 /// That the cells can be counted: each corner of the mesh is in 6 corners of loops a row of cells.
 void requireCountableRows(const std::string& who, const far::CellComplex& mesh,
                           std::size_t layerCount) {
-    const auto layers = static_cast<far::Offset>(std::min<std::size_t>(layerCount, far::kMaxIndex));
-    const auto corners = static_cast<far::Offset>(mesh.relation(2, 0).values().size());
+    const auto layers = static_cast<Offset>(std::min<std::size_t>(layerCount, kMaxIndex));
+    const auto corners = static_cast<Offset>(mesh.relation(2, 0).values().size());
     requireCountable(who, {layers, corners, 6});
 }
 
@@ -160,7 +158,7 @@ void requireVolumes(const Lattice& mesh, const Lattice& lattice, const Point3& d
     // A few roundings of the cross products, and far below any angle that is meant.
     constexpr double kAlong = 1e-12;
     for (Index face = 0; face < mesh.complex.count(2); ++face) {
-        const Loop bottom = far::outwardLoops(lattice.complex, far::CellId(face)).front();
+        const Loop bottom = far::outwardLoops(lattice.complex, CellId(face)).front();
         const double cosine = -facing(loopPositions(bottom, lattice.positions), direction);
         if (cosine > kAlong) continue;
         const std::string name = "extrude: face " + std::to_string(face) + " of the mesh ";

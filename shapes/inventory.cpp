@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/vector3.h>
-#include <espalier/shapes/checks.h>
+#include <espalier/base/vector3.h>
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>
+#include "checks.h"
 
 #include <cmath>
 #include <numbers>

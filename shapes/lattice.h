@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
-#include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/vertex_integers.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/shapes/level_lattice.h>
 
 #include <string>
@@ -34,7 +34,7 @@ Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
     const far::RefinerOptions& used = refiner.options();
     Lattice lattice{complex, std::move(positions), {}, {}};
     // A file of a mesh or a curve keeps the boundary mode; one of a lattice has marks alone.
-    const bool hasTags = complex.dimension() < far::kMaxDimension;
+    const bool hasTags = complex.dimension() < kMaxDimension;
     lattice.marks = far::marksFor(
         complex, strata,
         hasTags || used.boundary == far::Boundary::Open ? used.boundary : far::Boundary::Sharp);

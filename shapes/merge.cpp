@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/error.h>
-#include <espalier/shapes/cell_loops.h>
-#include <espalier/shapes/checks.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/merge.h>
-#include <espalier/shapes/weld.h>
+#include "cell_loops.h"
+#include "checks.h"
+#include "weld.h"
 
 #include <algorithm>
 #include <map>
@@ -13,8 +14,6 @@
 
 namespace espalier::shapes {
 namespace {
-
-using far::Index;
 
 std::string latticeName(const MergeOptions& options, std::size_t number) {
     return options.names.empty() ? "lattice " + std::to_string(number) : options.names[number];
@@ -107,7 +106,7 @@ void requireCellsKept(const far::CellComplex& complex, std::span<const Index> ne
         throw far::TopologyError(far::TopologyCause::RepeatedVertex, {dimension, cell},
                                  "merge: vertices " + std::to_string(twice->second) + " and " +
                                      std::to_string((twice + 1)->second) + " of " +
-                                     far::dimensionName(dimension) + " " + std::to_string(cell) +
+                                     dimensionName(dimension) + " " + std::to_string(cell) +
                                      " of " + name +
                                      " would become one; they are within the distance of " +
                                      textOf(distance) + " that the tolerance allows");
@@ -138,11 +137,11 @@ void appendValues(const Attribute& from, std::span<const Index> newVertex, Attri
 /// A face or a cell of one of the lattices.
 struct Origin {
     std::size_t lattice;
-    far::Entity entity;
+    Entity entity;
 };
 
 std::string nameOf(const Origin& origin, const MergeOptions& options) {
-    return std::string(far::dimensionName(origin.entity.dimension)) + " " +
+    return std::string(dimensionName(origin.entity.dimension)) + " " +
            std::to_string(origin.entity.index) + " of " + latticeName(options, origin.lattice);
 }
 
@@ -233,7 +232,7 @@ Lattice merge(std::span<const Lattice> lattices, const MergeOptions& options) {
     std::vector<Point3> points;
     for (const Lattice& lattice : lattices)
         points.insert(points.end(), lattice.positions.begin(), lattice.positions.end());
-    requireCountable("merge", {static_cast<far::Offset>(points.size())});
+    requireCountable("merge", {static_cast<Offset>(points.size())});
     const double distance = options.tolerance * diagonal(points);
     Welding welding = weld(points, distance);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/lattice.h>
 
 #include <span>

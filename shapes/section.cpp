@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/vector3.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/vector3.h>
-#include <espalier/shapes/cell_loops.h>
-#include <espalier/shapes/checks.h>
 #include <espalier/shapes/section.h>
+#include "cell_loops.h"
+#include "checks.h"
 
 #include <cmath>
 #include <numbers>
@@ -11,15 +11,13 @@
 
 namespace espalier::shapes {
 
-using far::Index;
-
 Lattice diskMesh(std::span<const Point3> outline, const Point3& centre,
                  const DiskPattern& pattern) {
     if (outline.size() < 3)
         refuseField("disk", "the number of vertices of the outline", std::to_string(outline.size()),
                     "3 or more");
     requireAtLeast("disk", "rings", pattern.rings, 1);
-    requireCountable("disk", {static_cast<far::Offset>(outline.size()), pattern.rings, 4});
+    requireCountable("disk", {static_cast<Offset>(outline.size()), pattern.rings, 4});
     const auto n = static_cast<Index>(outline.size());
     const bool wedges = pattern.core == Core::Wedges;
 
@@ -62,7 +60,7 @@ Lattice gridMesh(const GridOptions& options) {
         requireInterval("grid", axis, options.min[axis], options.max[axis]);
     }
     const auto [columns, rows] = options.cells;
-    requireCountable("grid", {columns + far::Offset{1}, rows + far::Offset{1}, 4});
+    requireCountable("grid", {columns + Offset{1}, rows + Offset{1}, 4});
 
     std::vector<Point3> positions;
     for (int row = 0; row <= rows; ++row)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/vector3.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/vector3.h>
-#include <espalier/shapes/cell_loops.h>
-#include <espalier/shapes/checks.h>
 #include <espalier/shapes/section.h>
 #include <espalier/shapes/solids.h>
+#include "cell_loops.h"
+#include "checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,6 @@
 
 namespace espalier::shapes {
 namespace {
-
-using far::Index;
 
 /// The lattice of one cell.
 Lattice singleCell(std::vector<Point3> positions, const std::vector<Loop>& loops) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/vector3.h>
-#include <espalier/shapes/checks.h>
+#include <espalier/base/error.h>
+#include <espalier/base/vector3.h>
 #include <espalier/shapes/transform.h>
+#include "checks.h"
 
 #include <cmath>
 #include <utility>
@@ -40,12 +40,12 @@ Point3 leastAlignedAxis(const Point3& direction) {
 /// The same lattice with every face on the other side of its cells.
 far::CellComplex insideOut(const far::CellComplex& complex) {
     far::Rows<far::Signed> faces;
-    for (far::Index cell = 0; cell < complex.count(3); ++cell) {
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
         const auto row = complex.boundary(3)[cell];
         const auto signs = complex.boundary(3).signs(cell);
         for (std::size_t i = 0; i < row.size(); ++i)
             faces.values.push_back({row[i], static_cast<std::int8_t>(-signs[i])});
-        faces.offsets.push_back(static_cast<far::Offset>(faces.values.size()));
+        faces.offsets.push_back(static_cast<Offset>(faces.values.size()));
     }
     return far::CellComplex(
         3, complex.count(0),

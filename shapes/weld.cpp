@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/vector3.h>
-#include <espalier/shapes/weld.h>
+#include "weld.h"
+#include <espalier/base/vector3.h>
 
 #include <algorithm>
 #include <array>
@@ -31,16 +31,16 @@ public:
     /// \param origin at most as large as any point, in each coordinate
     PointGrid(const Point3& origin, double boxSize) : origin_(origin), boxSize_(boxSize) {}
 
-    void insert(far::Index index, const Point3& point) {
+    void insert(Index index, const Point3& point) {
         boxes_[boxOf(point)].push_back({index, point});
     }
 
     /// The point nearest to `point` within `distance`; of several, the one inserted first.
-    std::optional<far::Index> nearest(const Point3& point, double distance) const {
+    std::optional<Index> nearest(const Point3& point, double distance) const {
         const Point3 reach = {distance, distance, distance};
         const Box low = boxOf(difference(point, reach));
         const Box high = boxOf(sum(point, reach));
-        std::optional<far::Index> best;
+        std::optional<Index> best;
         double bestDistance = std::numeric_limits<double>::infinity();
         for (std::int64_t x = low[0]; x <= high[0]; ++x)
             for (std::int64_t y = low[1]; y <= high[1]; ++y)
@@ -81,7 +81,7 @@ private:
 
     Point3 origin_;
     double boxSize_;
-    std::unordered_map<Box, std::vector<std::pair<far::Index, Point3>>, Hash> boxes_;
+    std::unordered_map<Box, std::vector<std::pair<Index, Point3>>, Hash> boxes_;
 };
 
 }  // namespace
@@ -102,9 +102,9 @@ Welding weld(std::span<const Point3> points, double distance) {
     const double boxSize = extent > 0 ? std::max(4 * distance, extent * kFinest) : 1;
     PointGrid grid(bounds(points).first, boxSize);
     for (const Point3& point : points) {
-        std::optional<far::Index> same = grid.nearest(point, distance);
+        std::optional<Index> same = grid.nearest(point, distance);
         if (!same) {
-            same = static_cast<far::Index>(welding.positions.size());
+            same = static_cast<Index>(welding.positions.size());
             welding.positions.push_back(point);
             grid.insert(*same, point);
         }

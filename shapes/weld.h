@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/index.h>
-#include <espalier/far/point.h>
+#include <espalier/base/index.h>
+#include <espalier/base/point.h>
 
 #include <span>
 #include <vector>
@@ -12,8 +12,8 @@ namespace espalier::shapes {
 
 /// Points that are the same, numbered in the order of their first appearance.
 struct Welding {
-    std::vector<far::Index> newIndex;  ///< per point
-    std::vector<Point3> positions;     ///< per welded point: that of the first one
+    std::vector<Index> newIndex;    ///< per point
+    std::vector<Point3> positions;  ///< per welded point: that of the first one
 };
 
 /// Makes each point one with the nearest of the points before it that are kept, if that is at most

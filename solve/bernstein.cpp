@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/vector3.h>
-#include <espalier/solve/bernstein.h>
+#include "bernstein.h"
+#include <espalier/base/vector3.h>
 
 #include <tuple>
 

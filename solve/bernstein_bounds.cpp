@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/solve/bernstein_bounds.h>
+#include "bernstein_bounds.h"
 
 #include <algorithm>
 #include <cmath>

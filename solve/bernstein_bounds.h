@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/solve/bernstein.h>
+#include "bernstein.h"
 
 // What Bernstein polynomials are proved to be above: by their coefficients, after halving the cube
 // as often as need be, within limits. So "no" may also mean that it could not be proved. For the

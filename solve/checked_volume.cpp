@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/solve/checked_volume.h>
+#include "checked_volume.h"
+#include <espalier/base/error.h>
 
 #include <string>
 
@@ -17,7 +17,7 @@ CheckedVolume::CheckedVolume(const far::CellComplex& level) : cells_(level) {
                         "once");
 }
 
-CheckedVolume::CheckedVolume(const stencils::LimitParts& limit)
+CheckedVolume::CheckedVolume(const limit::LimitParts& limit)
     : cells_(limit.base()), limit_(limit) {}
 
 Index CheckedVolume::partCount() const {
@@ -28,7 +28,7 @@ Index CheckedVolume::cellOf(Index part) const {
     return limit_ ? limit_->parts()[part].baseCell : part;
 }
 
-stencils::LimitPositions CheckedVolume::place(std::span<const Point3> positions) const {
+limit::LimitPositions CheckedVolume::place(std::span<const Point3> positions) const {
     if (limit_) return limit_->place(positions);
     return {{}, {positions.begin(), positions.end()}};
 }

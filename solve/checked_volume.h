@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
-#include <espalier/far/point.h>
-#include <espalier/solve/validity_pieces.h>
-#include <espalier/stencils/limit_parts.h>
+#include <espalier/limit/limit_parts.h>
+#include "validity_pieces.h"
 
 #include <optional>
 #include <span>
@@ -18,7 +18,7 @@ public:
     /// Each cell is the only part of itself.
     /// \throws Error if it is not a lattice of quadrilaterals
     explicit CheckedVolume(const far::CellComplex& level);
-    explicit CheckedVolume(const stencils::LimitParts& limit);
+    explicit CheckedVolume(const limit::LimitParts& limit);
 
     /// Those that are found good or bad.
     const far::CellComplex& cells() const { return cells_; }
@@ -26,12 +26,12 @@ public:
     Index partCount() const;
 
     /// Parts that one thread is to take at a time: a patch takes a hundred times as long as a cell.
-    far::Offset grain() const { return limit_ ? 8 : 1024; }
+    Offset grain() const { return limit_ ? 8 : 1024; }
 
     Index cellOf(Index part) const;
 
     /// \param positions of the vertices of cells(); of a level they are those `limits`, and all
-    stencils::LimitPositions place(std::span<const Point3> positions) const;
+    limit::LimitPositions place(std::span<const Point3> positions) const;
 
     /// Calls visit(piece…) for each piece of a part, which is there once for each of some
     /// positions: all Piece<1>, or all Piece<3>.
@@ -49,7 +49,7 @@ public:
 
 private:
     far::CellComplex cells_;
-    std::optional<stencils::LimitParts> limit_;
+    std::optional<limit::LimitParts> limit_;
 };
 
 }  // namespace espalier::solve

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
+#include <espalier/base/error.h>
+#include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
-#include <espalier/far/error.h>
-#include <espalier/far/point.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
@@ -12,8 +12,6 @@
 #include <vector>
 
 namespace espalier::solve {
-
-using far::Index;
 
 /// What is asked of displacements besides that they reach the targets.
 enum class Smoothing {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
-#include <espalier/solve/bernstein_bounds.h>
-#include <espalier/solve/checked_volume.h>
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
 #include <espalier/solve/validity.h>
+#include "bernstein_bounds.h"
+#include "checked_volume.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +14,7 @@ namespace espalier::solve {
 namespace {
 
 using far::CellComplex;
-using far::Offset;
-using stencils::LimitPositions;
+using limit::LimitPositions;
 
 /// \param name of the positions, in messages
 void checkPositions(const CellComplex& complex, std::span<const Point3> positions,
@@ -150,7 +149,7 @@ void shorten(LargestStep& step, const CheckedVolume& volume, Index part, int ori
 template <class Visit>
 void forEachPart(const CheckedVolume& volume, Visit visit) {
     const Offset grain = volume.grain();
-    far::parallelFor(volume.partCount(), grain, [&](Offset first, Offset last) {
+    parallelFor(volume.partCount(), grain, [&](Offset first, Offset last) {
         for (auto part = static_cast<Index>(first); part < last; ++part)
             visit(static_cast<std::size_t>(first / grain), part);
     });
@@ -161,7 +160,7 @@ void forEachPart(const CheckedVolume& volume, Visit visit) {
 ValidityCheck::ValidityCheck(const CellComplex& complex, std::span<const Point3> rest)
     : ValidityCheck(CheckedVolume(complex), rest) {}
 
-ValidityCheck::ValidityCheck(const stencils::LimitParts& limit, std::span<const Point3> rest)
+ValidityCheck::ValidityCheck(const limit::LimitParts& limit, std::span<const Point3> rest)
     : ValidityCheck(CheckedVolume(limit), rest) {}
 
 ValidityCheck::ValidityCheck(CheckedVolume checked, std::span<const Point3> rest)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
-#include <espalier/far/point.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/limit_parts.h>
+#include <espalier/limit/limit_parts.h>
 
 #include <cstdint>
 #include <memory>
@@ -14,8 +14,6 @@
 #include <vector>
 
 namespace espalier::solve {
-
-using far::Index;
 
 /// A number and the cell that has it.
 struct CellValue {
@@ -67,10 +65,10 @@ class CheckedVolume;
 /// in each of its 4n tetrahedra. As it is a quotient, the orientation is that of the rest: a
 /// lattice may be left-handed.
 ///
-/// In the limit the maps are those of stencils::LimitParts: tricubic patches, which are exact and
+/// In the limit the maps are those of limit::LimitParts: tricubic patches, which are exact and
 /// whose determinants are of degree (8, 8, 8), and blends around irregular features. What is said
 /// there is said of the blends, which come closer to the limit with the level to which features are
-/// refined: those of stencils::bindLimit() are finer. A cell of the base is inverted if anything is
+/// refined: those of limit::bindLimit() are finer. A cell of the base is inverted if anything is
 /// that descends from it.
 ///
 /// "Valid" is proved, by Bernstein coefficients of determinants (bernstein_bounds.h). A cell that
@@ -97,7 +95,7 @@ public:
     /// \param rest where the vertices of the base are at rest; copied
     /// \throws Error as above, but for the faces
     /// \cost O(parts), in parallel: 30 µs a patch, 1 µs a blend
-    ValidityCheck(const stencils::LimitParts& limit, std::span<const Point3> rest);
+    ValidityCheck(const limit::LimitParts& limit, std::span<const Point3> rest);
 
     /// The cells that are flat, folded or inside out at rest: turned against most of the cells that
     /// they are joined to by faces, directly or by way of others. They do not count in what
@@ -123,7 +121,7 @@ private:
     ValidityCheck(CheckedVolume volume, std::span<const Point3> rest);
 
     std::shared_ptr<const CheckedVolume> volume_;
-    stencils::LimitPositions rest_;
+    limit::LimitPositions rest_;
     std::vector<std::int8_t> orientation_;  ///< of each cell at rest: ±1; 0 if it is bad
     std::vector<Index> badAtRest_;
 };

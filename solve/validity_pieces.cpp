@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "validity_pieces.h"
+#include <espalier/base/vector3.h>
+#include <espalier/embed/cell_place.h>
 #include <espalier/far/standard_cells.h>
-#include <espalier/far/vector3.h>
-#include <espalier/solve/validity_pieces.h>
-#include <espalier/stencils/cell_place.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,7 +72,7 @@ Piece<Degree> pieceOf(
 
 }  // namespace
 
-Piece<3> pieceOf(const stencils::BezierPatch& patch) {
+Piece<3> pieceOf(const limit::BezierPatch& patch) {
     Piece<3> piece = pieceOf<3>(patch.points);
     piece.size.uncertainty = 3 * 48 * kUnit * patch.largestCoordinate;
     return piece;
@@ -82,7 +82,7 @@ CellPieces::CellPieces(const far::CellComplex& complex, Index cell)
     : complex_(complex), cell_(cell), corners_(far::hexahedronVertices(complex, cell_)) {}
 
 Index CellPieces::count() const {
-    return corners_ ? 1 : stencils::tetrahedronCount(complex_, cell_);
+    return corners_ ? 1 : embed::tetrahedronCount(complex_, cell_);
 }
 
 Piece<1> CellPieces::piece(Index number, std::span<const Point3> positions) const {
@@ -113,7 +113,7 @@ Piece<1> CellPieces::tetrahedron(Index number, std::span<const Point3> positions
         for (std::size_t c = 0; c < 3; ++c)
             apex[c] += offset[c] / static_cast<double>(vertices.size());
     }
-    auto base = stencils::tetrahedronBase(complex_, cell_, number);
+    auto base = embed::tetrahedronBase(complex_, cell_, number);
     const auto face = static_cast<std::size_t>(number / 2);
     if (complex_.boundary(3).signs(cell_.value)[face] < 0) std::swap(base[1], base[2]);
     Piece<1> piece;

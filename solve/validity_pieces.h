@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
-#include <espalier/far/point.h>
-#include <espalier/solve/bernstein.h>
-#include <espalier/stencils/limit_parts.h>
+#include <espalier/limit/limit_parts.h>
+#include "bernstein.h"
 
 #include <array>
 #include <optional>
 #include <span>
 
 namespace espalier::solve {
-
-using far::Index;
 
 /// How large derivatives are, and what they are known to.
 struct PieceSize {
@@ -36,7 +34,7 @@ struct Piece {
     PieceSize size = {};
 };
 
-Piece<3> pieceOf(const stencils::BezierPatch& patch);
+Piece<3> pieceOf(const limit::BezierPatch& patch);
 
 /// What a cell of a refined lattice is taken apart into, as for embedding: a type-3 cell into its
 /// trilinear map, a type-n cell into 4n tetrahedra around its cell point. In a lattice that is
@@ -59,7 +57,7 @@ private:
     Piece<1> tetrahedron(Index number, std::span<const Point3> positions) const;
 
     const far::CellComplex& complex_;
-    far::CellId cell_;
+    CellId cell_;
     std::optional<std::array<Index, 8>> corners_;  ///< of a hexahedron
 };
 

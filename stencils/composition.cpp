@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/repeated_rows.h>
-#include <espalier/stencils/vertex_parents.h>
+#include "repeated_rows.h"
+#include "vertex_parents.h"
 
 #include <algorithm>
 #include <numeric>
@@ -27,7 +27,7 @@ std::vector<double> product(const StencilTable<double>& table, std::span<const d
                             int components) {
     const auto width = static_cast<std::size_t>(components);
     std::vector<double> result(static_cast<std::size_t>(table.rowCount()) * width, 0);
-    far::parallelFor(table.rowCount(), 4096, [&](Offset first, Offset last) {
+    parallelFor(table.rowCount(), 4096, [&](Offset first, Offset last) {
         for (Offset row = first; row < last; ++row) {
             const auto columns = table.columns(static_cast<Index>(row));
             const auto weights = table.weights(static_cast<Index>(row));

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/point.h>
+#include <espalier/base/api.h>
+#include <espalier/base/point.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/row_order.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "level_rows.h"
+#include <espalier/stencils/level_rows.h>
 
-#include <espalier/far/memory.h>
+#include <espalier/base/memory.h>
 #include <espalier/stencils/composition.h>
 
 #include <Eigen/QR>
@@ -10,8 +10,8 @@
 #include <numeric>
 #include <utility>
 
-#include "sort_unique.h"
-#include "table_builder.h"
+#include <espalier/base/sort_unique.h>
+#include <espalier/stencils/table_builder.h>
 
 namespace espalier::stencils {
 namespace {
@@ -55,7 +55,7 @@ StencilTable<double> carried(const StencilTable<double>& own, const StencilTable
                                       for (std::size_t k = 0; k < next.size(); ++k)
                                           accumulator.add(next[k], weights[i] * factors[k]);
                                       // Thousands of long rows may go by before a loop looks.
-                                      if (std::ssize(next) > kLongRow) far::checkMemory();
+                                      if (std::ssize(next) > kLongRow) checkMemory();
                                   }
                                   if (areDerivatives) accumulator.makeSumZero();
                               });

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/far/fading.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/mlca.h>
 #include <espalier/stencils/rats.h>
 #include <espalier/stencils/table_builder.h>
-#include <espalier/stencils/vertex_parents.h>
+#include "vertex_parents.h"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,6 @@ namespace espalier::stencils {
 namespace {
 
 using far::CellComplex;
-using far::Entity;
 
 /// The sub-complex that a rule averages over: that of a stratum, less the edges that fade.
 struct Neighbourhood {
@@ -45,7 +44,7 @@ struct Neighbourhood {
 };
 
 Mask maskOf(const Neighbourhood& around, Rules rules, far::TriangleSubdivision triangles) {
-    const far::Entity& entity = around.entity;
+    const Entity& entity = around.entity;
     const int stratum = around.stratum;
     const bool isSurfaceEdge = entity.dimension == 1 && stratum == 2;
     if (isSurfaceEdge && triangles == far::TriangleSubdivision::Smooth) {

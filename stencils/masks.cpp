@@ -25,9 +25,9 @@ Mask volumeMask(Rules rules, int dimension, double n) {
 
 }  // namespace
 
-Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence) {
+Mask refinementMask(Rules rules, int dimension, int stratum, Index valence) {
     assert(rules != Rules::Mlca);
-    assert(0 <= dimension && dimension <= stratum && stratum <= far::kMaxDimension);
+    assert(0 <= dimension && dimension <= stratum && stratum <= kMaxDimension);
     if (rules == Rules::Rats) {
         Mask average{};
         average[stratum] = 1;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/index.h>
+#include <espalier/base/api.h>
+#include <espalier/base/index.h>
 
 #include <array>
 
@@ -22,7 +22,7 @@ enum class Rules {
 /// average of the centroids of the incident entities of dimension j (itself, where j is its own
 /// dimension; P, M̄, Ā and C̄ in the papers' letters for j = 0, 1, 2, 3). Entries sum to 1; those
 /// below the entity's dimension or above its stratum are 0.
-using Mask = std::array<double, far::kMaxDimension + 1>;
+using Mask = std::array<double, kMaxDimension + 1>;
 
 /// The refinement rule of an entity of dimension `dimension` on stratum `stratum`. Of
 /// Catmull-Clark:
@@ -51,7 +51,7 @@ using Mask = std::array<double, far::kMaxDimension + 1>;
 ///        number of its edges on the surface; at least 1; not used otherwise
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3; Joy, bicubic refinement, "face", "edge" and
 ///       "vertex" points (stratum 2); CSE-96-1, section 2 (stratum 1)
-ESPALIER_API Mask refinementMask(Rules rules, int dimension, int stratum, far::Index valence);
+ESPALIER_API Mask refinementMask(Rules rules, int dimension, int stratum, Index valence);
 
 /// The rule of an edge on stratum 2 under TriangleSubdivision::Smooth: M (1 − 2w) + 2w Ā, where w
 /// is the mean of 0.47 for each triangle and 1/4 for each other face at the edge.

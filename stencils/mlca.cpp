@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/stencils/mlca.h>
 
 namespace espalier::stencils {
-
-using far::Entity;
-using far::Index;
 
 std::vector<Entity> mlcaSubCell(const far::CellComplex& complex, Entity whole, std::size_t corner) {
     const Index vertex = complex.relation(whole.dimension, 0)[whole.index][corner];

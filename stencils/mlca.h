@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <cstddef>
@@ -49,8 +49,8 @@ namespace espalier::stencils {
 /// \param corner of the vertices of `whole`, complex.relation(whole.dimension, 0), the position of
 ///        one. Where the loop of a face passes a vertex twice there are two sub-cells
 /// \cost O(edges and faces at the vertex)
-ESPALIER_API std::vector<far::Entity> mlcaSubCell(const far::CellComplex& complex,
-                                                  far::Entity whole, std::size_t corner);
+ESPALIER_API std::vector<Entity> mlcaSubCell(const far::CellComplex& complex, Entity whole,
+                                             std::size_t corner);
 
 /// Checks that the rules of MLCA say how to refine what a refiner holds.
 ///

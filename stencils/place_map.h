@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/index.h>
+#include <espalier/base/index.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <vector>
 
 namespace espalier::stencils {
-
-using far::Index;
 
 /// A few of many numbered items, each with its place in a list. To look one up is to read an array;
 /// to forget them all costs as much as they are.
@@ -42,7 +40,7 @@ public:
     }
 
 private:
-    static constexpr Index kNone = far::kMaxIndex;
+    static constexpr Index kNone = kMaxIndex;
     std::vector<Index> places_;
     std::vector<Index> items_;
 };

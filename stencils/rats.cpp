@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/stencils/rats.h>
 
 #include <algorithm>
@@ -7,8 +8,6 @@
 
 namespace espalier::stencils {
 
-using far::Entity;
-using far::Index;
 using far::Level;
 
 namespace {
@@ -113,7 +112,7 @@ std::vector<Entity> ratsSources(const Level& level, Entity entity) {
 }
 
 void checkRats(const far::TopologyRefiner& refiner) {
-    if (refiner.dimension() == far::kMaxDimension)
+    if (refiner.dimension() == kMaxDimension)
         throw Error("the rules of RATS are for curves and meshes, not for lattices");
     if (refiner.boundary() == far::Boundary::Open)
         throw Error("the rules of RATS reach the border; there are none without boundary control");

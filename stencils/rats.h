@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
+#include <espalier/base/api.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <vector>
@@ -42,7 +43,7 @@ enum class RatsPoint {
 };
 
 /// The type of the new point of an entity of a curve or a mesh.
-ESPALIER_API RatsPoint ratsPoint(const far::Level& level, far::Entity entity);
+ESPALIER_API RatsPoint ratsPoint(const far::Level& level, Entity entity);
 
 /// The entities of whose averages the new point of `entity` is the mean. A vertex that the loop of
 /// a face passes twice is there twice.
@@ -51,7 +52,7 @@ ESPALIER_API RatsPoint ratsPoint(const far::Level& level, far::Entity entity);
 /// border edges then, and its centroid is also the mean of its new vertex points.
 ///
 /// \cite Savva & Clapworthy, Eq 4 to 19; section 3 (F_γ and E_δ are means of new vertex points)
-ESPALIER_API std::vector<far::Entity> ratsSources(const far::Level& level, far::Entity entity);
+ESPALIER_API std::vector<Entity> ratsSources(const far::Level& level, Entity entity);
 
 /// Checks that the rules of RATS say how to refine what a refiner holds.
 ///

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/parallel.h>
-#include <espalier/stencils/repeated_rows.h>
+#include "repeated_rows.h"
+#include <espalier/base/parallel.h>
 #include <espalier/stencils/surroundings.h>
-#include <espalier/stencils/vertex_parents.h>
+#include "vertex_parents.h"
 
 #include <algorithm>
 
@@ -25,7 +25,7 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
 
     // Refinement keeps the order of the shapes, and so rows correspond that come at the same place
     // among the rows of their base entities.
-    far::Array<Index> places(parents.count());
+    Array<Index> places(parents.count());
     std::vector<Index> sizes(insides_.size(), 0);
     for (Index vertex = 0; vertex < parents.count(); ++vertex)
         places[vertex] = sizes[origin.of(parents(vertex))]++;
@@ -59,8 +59,8 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
 
 /// The places of the columns of a table among the vertices around their base entities.
 template <class Real>
-far::Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& firstRows) const {
-    far::Array<Index> places(firstRows.columns().size());
+Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& firstRows) const {
+    Array<Index> places(firstRows.columns().size());
     for (Index row = 0; row < firstRows.rowCount(); ++row) {
         const Index* const around = verticesAround(firstBases_[row]);
         Offset entry = firstRows.offsets()[row];
@@ -75,16 +75,16 @@ far::Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& firstRows) co
 
 template <class Real>
 StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& firstRows) const {
-    const far::Array<Index> places = placesOf(firstRows);
+    const Array<Index> places = placesOf(firstRows);
     const Index columnCount = firstRows.columnCount();
-    far::Array<Offset> offsets(copies_.size() + 1);
+    Array<Offset> offsets(copies_.size() + 1);
     offsets[0] = 0;
     for (std::size_t row = 0; row < copies_.size(); ++row)
         offsets[row + 1] = offsets[row] + firstRows.offsets()[copies_[row].first + 1] -
                            firstRows.offsets()[copies_[row].first];
-    far::Array<Index> columns(static_cast<std::size_t>(offsets.back()));
-    far::Array<Real> weights(columns.size());
-    far::parallelFor(static_cast<Offset>(copies_.size()), 4096, [&](Offset begin, Offset end) {
+    Array<Index> columns(static_cast<std::size_t>(offsets.back()));
+    Array<Real> weights(columns.size());
+    parallelFor(static_cast<Offset>(copies_.size()), 4096, [&](Offset begin, Offset end) {
         for (auto row = static_cast<std::size_t>(begin); row < static_cast<std::size_t>(end);
              ++row) {
             const Copy& copy = copies_[row];

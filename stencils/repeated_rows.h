@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/array.h>
+#include <espalier/base/array.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/row_order.h>
@@ -52,11 +52,11 @@ private:
         return around_.data() + insides_[static_cast<std::size_t>(base)]->vertices;
     }
     template <class Real>
-    far::Array<Index> placesOf(const StencilTable<Real>& firstRows) const;
+    Array<Index> placesOf(const StencilTable<Real>& firstRows) const;
 
     std::vector<Index> firsts_;
     std::vector<Index> firstBases_;               ///< the base entity of each of firsts_
-    far::Array<Copy> copies_;                     ///< one a row
+    Array<Copy> copies_;                          ///< one a row
     std::vector<std::optional<Inside>> insides_;  ///< one a base entity
     std::vector<Index> around_;
 };

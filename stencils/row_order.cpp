@@ -15,7 +15,7 @@ RowOrder::RowOrder(std::span<const Index> groups, Index groupCount)
 }
 
 BaseEntities::BaseEntities(const far::CellComplex& base) {
-    for (int d = 0; d <= far::kMaxDimension; ++d) {
+    for (int d = 0; d <= kMaxDimension; ++d) {
         const auto at = static_cast<std::size_t>(d);
         begins_[at + 1] = begins_[at] + base.count(d);
         numbers_[at].resize(static_cast<std::size_t>(base.count(d)));
@@ -23,7 +23,7 @@ BaseEntities::BaseEntities(const far::CellComplex& base) {
     }
 }
 
-far::Entity BaseEntities::entity(Index number) const {
+Entity BaseEntities::entity(Index number) const {
     int dimension = 0;
     while (number >= begins_[static_cast<std::size_t>(dimension) + 1]) ++dimension;
     return {dimension, number - begins_[dimension]};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/array.h>
+#include <espalier/base/api.h>
+#include <espalier/base/array.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <array>
@@ -10,9 +10,6 @@
 #include <vector>
 
 namespace espalier::stencils {
-
-using far::Index;
-using far::Offset;
 
 /// An order of the rows of a table in which those come one after the other that share columns, or
 /// will after a product. Without groups, the order of the table.
@@ -56,19 +53,19 @@ public:
     Index count() const { return begins_.back(); }
 
     /// The entity of the base that a number stands for.
-    far::Entity entity(Index number) const;
+    Entity entity(Index number) const;
 
     std::span<const Index> of(int dimension) const {
         return numbers_[static_cast<std::size_t>(dimension)];
     }
-    Index of(const far::Entity& entity) const {
+    Index of(const Entity& entity) const {
         return of(entity.dimension)[static_cast<std::size_t>(entity.index)];
     }
 
 private:
     /// The numbers of the dimensions, one after the other.
-    std::array<Index, far::kMaxDimension + 2> begins_ = {};
-    far::ByEntity<Index> numbers_;
+    std::array<Index, kMaxDimension + 2> begins_ = {};
+    ByEntity<Index> numbers_;
 };
 
 /// Those of levels 0 to `level`.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/error.h>
+#include <espalier/base/api.h>
+#include <espalier/base/error.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <Eigen/SparseCore>
@@ -26,7 +26,7 @@ public:
 
     /// \throws Error if the table has more entries than an Index counts
     explicit SparseView(const StencilTable<Real>& table) : table_(&table) {
-        if (table.entryCount() > far::kMaxIndex)
+        if (table.entryCount() > kMaxIndex)
             throw Error("a table of " + std::to_string(table.entryCount()) +
                         " entries is too large for a view with 32-bit offsets");
         offsets_.assign(table.offsets().begin(), table.offsets().end());
@@ -48,7 +48,7 @@ private:
 template <class Derived>
 StencilTable<typename Derived::Scalar> fromEigen(const Eigen::SparseMatrixBase<Derived>& matrix) {
     using Real = typename Derived::Scalar;
-    if (matrix.rows() > far::kMaxIndex || matrix.cols() > far::kMaxIndex)
+    if (matrix.rows() > kMaxIndex || matrix.cols() > kMaxIndex)
         throw Error("a matrix of " + std::to_string(matrix.rows()) + " × " +
                     std::to_string(matrix.cols()) + " is too large for a table");
     Eigen::SparseMatrix<Real, Eigen::RowMajor, Offset> rows = matrix;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/stencils/stencil_table.h>
 #include <espalier/stencils/table_builder.h>
 
@@ -27,7 +27,7 @@ StencilTable<Real>::StencilTable(Index columnCount, Array<Offset> offsets, Array
     const auto entries = static_cast<Offset>(columns_.size());
     if (columnCount_ < 0 || offsets_.empty() || offsets_.front() != 0 ||
         offsets_.back() != entries || weights_.size() != columns_.size() ||
-        offsets_.size() - 1 > static_cast<std::size_t>(far::kMaxIndex))
+        offsets_.size() - 1 > static_cast<std::size_t>(kMaxIndex))
         throw Error("a table of " + std::to_string(offsets_.size()) + " offsets, " +
                     std::to_string(entries) + " columns and " + std::to_string(weights_.size()) +
                     " weights is not in compressed sparse rows");
@@ -115,7 +115,7 @@ StencilTable<Real> interleaveRows(const std::vector<const StencilTable<Real>*>& 
             throw Error("table " + std::to_string(t) + " is " + size(*tables[t]) +
                         ", but table 0 is " + size(*tables[0]) + ": they can not be interleaved");
     const auto count = static_cast<Offset>(tables.size());
-    if (rowCount * count > far::kMaxIndex)
+    if (rowCount * count > kMaxIndex)
         throw Error(std::to_string(count) + " tables of " + std::to_string(rowCount) +
                     " rows are too many rows for one");
     return copyRows<Real>(static_cast<Index>(rowCount * count), columnCount, [&](Index i) {

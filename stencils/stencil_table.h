@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/api.h>
-#include <espalier/far/array.h>
-#include <espalier/far/index.h>
+#include <espalier/base/api.h>
+#include <espalier/base/array.h>
+#include <espalier/base/index.h>
 
 #include <span>
 #include <type_traits>
@@ -11,10 +11,6 @@
 #include <vector>
 
 namespace espalier::stencils {
-
-using far::Array;
-using far::Index;
-using far::Offset;
 
 /// Says that arrays are what they should be, and need no check.
 struct Trusted {};

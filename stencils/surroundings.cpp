@@ -6,8 +6,6 @@
 
 namespace espalier::stencils {
 
-using far::Entity;
-
 std::size_t Surroundings::Hash::operator()(const std::vector<Index>& numbers) const {
     std::uint64_t hash = numbers.size();
     for (const Index number : numbers)
@@ -27,9 +25,8 @@ Surroundings::Surroundings(const far::Level& level)
 }
 
 bool Surroundings::decideRows(const far::Level& level, far::Boundary boundary, Rules rules) {
-    const bool seesShapesOnly = rules == Rules::Mlca
-                                    ? level.complex.dimension() < far::kMaxDimension
-                                    : rules != Rules::Rats;
+    const bool seesShapesOnly =
+        rules == Rules::Mlca ? level.complex.dimension() < kMaxDimension : rules != Rules::Rats;
     return seesShapesOnly && boundary != far::Boundary::Open && !level.strata.hasSemiSharp();
 }
 

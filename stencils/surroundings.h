@@ -38,14 +38,14 @@ public:
     /// The number of the shape around an entity; they count from 0 as they are first met. Once very
     /// many are known, new ones are no longer remembered, and have another number each time.
     /// \cost O(entries around the entity)
-    Index shapeOf(const far::Entity& entity);
+    Index shapeOf(const Entity& entity);
 
     /// The vertices around the entity that was last asked for, ascending.
     const std::vector<Index>& vertices() const { return vertices_.items(); }
 
 private:
-    void collect(const far::Entity& entity);
-    void describe(const far::Entity& entity);
+    void collect(const Entity& entity);
+    void describe(const Entity& entity);
     void describe(int dimension, Index index);
 
     struct Hash {
@@ -60,7 +60,7 @@ private:
     };
     const far::Level& level_;
     std::vector<Relations> relations_;
-    std::array<PlaceMap, far::kMaxDimension + 1> around_;  ///< by dimension; 0: of the entity
+    std::array<PlaceMap, kMaxDimension + 1> around_;  ///< by dimension; 0: of the entity
     PlaceMap vertices_;
     std::vector<Index> description_;
     std::unordered_map<std::vector<Index>, Index, Hash> shapes_;

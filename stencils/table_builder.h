@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/memory.h>
-#include <espalier/far/parallel.h>
+#include <espalier/base/memory.h>
+#include <espalier/base/parallel.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
     // First each row's length, then their running sum.
     Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
     offsets[0] = 0;
-    far::parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
+    parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
         RowList<Real>& chunk = chunks[first / kGrain];
         fill(first, last, chunk);
         Offset begin = 0;
@@ -57,11 +57,11 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
     });
     for (std::size_t row = 1; row < offsets.size(); ++row) offsets[row] += offsets[row - 1];
 
-    far::requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(Real)),
-                       "a table of " + std::to_string(offsets.back()) + " weights");
+    requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(Real)),
+                  "a table of " + std::to_string(offsets.back()) + " weights");
     Array<Index> columns(static_cast<std::size_t>(offsets.back()));
     Array<Real> weights(columns.size());
-    far::parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
+    parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
         RowList<Real>& chunk = chunks[first / kGrain];
         Offset begin = 0;
         for (Offset position = first; position < last; ++position) {

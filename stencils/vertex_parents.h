@@ -7,9 +7,6 @@
 
 namespace espalier::stencils {
 
-using far::Index;
-using far::Offset;
-
 /// Which entity of the level before each vertex of a level is the new point of.
 class VertexParents {
 public:
@@ -17,7 +14,7 @@ public:
     VertexParents(const far::TopologyRefiner& refiner, int level)
         : refinement_(refiner.refinement(level)), count_(refinement_.child().count(0)) {
         const far::CellComplex& parent = refiner.level(level - 1).complex;
-        for (int d = 0; d <= far::kMaxDimension; ++d)
+        for (int d = 0; d <= kMaxDimension; ++d)
             begins_[static_cast<std::size_t>(d) + 1] = begins_[d] + parent.count(d);
         isWhole_ = begins_.back() == count_;
     }
@@ -25,7 +22,7 @@ public:
     /// Number of vertices.
     Index count() const { return count_; }
 
-    far::Entity operator()(Index vertex) const {
+    Entity operator()(Index vertex) const {
         // Vertices count through the dimensions of their parents. Without boundary control, and on
         // a level that is not uniform, some entities have none.
         if (!isWhole_) return refinement_.parentOf({0, vertex}).upper;
@@ -37,7 +34,7 @@ public:
 private:
     const far::Refinement& refinement_;
     Index count_;
-    std::array<Offset, far::kMaxDimension + 2> begins_ = {};
+    std::array<Offset, kMaxDimension + 2> begins_ = {};
     bool isWhole_;
 };
 

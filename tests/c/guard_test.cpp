@@ -2,9 +2,10 @@
 // What becomes of exceptions that no call of the C API can be made to throw at will.
 #include "guard.h"
 
-#include <espalier/far/error.h>
-#include <espalier/far/progress.h>
-#include <espalier/io/file.h>
+#include <espalier/base/error.h>
+#include <espalier/base/progress.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/io/files/file.h>
 #include <gtest/gtest.h>
 
 #include <new>
@@ -29,8 +30,8 @@ TEST(Guard, EachExceptionHasAStatusAndAMessage) {
     EXPECT_STREQ(espalier_last_error(), "cell 4 is open");
     EXPECT_EQ(statusOf(io::FileError("a.vtu", 7, "is bad")), ESPALIER_ERROR_FILE);
     EXPECT_STREQ(espalier_last_error(), "a.vtu:7: is bad");
-    EXPECT_EQ(statusOf(far::Cancelled()), ESPALIER_CANCELLED);
-    EXPECT_STREQ(espalier_last_error(), far::Cancelled().what());
+    EXPECT_EQ(statusOf(Cancelled()), ESPALIER_CANCELLED);
+    EXPECT_STREQ(espalier_last_error(), Cancelled().what());
     EXPECT_EQ(statusOf(std::bad_alloc()), ESPALIER_ERROR_MEMORY);
     EXPECT_STREQ(espalier_last_error(), "there is not enough memory");
     EXPECT_EQ(statusOf(std::length_error("vector::_M_default_append")), ESPALIER_ERROR_MEMORY);

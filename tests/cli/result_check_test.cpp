@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "result_check.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
@@ -18,8 +18,6 @@
 namespace espalier::cli {
 namespace {
 
-using far::Index;
-using far::Offset;
 using osd::BufferDescriptor;
 using stencils::FactoredTable;
 using stencils::StencilTable;
@@ -50,7 +48,7 @@ StencilTable<double> bandTable(Index rows, Index columnCount, Index entries, Wei
 /// The same table with another weight.
 StencilTable<double> withWeight(const StencilTable<double>& table, Index row, std::size_t entry,
                                 double weight) {
-    far::Array<double> weights(table.weights().begin(), table.weights().end());
+    Array<double> weights(table.weights().begin(), table.weights().end());
     weights[static_cast<std::size_t>(table.offsets()[static_cast<std::size_t>(row)]) + entry] =
         weight;
     return {table.columnCount(),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/compare/comparison.h>
-#include <espalier/far/error.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/stencils/composition.h>
 #include <gmock/gmock.h>
@@ -96,7 +96,7 @@ using stencils::StencilTable;
 /// A table with one weight changed, or the entries of two rows exchanged.
 StencilTable<double> withWeight(const StencilTable<double>& table, std::size_t entry,
                                 double difference) {
-    far::Array<double> weights(table.weights().begin(), table.weights().end());
+    Array<double> weights(table.weights().begin(), table.weights().end());
     weights[entry] += difference;
     return StencilTable<double>(table.columnCount(),
                                 {table.offsets().begin(), table.offsets().end()},
@@ -104,14 +104,14 @@ StencilTable<double> withWeight(const StencilTable<double>& table, std::size_t e
 }
 
 StencilTable<double> withRowsSwapped(const StencilTable<double>& table, Index a, Index b) {
-    far::Array<far::Offset> offsets = {0};
-    far::Array<Index> columns;
-    far::Array<double> weights;
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<double> weights;
     for (Index i = 0; i < table.rowCount(); ++i) {
         const Index row = i == a ? b : i == b ? a : i;
         columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
         weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
-        offsets.push_back(static_cast<far::Offset>(columns.size()));
+        offsets.push_back(static_cast<Offset>(columns.size()));
     }
     return StencilTable<double>(table.columnCount(), offsets, columns, weights);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/compare/error_picture.h>
-#include <espalier/compare/error_scale.h>
-#include <espalier/compare/surface_view.h>
-#include <espalier/far/error.h>
+#include "compare/error_picture.h"
+#include <espalier/base/error.h>
 #include <gmock/gmock.h>
+#include "compare/error_scale.h"
+#include "compare/surface_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,6 @@ using compare::Colour;
 using compare::ErrorScale;
 using compare::SurfaceError;
 using compare::SurfaceView;
-using far::Index;
 using testing::Each;
 using testing::HasSubstr;
 using testing::SizeIs;

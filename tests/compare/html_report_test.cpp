@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/compare/html_report.h>
-#include <espalier/compare/report_text.h>
 #include <gmock/gmock.h>
+#include "compare/report_text.h"
 
 #include <limits>
 #include <pugixml.hpp>
@@ -13,7 +13,6 @@ namespace {
 using compare::LevelAgreement;
 using compare::Report;
 using compare::ReportedShape;
-using far::Index;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/compare/level_match.h>
-#include <espalier/compare/open_subdiv_refiner.h>
+#include "compare/level_match.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include "compare/open_subdiv_refiner.h"
 
 #include "compare/shapes.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/compare/open_subdiv_refiner.h>
-#include <espalier/compare/surface.h>
-#include <espalier/stencils/limit_binding.h>
-#include <espalier/stencils/limit_table.h>
-#include <espalier/stencils/vertex_ring.h>
+#include <espalier/limit/limit_binding.h>
+#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_ring.h>
 #include <gtest/gtest.h>
 #include <opensubdiv/far/primvarRefiner.h>
+#include "compare/open_subdiv_refiner.h"
+#include "compare/surface.h"
 
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
@@ -53,13 +53,13 @@ Limits limitsOf(const Far::TopologyRefiner& refiner, std::vector<Value> values) 
 }
 
 /// The points of a ring.
-Eigen::MatrixXd firstRing(const stencils::VertexRing& ring, const test::Positions& positions) {
+Eigen::MatrixXd firstRing(const limit::VertexRing& ring, const test::Positions& positions) {
     return ring.start * positions(ring.vertices, Eigen::all);
 }
 
 /// The normal of the limit surface at a vertex, by the left eigenvectors of the second and the
 /// third eigenvalue of its ring on the surface.
-Eigen::Vector3d normalAt(const far::Level& level, const stencils::VertexRing& ring,
+Eigen::Vector3d normalAt(const far::Level& level, const limit::VertexRing& ring,
                          const test::Positions& positions) {
     std::vector<Eigen::Index> onSurface;
     for (std::size_t i = 0; i < ring.entities.size(); ++i)
@@ -82,7 +82,7 @@ Eigen::Vector3d normalAt(const far::Level& level, const stencils::VertexRing& ri
 
 /// The direction of a crease: its points in the ring lie on either side of the vertex, and come
 /// nearer by half each level, for ever.
-Eigen::Vector3d creaseAt(const far::Level& level, const stencils::VertexRing& ring,
+Eigen::Vector3d creaseAt(const far::Level& level, const limit::VertexRing& ring,
                          const test::Positions& positions) {
     const Eigen::MatrixXd first = firstRing(ring, positions);
     std::vector<Eigen::Vector3d> ends;
@@ -115,7 +115,7 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
         values.push_back({Eigen::Vector3d(pose[static_cast<std::size_t>(vertex)].data())});
     const Limits limits = limitsOf(*theirs.refiner, values);
     const auto ours = test::times(
-        stencils::buildVertexLimits<double>(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
+        limit::buildVertexLimits<double>(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
     const auto positions = test::asMatrix(pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
         const Index vertex = surface.vertices[i];
@@ -126,7 +126,7 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
             1e-12)
             << name << " vertex " << vertex;
         if (stratum == 0) continue;
-        const auto ring = stencils::ringOf(level, refiner.options(), Rules::Siggraph96, vertex);
+        const auto ring = limit::ringOf(level, refiner.options(), Rules::Siggraph96, vertex);
         if (stratum == 1) {
             // On each of its sides a crease has a plane; along it there is one tangent.
             EXPECT_LT(creaseAt(level, ring, positions).cross(limits.first[i].point).norm(), 1e-12)
@@ -174,13 +174,13 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
     for (const Value& limit : rest.points)
         points.push_back({limit.point[0], limit.point[1], limit.point[2]});
     const far::TopologyRefiner base(lattice.complex, refiner.options());
-    const auto bound = stencils::bindLimit<double>(base, lattice.positions, Rules::Siggraph96,
-                                                   points, {.gradients = true});
+    const auto bound = limit::bindLimit<double>(base, lattice.positions, Rules::Siggraph96, points,
+                                                {.gradients = true});
     std::array<test::Positions, 3> columns;
     for (std::size_t axis = 0; axis < 3; ++axis)
         columns[axis] = test::times(bound.binding.table.gradients[axis], pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
-        const far::Entity vertex{0, surface.vertices[i]};
+        const Entity vertex{0, surface.vertices[i]};
         const auto row = static_cast<Index>(i);
         if (level.strata.of(vertex) != 2 || isDart(level, vertex.index)) continue;
         if (bound.binding.table.gradients[0].columns(row).empty()) continue;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/compare/open_subdiv_refiner.h>
+#include <espalier/base/error.h>
 #include <espalier/compare/open_subdiv_tables.h>
-#include <espalier/far/error.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/osd/cpuEvaluator.h>
 #include <opensubdiv/osd/cpuVertexBuffer.h>
+#include "compare/open_subdiv_refiner.h"
 
 #include "compare/shapes.h"
 

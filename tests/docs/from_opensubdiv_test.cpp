@@ -128,7 +128,7 @@ std::vector<int> matchVertices(
         std::vector<int> next;
         for (int v = 0; v < ours.level(k).complex.count(0);
              ++v) {
-            const far::Entity of =
+            const Entity of =
                 ours.refinement(k).parentOf({0, v}).upper;
             std::vector<int> corners;
             for (const int vertex :
@@ -362,7 +362,7 @@ TEST_F(FromOpenSubdiv, VerticesComeInOtherOrders) {
     EXPECT_EQ(base.GetFaceChildVertex(0), 9);
     EXPECT_EQ(base.GetEdgeChildVertex(0), 9 + 8);
     const far::Refinement& first = ours.refinement(1);
-    const auto pointOf = [&](far::Entity entity) {
+    const auto pointOf = [&](Entity entity) {
         return first.childOf({entity, entity})->index;
     };
     EXPECT_EQ(pointOf({0, 0}), 0);

@@ -3,8 +3,10 @@
 // The C++ of docs/tutorial.md. The page shows
 // parts of this file; docs_pages checks that.
 
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/error.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
@@ -14,7 +16,6 @@
 #include <espalier/solve/lattice_fit.h>
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -69,15 +70,15 @@ TEST(Tutorial, FromALatticeToAPose) {
                                  {.marks = rest.marks});
     refiner.refineUniform(2);
     const auto& [complex, strata, holes] = refiner.level(2);
-    const far::Index cells = complex.count(3);
-    const far::Index corners = strata.count(0, 0);
+    const Index cells = complex.count(3);
+    const Index corners = strata.count(0, 0);
     EXPECT_EQ(cells, 16 * 8 * 8);
     EXPECT_EQ(corners, 8);
 
     const auto rules = stencils::Rules::Siggraph96;
     const auto table =
         stencils::buildStencils(refiner, 2, rules);
-    const far::Index rows = table.rowCount();
+    const Index rows = table.rowCount();
     const auto weights = table.weights(rows - 1);
     EXPECT_EQ(rows, complex.count(0));
     EXPECT_EQ(table.columnCount(), 45);
@@ -98,11 +99,11 @@ TEST(Tutorial, FromALatticeToAPose) {
 
     const far::TopologyRefiner base(rest.complex,
                                     {.marks = rest.marks});
-    const auto bound = stencils::bindPoints<double>(
+    const auto bound = embed::bindPoints<double>(
         base, rest.positions, 3, rules, points);
     const auto& deformation = bound.binding.table;  // D
     const auto outside =
-        bound.count(stencils::PointStatus::Outside);
+        bound.count(embed::PointStatus::Outside);
     EXPECT_EQ(deformation.rowCount(), 302);
     EXPECT_EQ(deformation.columnCount(), 45);
     EXPECT_EQ(outside, 1);
@@ -148,7 +149,7 @@ TEST(Tutorial, FromALatticeToAPose) {
                 1e-9);
 
     // Two points are pulled; the floor stays.
-    const std::vector<far::Index> pulled = {150, 300};
+    const std::vector<Index> pulled = {150, 300};
     const std::vector<Point3> pulls = {{0.2, 0, 0},
                                        {0, 0, 0.3}};
     solve::FitOptions options;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/error.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_match.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 #include <gtest/gtest.h>
 

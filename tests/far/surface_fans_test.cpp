@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "far/surface_fans.h"
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/surface_fans.h>
 #include <gtest/gtest.h>
 
 #include "support/complexes.h"

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/executor.h>
-#include <espalier/far/parallel.h>
-#include <espalier/far/progress.h>
+#include <espalier/base/error.h>
+#include <espalier/base/executor.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/progress.h>
+#include <espalier/embed/continuity.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/embed/nested_lattices.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/change_evaluator.h>
@@ -13,13 +16,10 @@
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
 #include <espalier/shapes/solids.h>
+#include <espalier/solve/design_variables.h>
 #include <espalier/solve/lattice_fit.h>
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/continuity.h>
-#include <espalier/stencils/design_variables.h>
-#include <espalier/stencils/local_binding.h>
-#include <espalier/stencils/nested_lattices.h>
 
 #include <optional>
 #include <tuple>
@@ -32,15 +32,14 @@
 namespace espalier {
 namespace {
 
-using far::Index;
 using stencils::Rules;
 using stencils::StencilTable;
 using test::failEachAllocation;
 
 class CoreMemory : public testing::Test {
 protected:
-    far::SerialExecutor serial;
-    const far::ExecutorScope scope{serial};
+    SerialExecutor serial;
+    const ExecutorScope scope{serial};
 
     /// With a cell of each sort, so that nothing is regular; and marks.
     const Lattice lattice = marked(shapes::bipyramid({.sides = 3}));
@@ -60,8 +59,8 @@ protected:
     }
 
     auto bind() const {
-        return stencils::bindPoints<double>(refined(0), lattice.positions, 2, Rules::Siggraph96,
-                                            points);
+        return embed::bindPoints<double>(refined(0), lattice.positions, 2, Rules::Siggraph96,
+                                         points);
     }
 };
 
@@ -162,17 +161,17 @@ TEST_F(CoreMemory, Binding) {
         return std::tuple(bound.binding, bound.statuses);
     });
     failEachAllocation([&] {
-        const auto bound = stencils::bindFactored<float>(refined(0), lattice.positions, 1,
-                                                         Rules::Siggraph96, points);
+        const auto bound =
+            embed::bindFactored<float>(refined(0), lattice.positions, 1, Rules::Siggraph96, points);
         return bound.statuses;
     });
     const auto refiner = refined(1);
     const auto positions =
         stencils::refinePositions(refiner, 1, Rules::Siggraph96, lattice.positions);
     failEachAllocation([&] {
-        const auto embedding = stencils::embedPoints(refiner.level(1).complex, positions, points,
-                                                     {.outside = stencils::OutsidePolicy::Nearest});
-        return stencils::makeBinding<double>(refiner, 1, Rules::Siggraph96, embedding, points);
+        const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points,
+                                                  {.outside = embed::OutsidePolicy::Nearest});
+        return embed::makeBinding<double>(refiner, 1, Rules::Siggraph96, embedding, points);
     });
 }
 
@@ -180,8 +179,8 @@ TEST_F(CoreMemory, Binding) {
 TEST_F(CoreMemory, Refusals) {
     failEachAllocation([&] {
         try {
-            stencils::bindPoints<double>(refined(0), lattice.positions, 1, Rules::Siggraph96,
-                                         points, {.outside = stencils::OutsidePolicy::Error});
+            embed::bindPoints<double>(refined(0), lattice.positions, 1, Rules::Siggraph96, points,
+                                      {.outside = embed::OutsidePolicy::Error});
         } catch (const Error& error) {
             return std::string(error.what()).find("point 3 at (9") != std::string::npos;
         }
@@ -192,9 +191,9 @@ TEST_F(CoreMemory, Refusals) {
 TEST_F(CoreMemory, BoxLatticesOfOtherBases) {
     const Lattice rest = shapes::box({.cells = {2, 1, 1}});
     failEachAllocation([&] {
-        const stencils::TensorLattice tensor(rest.complex, rest.positions, stencils::Basis::Bezier);
-        const auto embedding = stencils::embedPoints(tensor, points, {});
-        return stencils::makeBinding<double>(tensor, embedding, points);
+        const embed::TensorLattice tensor(rest.complex, rest.positions, embed::Basis::Bezier);
+        const auto embedding = embed::embedPoints(tensor, points, {});
+        return embed::makeBinding<double>(tensor, embedding, points);
     });
 }
 
@@ -202,7 +201,7 @@ TEST_F(CoreMemory, Evaluation) {
     const auto bound = bind();
     const auto& table = bound.binding.table;
     const auto factored =
-        stencils::bindFactored<double>(refined(0), lattice.positions, 2, Rules::Siggraph96, points)
+        embed::bindFactored<double>(refined(0), lattice.positions, 2, Rules::Siggraph96, points)
             .binding;
     failEachAllocation([&] { return osd::evaluateBinding(bound.binding, lattice.positions); });
     failEachAllocation([&] { return osd::evaluateBinding(factored, lattice.positions); });
@@ -245,12 +244,12 @@ TEST_F(CoreMemory, Solvers) {
         const solve::ValidityCheck check(refiner.level(1).complex, rest);
         return std::tuple(check.check(pose).inverted, check.largestStep(pose).length);
     });
-    failEachAllocation([&] { return stencils::verticesHoldingRows(table); });
+    failEachAllocation([&] { return embed::verticesHoldingRows(table); });
     const far::TopologyRefiner parent(shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).complex);
     const auto parentRest = shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).positions;
     failEachAllocation([&] {
-        return stencils::nestTables(table, lattice.positions, parent, parentRest, 1,
-                                    Rules::Siggraph96);
+        return embed::nestTables(table, lattice.positions, parent, parentRest, 1,
+                                 Rules::Siggraph96);
     });
 }
 
@@ -285,8 +284,8 @@ TEST_F(CoreMemory, DestinationsAreAsTheyWere) {
 
 TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
     auto bound = std::optional(bind());
-    auto factored = std::optional(stencils::bindFactored<double>(refined(0), lattice.positions, 2,
-                                                                 Rules::Siggraph96, points));
+    auto factored = std::optional(
+        embed::bindFactored<double>(refined(0), lattice.positions, 2, Rules::Siggraph96, points));
     auto refiner = std::optional(refined(2));
     refiner->level(2).complex.relation(0, 3);
     std::optional<osd::CompiledTable<double>> compiled(bound->binding.table);
@@ -314,8 +313,8 @@ constexpr bool kMoveWithoutMemory = (... && (std::is_nothrow_move_constructible_
                                              std::is_nothrow_move_assignable_v<Types>));
 static_assert(kMoveWithoutMemory<far::CellComplex, far::Incidence, far::SignedIncidence, far::Level,
                                  far::Refinement, far::Marks, far::TopologyRefiner, Lattice>);
-static_assert(kMoveWithoutMemory<StencilTable<double>, stencils::Binding<float>,
-                                 stencils::BoundModel<double>, stencils::Embedding>);
+static_assert(kMoveWithoutMemory<StencilTable<double>, embed::Binding<float>,
+                                 embed::BoundModel<double>, embed::Embedding>);
 static_assert(kMoveWithoutMemory<osd::CompiledTable<double>, osd::CompiledAdjoint<float>,
                                  osd::CompiledChain<double>, osd::ChangeEvaluator<float>,
                                  osd::Workspace, solve::LatticeFit>);
@@ -324,10 +323,10 @@ static_assert(kMoveWithoutMemory<osd::CompiledTable<double>, osd::CompiledAdjoin
 TEST_F(CoreMemory, Scopes) {
     failEachAllocation([] {
         int calls = 0;
-        const far::ProgressScope progress(
-            [&calls, filling = std::vector<int>(10)](const far::Progress&) { return ++calls > 0; },
+        const ProgressScope progress(
+            [&calls, filling = std::vector<int>(10)](const Progress&) { return ++calls > 0; },
             std::chrono::milliseconds(0));
-        far::parallelFor(10, 1, [](far::Offset, far::Offset) {});
+        parallelFor(10, 1, [](Offset, Offset) {});
         return calls;
     });
 }

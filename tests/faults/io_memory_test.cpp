@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/executor.h>
+#include <espalier/base/executor.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_match.h>
-#include <espalier/io/matrix_market.h>
+#include <espalier/io/matrices/matrix_market.h>
 #include <espalier/io/targets.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <io/every_writer.h>
 
 #include <tuple>
@@ -23,8 +23,8 @@ using test::failEachAllocation;
 
 class IoMemory : public testing::Test {
 protected:
-    far::SerialExecutor serial;
-    const far::ExecutorScope scope{serial};
+    SerialExecutor serial;
+    const ExecutorScope scope{serial};
     const test::TemporaryFolder folder;
 };
 
@@ -126,7 +126,7 @@ TEST_F(IoMemory, AllThatAProgramDoes) {
         const auto model = io::readModel(folder / "model.obj");
         const Lattice rest = io::readLattice(folder / "rest.vtu");
         far::TopologyRefiner refiner(rest.complex, {.marks = rest.marks});
-        const auto bound = stencils::bindPoints<double>(
+        const auto bound = embed::bindPoints<double>(
             refiner, rest.positions, 1, stencils::Rules::Siggraph96, model->positions());
         refiner.refineUniform(1);
         const auto table = stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96);

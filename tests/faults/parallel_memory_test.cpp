@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 
 #include <cstring>
 #include <optional>
@@ -41,7 +41,7 @@ void failSome(Work work, int times) {
 
 // Often an exception for want of memory is what ends it.
 TEST(ParallelMemory, ThreadLimitsEndWithoutAny) {
-    std::optional<far::ThreadLimit> limit(std::in_place, 1);
+    std::optional<ThreadLimit> limit(std::in_place, 1);
     auto end = [&] {
         limit.reset();
         return 0;
@@ -57,8 +57,8 @@ TEST(ParallelMemory, BindingAndEvaluating) {
     failSome(
         [&] {
             const far::TopologyRefiner base(lattice.complex);
-            const auto bound = stencils::bindPoints<double>(base, lattice.positions, 2,
-                                                            stencils::Rules::Siggraph96, points);
+            const auto bound = embed::bindPoints<double>(base, lattice.positions, 2,
+                                                         stencils::Rules::Siggraph96, points);
             return osd::evaluateBinding(bound.binding, lattice.positions);
         },
         15);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/local_binding.h>
 #include <espalier/far/complex_builder.h>
+#include <espalier/limit/limit_binding.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/limit_binding.h>
-#include <espalier/stencils/local_binding.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +14,6 @@
 
 namespace espalier::fuzz {
 namespace {
-
-using far::Index;
 
 /// A cell of each kind, or two that meet.
 far::CellComplex takeComplex(Input& input) {
@@ -92,8 +90,8 @@ template <class Bind>
 void runBinding(Input input, std::size_t maxPoints, Bind bind) {
     const far::TopologyRefiner refiner(takeComplex(input));
     const auto rules = static_cast<stencils::Rules>(input.choice(2));
-    stencils::EmbeddingOptions options;
-    options.outside = static_cast<stencils::OutsidePolicy>(input.choice(3));
+    embed::EmbeddingOptions options;
+    options.outside = static_cast<embed::OutsidePolicy>(input.choice(3));
     if (input.flag()) options.tolerance = input.take<float>();
     // A cell of the finest level may be no larger, and so each of them can have every point.
     if (!(options.tolerance < 0.1)) options.tolerance = 1e-6;
@@ -122,10 +120,10 @@ void runBinding(Input input, std::size_t maxPoints, Bind bind) {
             std::binary_search(bound->binding.kept.begin(), bound->binding.kept.end(), row);
         require(isKept == table.weights(row).empty(), "a point is bound or kept");
         if (isKept) {
-            require(status != stencils::PointStatus::Inside, "a point inside is bound");
+            require(status != embed::PointStatus::Inside, "a point inside is bound");
             continue;
         }
-        if (status != stencils::PointStatus::Inside) continue;
+        if (status != embed::PointStatus::Inside) continue;
         require(std::abs(sum - 1) < 1e-9, "rows sum to 1", std::to_string(sum));
         // The solve, and the products of the tables: of weights between 0 and 1, but for those of
         // an offset within the tolerance.
@@ -142,7 +140,7 @@ const Target kEmbedding("embedding", [](std::string_view bytes) {
     runBinding(Input(bytes), kMaxPoints,
                [](const auto& refiner, const auto& rest, auto rules, const auto& points,
                   const auto& options) {
-                   return stencils::bindPoints<double>(refiner, rest, 1, rules, points, options);
+                   return embed::bindPoints<double>(refiner, rest, 1, rules, points, options);
                });
 });
 
@@ -153,15 +151,15 @@ const Target kLimit("limit", [](std::string_view bytes) {
     runBinding(Input(bytes), kMaxPoints,
                [](const auto& refiner, const auto& rest, auto rules, const auto& points,
                   const auto& options) {
-                   auto bound = stencils::bindLimit<double>(
+                   auto bound = limit::bindLimit<double>(
                        refiner, rest, rules, points,
                        {.embedding = options, .tolerance = 1e-3, .gradients = true});
                    for (const auto& table : bound.binding.table.gradients)
                        for (const double weight : table.weights())
                            require(std::isfinite(weight), "gradients are finite");
-                   return stencils::BoundModel<double>{
-                       stencils::withoutGradients(std::move(bound.binding)),
-                       std::move(bound.statuses), bound.largestResidual};
+                   return embed::BoundModel<double>{
+                       limit::withoutGradients(std::move(bound.binding)), std::move(bound.statuses),
+                       bound.largestResidual};
                });
 });
 

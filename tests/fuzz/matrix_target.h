@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/io/matrix_file.h>
-#include <espalier/io/matrix_market.h>
+#include <espalier/io/matrices/matrix_file.h>
+#include <espalier/io/matrices/matrix_market.h>
 
 #include "fuzz_target.h"
 #include "written.h"

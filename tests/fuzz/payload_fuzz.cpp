@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/coding_error.h>
-#include <espalier/io/vtk_payload.h>
+#include "io/files/coding_error.h"
+#include "io/vtk/vtk_payload.h"
 
 #include "fuzz_target.h"
 

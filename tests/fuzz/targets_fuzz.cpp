@@ -9,7 +9,7 @@ namespace espalier::fuzz {
 namespace {
 
 const Target kTargets("targets", [](std::string_view bytes) {
-    constexpr far::Index kPointCount = 100;
+    constexpr Index kPointCount = 100;
     const std::string name = "targets.txt";
     const auto targets =
         readResult(name, [&] { return io::readTargets(name, kPointCount, bytes); });

@@ -11,8 +11,6 @@
 namespace espalier::fuzz {
 namespace {
 
-using far::Index;
-
 /// A vertex, edge, face: mostly one that may exist, but also negative.
 Index takeIndex(Input& input) {
     return input.take<std::int8_t>();
@@ -58,7 +56,7 @@ far::CellComplex assembleFrom(Input& input, int dimension) {
                 const Index index = takeIndex(input);
                 rows.values.push_back({index, static_cast<std::int8_t>(input.flag() ? 1 : -1)});
             }
-            rows.offsets.push_back(static_cast<far::Offset>(rows.values.size()));
+            rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
         }
         boundaries[d - 1] = far::SignedIncidence(rows);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 
 #include <filesystem>
 #include <functional>

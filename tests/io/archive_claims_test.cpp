@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/file.h>
-#include <espalier/io/npy.h>
-#include <espalier/io/numpy_matrix.h>
-#include <espalier/io/zip_writer.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/matrices/numpy_matrix.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include "io/files/zip_writer.h"
+#include "io/matrices/npy.h"
 
 #include <array>
 #include <sstream>

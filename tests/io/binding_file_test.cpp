@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/binding_file.h>
-#include <espalier/io/byte_order.h>
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
+#include "io/files/byte_order.h"
 
 #include <fstream>
 #include <limits>

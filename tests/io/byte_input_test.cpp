@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/byte_input.h>
+#include "io/files/byte_input.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/vector3.h>
+#include <espalier/base/vector3.h>
 #include <espalier/io/directions.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 
 #include <espalier/io/binding_file.h>
 #include <espalier/io/lattice_file.h>
-#include <espalier/io/matrix_file.h>
+#include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/model.h>
 #include <io/lattice_samples.h>
 
@@ -23,25 +23,25 @@ struct Writer {
 };
 
 /// A band matrix of so many rows.
-inline stencils::StencilTable<double> bandTable(far::Index rowCount) {
-    far::Array<far::Offset> offsets = {0};
-    far::Array<far::Index> columns;
-    far::Array<double> weights;
-    for (far::Index row = 0; row < rowCount; ++row) {
-        for (const far::Index k : {0, 1, 2}) {
+inline stencils::StencilTable<double> bandTable(Index rowCount) {
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<double> weights;
+    for (Index row = 0; row < rowCount; ++row) {
+        for (const Index k : {0, 1, 2}) {
             columns.push_back(row + k);
             weights.push_back(1.0 / 3);
         }
-        offsets.push_back(static_cast<far::Offset>(columns.size()));
+        offsets.push_back(static_cast<Offset>(columns.size()));
     }
     return {rowCount + 2, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
 /// A row of so many hexahedra, with marks and attributes.
-inline Lattice rowOfCells(far::Index count) {
+inline Lattice rowOfCells(Index count) {
     far::ComplexBuilder builder(3, 4 * (count + 1));
-    for (far::Index i = 0; i < count; ++i) {
-        const far::Index v = 4 * i;
+    for (Index i = 0; i < count; ++i) {
+        const Index v = 4 * i;
         builder.addCell(far::StandardCell::Hexahedron,
                         {v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6, v + 7});
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

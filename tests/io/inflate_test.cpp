@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/coding_error.h>
-#include <espalier/io/inflate.h>
+#include "io/files/inflate.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include "io/files/coding_error.h"
 
 #include <limits>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 
 #include <filesystem>
 #include <limits>
@@ -217,7 +217,7 @@ TEST(LatticeFiles, OfTheSharedFolderAreRead) {
                      << " (set ESPALIER_SHARED_DATA to the folder that has lattices/)";
     struct Expected {
         const char* name;
-        far::Index vertices, faces, cells;
+        Index vertices, faces, cells;
     };
     // Box of 3 × 2 × 2 cells: 4·3·3 vertices, 4·2·2 + 3·3·2 + 3·2·3 faces. Cylinder: 3 layers of
     // 17 vertices, 2 layers of 16 cells; per layer 8 triangles and 8 quadrilaterals in each of 3

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <espalier/far/standard_cells.h>
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -95,9 +95,9 @@ inline Lattice mixedLattice() {
 /// A prism over a pentagon (no standard cell) and a hexahedron beside it, each face wound anyhow.
 inline Lattice polyhedralLattice() {
     far::ComplexBuilder builder(3, 14);
-    const std::vector<std::vector<far::Index>> prism = {
-        {4, 3, 2, 1, 0}, {5, 6, 7, 8, 9}, {0, 1, 6, 5}, {1, 2, 7, 6},
-        {8, 7, 2, 3},    {3, 4, 9, 8},    {5, 9, 4, 0}};
+    const std::vector<std::vector<Index>> prism = {{4, 3, 2, 1, 0}, {5, 6, 7, 8, 9}, {0, 1, 6, 5},
+                                                   {1, 2, 7, 6},    {8, 7, 2, 3},    {3, 4, 9, 8},
+                                                   {5, 9, 4, 0}};
     builder.addCell(prism);
     builder.addCell(far::StandardCell::Hexahedron, {0, 10, 11, 1, 5, 12, 13, 6});
     return withAwkwardPositions(builder.build());
@@ -105,9 +105,9 @@ inline Lattice polyhedralLattice() {
 
 /// Puts marks and attributes of all kinds on a lattice.
 inline Lattice withMarksAndAttributes(Lattice lattice) {
-    const auto edge = [&](far::Index e) {
+    const auto edge = [&](Index e) {
         const auto ends = lattice.complex.relation(1, 0)[e];
-        return std::array<far::Index, 2>{std::min(ends[0], ends[1]), std::max(ends[0], ends[1])};
+        return std::array<Index, 2>{std::min(ends[0], ends[1]), std::max(ends[0], ends[1])};
     };
     lattice.marks.edges = {{edge(3), far::kInfinitelySharp}, {edge(5), 0}, {edge(1), 2.5}};
     std::sort(lattice.marks.edges.begin(), lattice.marks.edges.end(),

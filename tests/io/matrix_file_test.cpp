@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/matrix_file.h>
-#include <espalier/io/npy.h>
-#include <espalier/io/numpy_matrix.h>
-#include <espalier/io/zip_writer.h>
+#include <espalier/io/matrices/matrix_file.h>
+#include <espalier/io/matrices/numpy_matrix.h>
 #include <io/matrix_samples.h>
 #include <io/model_files.h>
+#include "io/files/zip_writer.h"
+#include "io/matrices/npy.h"
 
 #include <limits>
 #include <sstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/matrix_market.h>
+#include <espalier/io/matrices/matrix_market.h>
 #include <espalier/stencils/sparse_matrix.h>
 #include <io/matrix_samples.h>
 #include <io/model_files.h>
@@ -10,8 +10,6 @@
 namespace espalier::io {
 namespace {
 
-using stencils::Index;
-using stencils::Offset;
 using stencils::StencilTable;
 using test::sampleTable;
 using testing::HasSubstr;

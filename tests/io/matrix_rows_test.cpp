@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/coding_error.h>
-#include <espalier/io/matrix_rows.h>
+#include "io/matrices/matrix_rows.h"
 #include <io/matrix_samples.h>
+#include "io/files/coding_error.h"
 
 namespace espalier::io {
 namespace {
@@ -17,8 +17,7 @@ TEST(MatrixRows, AreSorted) {
 }
 
 TEST(MatrixRows, NameTheRowThatIsWrong) {
-    const auto refused = [](far::Array<stencils::Offset> offsets,
-                            far::Array<stencils::Index> columns, far::Array<double> weights,
+    const auto refused = [](Array<Offset> offsets, Array<Index> columns, Array<double> weights,
                             const std::string& why) {
         EXPECT_THAT([&] { tableOfRows(3, offsets, columns, weights); },
                     ThrowsMessage<CodingError>(HasSubstr(why)));
@@ -39,8 +38,8 @@ TEST(MatrixRows, NameTheRowThatIsWrong) {
 
 TEST(MatrixRows, AreNoMoreThanAnIndexCounts) {
     EXPECT_EQ(matrixSize(0, "rows"), 0);
-    EXPECT_EQ(matrixSize(far::kMaxIndex, "rows"), far::kMaxIndex);
-    for (const std::int64_t count : {std::int64_t{-1}, std::int64_t{far::kMaxIndex} + 1})
+    EXPECT_EQ(matrixSize(kMaxIndex, "rows"), kMaxIndex);
+    for (const std::int64_t count : {std::int64_t{-1}, std::int64_t{kMaxIndex} + 1})
         EXPECT_THAT([&] { matrixSize(count, "columns"); },
                     ThrowsMessage<CodingError>(
                         HasSubstr("claims " + std::to_string(count) + " columns; expected 0 to")));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/io/file.h>
+#include <espalier/io/files/file.h>
 #include <espalier/stencils/stencil_table.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,12 +32,10 @@ stencils::StencilTable<Real> sampleTable() {
 inline std::vector<Table> edgeTables() {
     std::vector<Table> tables;
     tables.emplace_back();
-    tables.emplace_back(3, far::Array<far::Offset>{0}, far::Array<far::Index>{},
-                        far::Array<double>{});
-    tables.emplace_back(0, far::Array<far::Offset>{0, 0, 0}, far::Array<far::Index>{},
-                        far::Array<double>{});
-    tables.emplace_back(far::kMaxIndex, far::Array<far::Offset>{0, 0, 2, 2},
-                        far::Array<far::Index>{0, far::kMaxIndex - 1}, far::Array<double>{1, -2});
+    tables.emplace_back(3, Array<Offset>{0}, Array<Index>{}, Array<double>{});
+    tables.emplace_back(0, Array<Offset>{0, 0, 0}, Array<Index>{}, Array<double>{});
+    tables.emplace_back(kMaxIndex, Array<Offset>{0, 0, 2, 2}, Array<Index>{0, kMaxIndex - 1},
+                        Array<double>{1, -2});
     return tables;
 }
 

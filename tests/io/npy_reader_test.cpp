@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/index.h>
-#include <espalier/io/coding_error.h>
-#include <espalier/io/npy_reader.h>
+#include "io/matrices/npy_reader.h"
+#include <espalier/base/index.h>
 #include <io/model_files.h>
+#include "io/files/coding_error.h"
 
 #include <cmath>
 #include <cstdint>
@@ -38,7 +38,7 @@ std::string bytesOfAll(std::initializer_list<Number> numbers, std::endian order)
 }
 
 template <class Number>
-far::Array<Number> numbersIn(const std::string& bytes) {
+Array<Number> numbersIn(const std::string& bytes) {
     return npyNumbers<Number>(readNpy(bytes));
 }
 
@@ -59,10 +59,10 @@ TEST(NpyReader, ReadsNumbersOfEveryTypeAndOrder) {
                 npyArray(sign + name, "(2,)", bytesOfAll<Number>({1, 100}, order));
             EXPECT_THAT(numbersIn<double>(bytes), ElementsAre(1, 100)) << sign << name;
             if constexpr (std::is_integral_v<Number>) {
-                EXPECT_THAT(numbersIn<far::Index>(bytes), ElementsAre(1, 100)) << sign << name;
-                EXPECT_THAT(numbersIn<far::Offset>(bytes), ElementsAre(1, 100)) << sign << name;
+                EXPECT_THAT(numbersIn<Index>(bytes), ElementsAre(1, 100)) << sign << name;
+                EXPECT_THAT(numbersIn<Offset>(bytes), ElementsAre(1, 100)) << sign << name;
             } else {
-                expectCodingError([&] { numbersIn<far::Index>(bytes); }, "expected integers");
+                expectCodingError([&] { numbersIn<Index>(bytes); }, "expected integers");
             }
         }
     };
@@ -74,9 +74,9 @@ TEST(NpyReader, ReadsNumbersOfEveryTypeAndOrder) {
     check(std::uint64_t{}, "u8");
     check(float{}, "f4");
     check(double{}, "f8");
-    EXPECT_THAT(numbersIn<far::Index>(npyArray("|i1", "(2,)", "\xff\x7f")), ElementsAre(-1, 127));
-    EXPECT_THAT(numbersIn<far::Index>(npyArray("|u1", "(2,)", "\xff\x7f")), ElementsAre(255, 127));
-    EXPECT_THAT(numbersIn<far::Offset>(npyArray("<i8", "(0,)", "")), ElementsAre());
+    EXPECT_THAT(numbersIn<Index>(npyArray("|i1", "(2,)", "\xff\x7f")), ElementsAre(-1, 127));
+    EXPECT_THAT(numbersIn<Index>(npyArray("|u1", "(2,)", "\xff\x7f")), ElementsAre(255, 127));
+    EXPECT_THAT(numbersIn<Offset>(npyArray("<i8", "(0,)", "")), ElementsAre());
 }
 
 TEST(NpyReader, HeadsMayBeWrittenInOtherWays) {
@@ -85,13 +85,13 @@ TEST(NpyReader, HeadsMayBeWrittenInOtherWays) {
          {"{'descr':'<i4','fortran_order':False,'shape':(2,)}",
           "{\"shape\" : ( 2 , ), \"fortran_order\" : True , \"descr\" : \"<i4\" , }  \n",
           "{'descr': '<i4', 'fortran_order': False, 'shape': (2L,), }\n"}) {
-        EXPECT_THAT(numbersIn<far::Index>(npyFile(head, data)), ElementsAre(3, 5)) << head;
+        EXPECT_THAT(numbersIn<Index>(npyFile(head, data)), ElementsAre(3, 5)) << head;
         // Versions 2 and 3 have room for longer ones.
         for (const char version : {'\2', '\3'}) {
             const std::string longer =
                 std::string("\x93NUMPY") + version + '\0' +
                 test::bytesOf(static_cast<std::uint32_t>(head.size()), kLittle) + head + data;
-            EXPECT_THAT(numbersIn<far::Index>(longer), ElementsAre(3, 5));
+            EXPECT_THAT(numbersIn<Index>(longer), ElementsAre(3, 5));
         }
     }
 }
@@ -110,12 +110,11 @@ TEST(NpyReader, RefusesNumbersThatCannotBeHeld) {
                           "number 1 is " + std::to_string(number) + ", beyond");
     expectCodingError([&] { numbersIn<double>(widest); },
                       "number 0 is 18446744073709551615, beyond");
-    expectCodingError([&] { numbersIn<far::Offset>(widest); },
+    expectCodingError([&] { numbersIn<Offset>(widest); },
                       "number 0 is 18446744073709551615, beyond");
-    expectCodingError([&] { numbersIn<far::Index>(wide(std::int64_t{1} << 31)); },
+    expectCodingError([&] { numbersIn<Index>(wide(std::int64_t{1} << 31)); },
                       "is 2147483648, beyond");
-    expectCodingError([&] { numbersIn<far::Index>(wide(-(std::int64_t{1} << 31) - 1)); },
-                      "-2147483649");
+    expectCodingError([&] { numbersIn<Index>(wide(-(std::int64_t{1} << 31) - 1)); }, "-2147483649");
     // Which number is not finite is for others to say.
     const auto infinite = npyArray("<f4", "(1,)", bytesOfAll<float>({INFINITY}, kLittle));
     EXPECT_THAT(numbersIn<double>(infinite), ElementsAre(INFINITY));

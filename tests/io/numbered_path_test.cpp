@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/io/numbered_path.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/numpy_matrix.h>
+#include <espalier/io/matrices/numpy_matrix.h>
 #include <io/matrix_samples.h>
 #include <io/model_files.h>
 
@@ -33,7 +33,7 @@ struct Arrays {
         for (std::size_t i = 0; i < files.size(); ++i) files[i] = readFile(paths[i]);
     }
 
-    Table read(stencils::Index columnCount) const {
+    Table read(Index columnCount) const {
         return readNpyArrays("D.npy", columnCount, {files[0], files[1], files[2]});
     }
 };
@@ -120,8 +120,7 @@ TEST(NpyArrays, AreRefusedInPartsAndWholeWhenChanged) {
 
 TEST(NpyArrays, AreRefusedWhereTheyDoNotFit) {
     const Arrays whole(test::sampleTable<double>()), other(Table(4, {0, 1}, {3}, {1}));
-    const auto refused = [](const Arrays& arrays, stencils::Index columnCount,
-                            const std::string& why) {
+    const auto refused = [](const Arrays& arrays, Index columnCount, const std::string& why) {
         EXPECT_THAT([&] { arrays.read(columnCount); }, ThrowsMessage<FileError>(HasSubstr(why)));
     };
     refused(whole, 3, "D.npy: row 0 names column 3 of 3");

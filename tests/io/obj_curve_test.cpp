@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "obj_mesh_samples.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 
 namespace espalier::test {
 namespace {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "obj_mesh_samples.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
 
 #include <limits>
 #include <map>

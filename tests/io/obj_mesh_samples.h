@@ -2,7 +2,7 @@
 #pragma once
 
 #include <espalier/far/topology_match.h>
-#include <espalier/io/obj_mesh.h>
+#include <espalier/io/models/obj_mesh.h>
 #include <io/lattice_samples.h>
 
 #include <optional>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "obj_mesh_samples.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
 
 namespace espalier::test {
 namespace {
@@ -265,8 +266,8 @@ TEST(ObjMesh, RefusalsNameTheLineAndWhatWasExpected) {
 }
 
 TEST(ObjMesh, TopologyErrorsNameThePlaceAndKeepTheirCause) {
-    const auto expectRefused = [](far::TopologyCause cause, far::Entity entity,
-                                  const std::string& what, const std::string& text) {
+    const auto expectRefused = [](far::TopologyCause cause, Entity entity, const std::string& what,
+                                  const std::string& text) {
         const TemporaryFolder folder;
         const std::string path = (folder / "a.obj").string();
         putLatticeFile(path, text);

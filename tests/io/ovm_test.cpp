@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
 
 namespace espalier::test {
 namespace {
@@ -42,9 +43,9 @@ TEST(Ovm, OfOneTetrahedronIsRead) {
     EXPECT_EQ(lattice.positions[3], (Point3{0, 0, 1}));
     // Face 0 is 0, 1, 2, whose normal points up, into the tetrahedron: seen from outside, it is
     // 0, 2, 1.
-    EXPECT_EQ(orientedCells(lattice.complex)[0][1], (std::vector<far::Index>{0, 2, 1}));
+    EXPECT_EQ(orientedCells(lattice.complex)[0][1], (std::vector<Index>{0, 2, 1}));
     EXPECT_EQ(orientedCells(lattice.complex)[0],
-              (std::vector<std::vector<far::Index>>{{0, 1, 3}, {0, 2, 1}, {0, 3, 2}, {1, 2, 3}}));
+              (std::vector<std::vector<Index>>{{0, 1, 3}, {0, 2, 1}, {0, 3, 2}, {1, 2, 3}}));
 }
 
 TEST(Ovm, IsWrittenAsItIsRead) {
@@ -187,7 +188,7 @@ TEST(Ovm, TopologyErrorsKeepTheirCauseAndNameTheFile) {
         FAIL() << "an open cell was taken";
     } catch (const far::TopologyError& error) {
         EXPECT_EQ(error.cause(), far::TopologyCause::OpenCell);
-        EXPECT_EQ(error.entity(), (far::Entity{3, 0}));
+        EXPECT_EQ(error.entity(), (Entity{3, 0}));
         EXPECT_THAT(error.what(), StartsWith((folder / "open.ovm").string() + ": cell 0 is open"));
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/petsc_binary.h>
+#include <espalier/io/matrices/petsc_binary.h>
 #include <io/matrix_samples.h>
 #include <io/model_files.h>
 
@@ -97,7 +97,7 @@ TEST(PetscBinary, RefusesWhatIsNoMatrix) {
 
 TEST(PetscBinary, ChecksClaimedSizesBeforeTakingMemory) {
     constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
-    constexpr std::int64_t kRows = far::kMaxIndex;
+    constexpr std::int64_t kRows = kMaxIndex;
     const auto refused = [](const std::vector<std::int64_t>& integers, const std::string& why) {
         EXPECT_THAT([&] { tableInPetscFile(file<std::int64_t>(integers, {})); },
                     ThrowsMessage<FileError>(HasSubstr(why)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/file.h>
-#include <espalier/io/text_reader.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <io/model_files.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 
 // Vertices that no cell uses: ParaView and others write such files, and one such vertex must not
 // make a lattice unreadable.
@@ -9,7 +9,6 @@
 namespace espalier::test {
 namespace {
 
-using far::Index;
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;

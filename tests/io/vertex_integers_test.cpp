@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/merge.h>

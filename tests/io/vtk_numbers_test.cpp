@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/file.h>
-#include <espalier/io/vtk_numbers.h>
+#include "io/vtk/vtk_numbers.h"
+#include <espalier/io/files/file.h>
 #include <gtest/gtest.h>
 
 #include <limits>

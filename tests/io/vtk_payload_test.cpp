@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/io/base64.h>
-#include <espalier/io/coding_error.h>
-#include <espalier/io/vtk_payload.h>
+#include "io/vtk/vtk_payload.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <io/model_files.h>
+#include "io/files/base64.h"
+#include "io/files/coding_error.h"
 
 #include <limits>
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/model.h>
-#include <espalier/io/vtk_xml_writer.h>
 #include <io/gradient_samples.h>
 #include <io/model_files.h>
+#include "io/vtk/vtk_xml_writer.h"
 
 #include <cstdint>
 #include <limits>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-#include <espalier/io/vtu_model.h>
+#include "io/vtk/vtu_model.h"
 
 namespace espalier::test {
 namespace {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-#include <espalier/far/error.h>
-#include <espalier/io/base64.h>
-#include <espalier/io/file.h>
-#include <espalier/io/vtk_xml_writer.h>
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/io/files/file.h>
+#include "io/files/base64.h"
+#include "io/vtk/vtk_xml_writer.h"
 
 #include <algorithm>
 
@@ -289,7 +290,7 @@ TEST(Vtu, TopologyErrorsKeepTheirCauseAndNameTheFile) {
         FAIL() << "an open cell was taken";
     } catch (const far::TopologyError& error) {
         EXPECT_EQ(error.cause(), far::TopologyCause::OpenCell);
-        EXPECT_EQ(error.entity(), (far::Entity{3, 1}));
+        EXPECT_EQ(error.entity(), (Entity{3, 1}));
         EXPECT_THAT(error.what(),
                     StartsWith((folder / "open.vtu").string() + ": cell 1 is open: "));
     }
@@ -469,7 +470,7 @@ TEST(Vtu, ComponentsOfListsDoNotCount) {
 /// Marks of every edge of cells of every kind are read: the bound of their number is large enough.
 TEST(Vtu, AllEdgesMayBeMarked) {
     for (Lattice lattice : {boxLattice(), mixedLattice(), polyhedralLattice()}) {
-        for (far::Index edge = 0; edge < lattice.complex.count(1); ++edge) {
+        for (Index edge = 0; edge < lattice.complex.count(1); ++edge) {
             const auto ends = lattice.complex.relation(1, 0)[edge];
             lattice.marks.edges.push_back({{ends[0], ends[1]}, 1.5});
         }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <gtest/gtest.h>
 
 #include "support/zoo.h"
@@ -15,15 +15,15 @@ using far::TopologyRefiner;
 using stencils::Rules;
 
 template <class Real>
-stencils::Binding<Real> bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
-                               const stencils::EmbeddingOptions& options = {}) {
+embed::Binding<Real> bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
+                            const embed::EmbeddingOptions& options = {}) {
     TopologyRefiner refiner(lattice.complex);
     refiner.refineUniform(level);
     const auto positions =
         stencils::refinePositions(refiner, level, Rules::Siggraph96, lattice.positions);
     const auto embedding =
-        stencils::embedPoints(refiner.level(level).complex, positions, points, options);
-    return stencils::makeBinding<Real>(refiner, level, Rules::Siggraph96, embedding, points);
+        embed::embedPoints(refiner.level(level).complex, positions, points, options);
+    return embed::makeBinding<Real>(refiner, level, Rules::Siggraph96, embedding, points);
 }
 
 // A cube sheared: points inside follow, the point outside is kept.
@@ -46,9 +46,9 @@ TEST(Binding, InFactorsMovesAndKeepsTheSame) {
     const std::vector<Point3> points = {{0.1, 0.2, 0.3}, {5, 5, 5}, {-0.3, 0.1, 0.9}, {0, 0, 0.5}};
     const TopologyRefiner base(lattice.complex);
     const auto bound =
-        stencils::bindPoints<double>(base, lattice.positions, 3, Rules::Siggraph96, points);
+        embed::bindPoints<double>(base, lattice.positions, 3, Rules::Siggraph96, points);
     const auto factored =
-        stencils::bindFactored<double>(base, lattice.positions, 3, Rules::Siggraph96, points);
+        embed::bindFactored<double>(base, lattice.positions, 3, Rules::Siggraph96, points);
     EXPECT_EQ(factored.binding.kept, std::vector<Index>{1});
     auto pose = lattice.positions;
     for (Point3& p : pose) p[2] += p[0] * p[1];
@@ -101,11 +101,11 @@ TEST(Binding, RefusesOtherPointsThanWereEmbedded) {
     refiner.refineUniform(1);
     const auto positions = stencils::refinePositions(refiner, 1, Rules::Siggraph96, cube.positions);
     const std::vector<Point3> points(3, Point3{0.5, 0.5, 0.5});
-    const auto embedding = stencils::embedPoints(refiner.level(1).complex, positions, points);
+    const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points);
     for (const std::size_t count : {2u, 4u}) {
         const std::vector<Point3> others(count);
-        EXPECT_THROW(
-            stencils::makeBinding<double>(refiner, 1, Rules::Siggraph96, embedding, others), Error);
+        EXPECT_THROW(embed::makeBinding<double>(refiner, 1, Rules::Siggraph96, embedding, others),
+                     Error);
     }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/local_binding.h>
 #include <espalier/shapes/inventory.h>
-#include <espalier/stencils/local_binding.h>
 
 #include <utility>
 #include <vector>
@@ -16,8 +16,8 @@ namespace espalier::test {
 template <class Real>
 stencils::StencilTable<Real> boundTable(const Lattice& lattice, std::size_t pointCount = 4000) {
     const Refined refined(lattice, 3);
-    return stencils::bindPoints<Real>(far::TopologyRefiner(lattice.complex), lattice.positions, 3,
-                                      stencils::Rules::Siggraph96, pointsIn(refined, pointCount, 5))
+    return embed::bindPoints<Real>(far::TopologyRefiner(lattice.complex), lattice.positions, 3,
+                                   stencils::Rules::Siggraph96, pointsIn(refined, pointCount, 5))
         .binding.table;
 }
 
@@ -27,13 +27,13 @@ template <class Real>
 stencils::StencilTable<Real> tableOfAllKinds() {
     const auto box = boundTable<Real>(shapes::box({.cells = {4, 3, 3}}));
     const auto cylinder = boundTable<Real>(shapes::cylinder({.sectors = 5}));
-    far::Array<far::Offset> offsets(box.offsets().begin(), box.offsets().end());
-    far::Array<far::Index> columns(box.columns().begin(), box.columns().end());
-    far::Array<Real> weights(box.weights().begin(), box.weights().end());
-    for (far::Index row = 0; row < cylinder.rowCount(); ++row) {
-        for (const far::Index column : cylinder.columns(row))
+    Array<Offset> offsets(box.offsets().begin(), box.offsets().end());
+    Array<Index> columns(box.columns().begin(), box.columns().end());
+    Array<Real> weights(box.weights().begin(), box.weights().end());
+    for (Index row = 0; row < cylinder.rowCount(); ++row) {
+        for (const Index column : cylinder.columns(row))
             columns.push_back(box.columnCount() + column);
-        offsets.push_back(static_cast<far::Offset>(columns.size()));
+        offsets.push_back(static_cast<Offset>(columns.size()));
     }
     weights.insert(weights.end(), cylinder.weights().begin(), cylinder.weights().end());
     return {box.columnCount() + cylinder.columnCount(), std::move(offsets), std::move(columns),
@@ -42,7 +42,7 @@ stencils::StencilTable<Real> tableOfAllKinds() {
 
 /// Between −1 and 1.
 template <class Real>
-std::vector<Real> randomValuesOf(far::Offset count, unsigned seed) {
+std::vector<Real> randomValuesOf(Offset count, unsigned seed) {
     const auto values = randomValues(static_cast<std::size_t>(count), seed);
     return {values.begin(), values.end()};
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/change_evaluator.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,8 +27,8 @@ using ::testing::HasSubstr;
 template <class Real>
 StencilTable<Real> boundTable(const Lattice& lattice, int level, std::size_t count) {
     const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
-    return stencils::bindPoints<Real>(base, lattice.positions, level, Rules::Siggraph96,
-                                      test::pointsIn(test::Refined(lattice, 1), count, 5))
+    return embed::bindPoints<Real>(base, lattice.positions, level, Rules::Siggraph96,
+                                   test::pointsIn(test::Refined(lattice, 1), count, 5))
         .binding.table;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -62,9 +62,9 @@ TYPED_TEST(CompiledChainTest, FactorsGiveWhatTheirProductDoes) {
     const auto points = test::pointsIn(refined, 40'000, 3);
     const TopologyRefiner base(lattice.complex);
     const auto factored =
-        stencils::bindFactored<TypeParam>(base, refined.base, 2, Rules::Siggraph96, points);
+        embed::bindFactored<TypeParam>(base, refined.base, 2, Rules::Siggraph96, points);
     const auto bound =
-        stencils::bindPoints<TypeParam>(base, refined.base, 2, Rules::Siggraph96, points);
+        embed::bindPoints<TypeParam>(base, refined.base, 2, Rules::Siggraph96, points);
     EXPECT_EQ(factored.statuses, bound.statuses);
     const CompiledChain<TypeParam> chain(factored.binding.table);
     const CompiledTable<TypeParam> table(bound.binding.table);
@@ -82,8 +82,8 @@ TYPED_TEST(CompiledChainTest, FactorsHaveTheirAdjoint) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});
     const test::Refined refined(lattice, 2);
     const auto factors =
-        stencils::bindFactored<Real>(TopologyRefiner(lattice.complex), refined.base, 2,
-                                     Rules::Siggraph96, test::pointsIn(refined, 3000, 3))
+        embed::bindFactored<Real>(TopologyRefiner(lattice.complex), refined.base, 2,
+                                  Rules::Siggraph96, test::pointsIn(refined, 3000, 3))
             .binding.table;
     const CompiledAdjointChain<Real> adjoint(factors);
     EXPECT_EQ(adjoint.rowCount(), factors.columnCount());

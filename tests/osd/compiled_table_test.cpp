@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/embed/embedding.h>
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/error.h>
 #include <espalier/osd/compiled_table.h>
-#include <espalier/osd/outer_product.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/embedding.h>
 #include <gtest/gtest.h>
+#include "osd/compile/outer_product.h"
 
 #include <algorithm>
 #include <numeric>
@@ -35,8 +35,8 @@ StencilTable<Real> boundTable(const Lattice& lattice, std::size_t count, const P
     for (std::size_t i = 0; i < 3 * count; ++i)
         points[i / 3][i % 3] =
             (low[i % 3] + high[i % 3]) / 2 + (high[i % 3] - low[i % 3]) / 2 * values[i];
-    const auto embedding = stencils::embedPoints(refiner.level(3).complex, rest, points);
-    return stencils::buildDeformationTable<Real>(refiner, 3, Rules::Siggraph96, embedding);
+    const auto embedding = embed::embedPoints(refiner.level(3).complex, rest, points);
+    return embed::buildDeformationTable<Real>(refiner, 3, Rules::Siggraph96, embedding);
 }
 
 template <class Real>
@@ -188,15 +188,15 @@ TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
               1.2 * bytesOfCsr(table));
 
     // One row of all columns, and many of two.
-    far::Array<Offset> offsets = {0, 1000};
-    far::Array<Index> columns(1000);
+    Array<Offset> offsets = {0, 1000};
+    Array<Index> columns(1000);
     std::iota(columns.begin(), columns.end(), Index{0});
     for (Index i = 0; i + 1 < 1000; ++i) {
         columns.insert(columns.end(), {i, i + 1});
         offsets.push_back(static_cast<Offset>(columns.size()));
     }
     const StencilTable<TypeParam> arrow(1000, offsets, columns,
-                                        far::Array<TypeParam>(columns.size(), TypeParam(0.5)));
+                                        Array<TypeParam>(columns.size(), TypeParam(0.5)));
     // Rows of two entries have a row number each, and runs of their own.
     EXPECT_LT(static_cast<double>(CompiledTable<TypeParam>(arrow).byteCount()),
               1.3 * bytesOfCsr(arrow));
@@ -218,8 +218,7 @@ TYPED_TEST(CompiledTableTest, EmptyTables) {
     const auto layout = BufferDescriptor::packed(3);
     none.evaluate({}, layout, {}, layout, {0, 0});
     // Rows without entries give 0, also so many that they are panels.
-    const CompiledTable<TypeParam> zeros{
-        StencilTable<TypeParam>(2, far::Array<Offset>(41, 0), {}, {})};
+    const CompiledTable<TypeParam> zeros{StencilTable<TypeParam>(2, Array<Offset>(41, 0), {}, {})};
     std::vector<TypeParam> result(40, 9);
     zeros.evaluate(std::vector<TypeParam>(2, 1), {0, 1, 1}, result, {0, 1, 1}, {0, 40});
     EXPECT_EQ(result, std::vector<TypeParam>(40, 0));

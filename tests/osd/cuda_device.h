@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cuda_runtime_api.h>
-#include <espalier/osd/cuda_evaluator.h>
+#include <espalier/osd/cuda/cuda_evaluator.h>
 #include <gtest/gtest.h>
 
 #include <stdexcept>

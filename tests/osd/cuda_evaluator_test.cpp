@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/osd/cuda_evaluator.h>
-#include <espalier/stencils/binding.h>
+#include <espalier/embed/binding.h>
+#include <espalier/osd/cuda/cuda_evaluator.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -310,7 +310,7 @@ TEST_F(Device, AnAdjointHasToBeAskedFor) {
 }
 
 TEST_F(Device, KeptPointsStayWhereTheyWere) {
-    stencils::Binding<double> binding;
+    embed::Binding<double> binding;
     binding.table = StencilTable<double>(2, {0, 1, 1, 2, 2}, {1, 0}, {1, 1});
     binding.kept = {1, 3};
     binding.keptAt = {Point3{1, 2, 3}, Point3{4, 5, 6}};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/osd/cuda_evaluator.h>
+#include <espalier/osd/cuda/cuda_evaluator.h>
 
 // A program of somebody's who writes CUDA, and has points of ours on the device.
 namespace user {

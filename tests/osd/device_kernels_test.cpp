@@ -70,9 +70,9 @@ TYPED_TEST(DeviceKernels, GiveTheSumsOfTablesAndOfTheirTransposes) {
 template <class Real>
 StencilTable<Real> productTable(const std::array<Index, 3>& size, Index rowCount) {
     const Index columnCount = size[0] * size[1] * size[2];
-    far::Array<Offset> offsets = {0};
-    far::Array<Index> columns;
-    far::Array<Real> weights;
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<Real> weights;
     for (Index row = 0; row < rowCount; ++row) {
         std::array<std::vector<double>, 3> factors;
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -126,8 +126,8 @@ TYPED_TEST(DeviceKernels, TakeOuterProductsOfAnySize) {
 TYPED_TEST(DeviceKernels, AddUpLongColumnsInSteps) {
     using Real = TypeParam;
     constexpr Index kGroups = 1100, kRowsOfGroup = 16, kAlone = 3000;
-    far::Array<Offset> offsets = {0};
-    far::Array<Index> columns;
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
     for (Index group = 0; group < kGroups; ++group)
         for (Index row = 0; row < kRowsOfGroup; ++row) {
             columns.insert(columns.end(), {0, 2 * group + 1, 2 * group + 2});

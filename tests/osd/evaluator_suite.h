@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/osd/evaluation.h>
-#include <espalier/osd/padding.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include "osd/kernels/padding.h"
 
 #include <algorithm>
 #include <array>
@@ -58,9 +58,9 @@ protected:
     static StencilTable<Real> randomTable(Index rowCount, Index columnCount, unsigned seed) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<Real> weight(-1, 1);
-        far::Array<Offset> offsets = {0};
-        far::Array<Index> columns;
-        far::Array<Real> weights;
+        Array<Offset> offsets = {0};
+        Array<Index> columns;
+        Array<Real> weights;
         for (Index row = 0; row < rowCount; ++row) {
             for (Index column = static_cast<Index>(random() % 5); column < columnCount;
                  column += 1 + static_cast<Index>(random() % 9)) {
@@ -75,9 +75,9 @@ protected:
     using Row = std::pair<std::vector<Index>, std::vector<Real>>;
 
     static StencilTable<Real> tableOf(Index columnCount, const std::vector<Row>& rows) {
-        far::Array<Offset> offsets = {0};
-        far::Array<Index> columns;
-        far::Array<Real> weights;
+        Array<Offset> offsets = {0};
+        Array<Index> columns;
+        Array<Real> weights;
         for (const auto& [own, ofRow] : rows) {
             columns.insert(columns.end(), own.begin(), own.end());
             weights.insert(weights.end(), ofRow.begin(), ofRow.end());

@@ -60,11 +60,11 @@ struct Adjoint {
 
 template <class Real>
 StencilTable<Real> identity(Index count) {
-    far::Array<Offset> offsets(static_cast<std::size_t>(count) + 1);
-    far::Array<Index> columns(static_cast<std::size_t>(count));
+    Array<Offset> offsets(static_cast<std::size_t>(count) + 1);
+    Array<Index> columns(static_cast<std::size_t>(count));
     std::iota(offsets.begin(), offsets.end(), Offset{0});
     std::iota(columns.begin(), columns.end(), Index{0});
-    return {count, std::move(offsets), columns, far::Array<Real>(columns.size(), Real{1})};
+    return {count, std::move(offsets), columns, Array<Real>(columns.size(), Real{1})};
 }
 
 /// One that applies the table, and then the identity to what that gave.

@@ -2,8 +2,8 @@
 #include "fake_cuda.h"
 
 #include <cuda_runtime_api.h>
-#include <espalier/osd/cuda_launch.h>
-#include <espalier/osd/device_evaluation.h>
+#include "osd/cuda/cuda_launch.h"
+#include "osd/cuda/device_evaluation.h"
 
 #include <cstdint>
 #include <cstring>
@@ -337,6 +337,6 @@ cudaError_t startKernel(const Kernel& kernel, cudaStream_t stream) {
 
 }  // namespace
 
-#include <espalier/osd/cuda_launch_body.h>
+#include "osd/cuda/cuda_launch_body.h"
 
 }  // namespace espalier::osd::device

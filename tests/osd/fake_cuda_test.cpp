@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/osd/cuda_evaluator.h>
+#include <espalier/osd/cuda/cuda_evaluator.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>

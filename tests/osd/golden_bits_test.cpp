@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -19,8 +19,6 @@
 
 namespace espalier::osd {
 namespace {
-
-using far::Index;
 
 /// FNV-1a of numbers, byte by byte from the lowest.
 class Hash {
@@ -76,8 +74,8 @@ void addResults(const far::TopologyRefiner& refiner, const Lattice& lattice, ste
     add(stencils::buildStencils<Real>(refiner, refiner.maxLevel(), rules), hash);
     const auto points = exactPoints();
     const auto bound =
-        stencils::bindPoints<Real>(far::TopologyRefiner(lattice.complex, refiner.options()),
-                                   lattice.positions, 2, rules, points);
+        embed::bindPoints<Real>(far::TopologyRefiner(lattice.complex, refiner.options()),
+                                lattice.positions, 2, rules, points);
     const auto& table = bound.binding.table;
     add(table, hash);
     std::vector<Real> source;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/osd/device_evaluation.h>
-#include <espalier/osd/device_table.h>
 #include <espalier/osd/evaluation.h>
+#include "osd/cuda/device_evaluation.h"
+#include "osd/cuda/device_table.h"
 
 #include <limits>
 #include <utility>

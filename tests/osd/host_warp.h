@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/osd/device_kernels.h>
+#include "osd/cuda/device_kernels.h"
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/executor.h>
+#include <espalier/base/error.h>
+#include <espalier/base/executor.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/change_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
@@ -9,7 +10,6 @@
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -59,10 +59,10 @@ struct Tables {
             const far::TopologyRefiner base(lattice.complex);
             const auto points = test::pointsIn(test::Refined(lattice, 1), 12'000, 5);
             tables.push_back(
-                stencils::bindPoints<Real>(base, lattice.positions, 3, Rules::Siggraph96, points)
+                embed::bindPoints<Real>(base, lattice.positions, 3, Rules::Siggraph96, points)
                     .binding.table);
             factored =
-                stencils::bindFactored<Real>(base, lattice.positions, 3, Rules::Siggraph96, points)
+                embed::bindFactored<Real>(base, lattice.positions, 3, Rules::Siggraph96, points)
                     .binding.table;
         }
         const Lattice torus = test::surfaceOf(shapes::torus());
@@ -111,7 +111,7 @@ protected:
         static const Tables<Real> tables;
         return tables;
     }
-    far::SerialExecutor serial;
+    SerialExecutor serial;
 };
 using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(RealTimeTest, Reals);
@@ -119,7 +119,7 @@ TYPED_TEST_SUITE(RealTimeTest, Reals);
 TYPED_TEST(RealTimeTest, CompiledEvaluators) {
     using Real = TypeParam;
     const auto& factored = this->tables().factored;
-    const far::ExecutorScope scope(this->serial);
+    const ExecutorScope scope(this->serial);
     for (const auto& table : this->tables().tables) {
         expectNoCalls<Real>(CompiledTable<Real>(table));
         expectNoCalls<Real>(CompiledAdjoint<Real>(table));
@@ -130,7 +130,7 @@ TYPED_TEST(RealTimeTest, CompiledEvaluators) {
 
 TYPED_TEST(RealTimeTest, PlainEvaluators) {
     using Real = TypeParam;
-    const far::ExecutorScope scope(this->serial);
+    const ExecutorScope scope(this->serial);
     for (const auto& table : this->tables().tables) {
         const RowRange rows{0, table.rowCount()};
         forEachLayout<Real>(table.rowCount(), table.columnCount(),
@@ -146,7 +146,7 @@ TYPED_TEST(RealTimeTest, PlainEvaluators) {
 
 TYPED_TEST(RealTimeTest, Changes) {
     using Real = TypeParam;
-    const far::ExecutorScope scope(this->serial);
+    const ExecutorScope scope(this->serial);
     for (const auto& table : this->tables().tables) {
         const CompiledTable<Real> compiled(table);
         const ChangeEvaluator<Real> changes(compiled);
@@ -169,7 +169,7 @@ TYPED_TEST(RealTimeTest, Changes) {
 // Where the source lies as the kernels want it, there is nothing to hold.
 TYPED_TEST(RealTimeTest, PaddedSourcesNeedNoWorkspace) {
     using Real = TypeParam;
-    const far::ExecutorScope scope(this->serial);
+    const ExecutorScope scope(this->serial);
     const auto& table = this->tables().tables.front();
     const CompiledTable<Real> compiled(table);
     const BufferDescriptor padded{0, 3, 4}, packed{0, 3, 3};
@@ -192,7 +192,7 @@ TYPED_TEST(RealTimeTest, PaddedSourcesNeedNoWorkspace) {
 TYPED_TEST(RealTimeTest, AHostsExecutorAllocatesNothingEither) {
     using Real = TypeParam;
     test::ThreadPool pool(2);
-    const far::ExecutorScope scope(pool);
+    const ExecutorScope scope(pool);
     const auto& table = this->tables().tables.front();
     const CompiledTable<Real> compiled(table);
     Workspace workspace = compiled.workspace(3);
@@ -211,8 +211,8 @@ TYPED_TEST(RealTimeTest, KeptPoints) {
     using Real = TypeParam;
     const Lattice cube = shapes::box();
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3.25, 3}, {1, 1, 1}};
-    const auto binding = stencils::bindPoints<Real>(far::TopologyRefiner(cube.complex),
-                                                    cube.positions, 2, Rules::Siggraph96, points)
+    const auto binding = embed::bindPoints<Real>(far::TopologyRefiner(cube.complex), cube.positions,
+                                                 2, Rules::Siggraph96, points)
                              .binding;
     const CompiledTable<Real> compiled(binding.table);
     Workspace workspace = compiled.workspace(3);
@@ -220,7 +220,7 @@ TYPED_TEST(RealTimeTest, KeptPoints) {
     for (const Point3& p : cube.positions) pose.insert(pose.end(), p.begin(), p.end());
     const auto xyz = BufferDescriptor::packed(3);
     const BufferDescriptor to{1, 3, 4};
-    const far::ExecutorScope scope(this->serial);
+    const ExecutorScope scope(this->serial);
     EXPECT_EQ(callsOf([&] {
                   compiled.evaluate(pose, xyz, result, to, {0, 3}, workspace);
                   writeKept<Real>(binding, result, to);

@@ -16,10 +16,10 @@ namespace espalier::test {
 /// come out.
 template <class Real>
 double errorOfSums(const stencils::StencilTable<Real>& table, std::span<const Real> source,
-                   far::Offset length, std::span<const Real> result) {
+                   Offset length, std::span<const Real> result) {
     long double largest = 0;
-    for (far::Index row = 0; row < table.rowCount(); ++row)
-        for (far::Offset c = 0; c < length; ++c) {
+    for (Index row = 0; row < table.rowCount(); ++row)
+        for (Offset c = 0; c < length; ++c) {
             long double sum = 0, size = 0;
             for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
                 const long double product =

@@ -101,7 +101,7 @@ class Packages(unittest.TestCase):
             self.skipTest("built without CUDA")
         (self.folder / "cuda").mkdir()
         (self.folder / "cuda/main.cpp").write_text(
-            "#include <espalier/osd/cuda_evaluator.h>\n"
+            "#include <espalier/osd/cuda/cuda_evaluator.h>\n"
             "int main() { return espalier::osd::cudaDeviceCount() >= 0 ? 0 : 1; }\n")
         # No CUDA as a language: its headers and its compiler are not asked for.
         (self.folder / "cuda/CMakeLists.txt").write_text(

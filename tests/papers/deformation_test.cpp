@@ -95,9 +95,10 @@ TEST(Deformation, PointsInsideAreConvexCombinations) {
             }
             points.push_back({sum[0] / total, sum[1] / total, sum[2] / total});
         }
-        const Embedding embedding = embedPoints(complex, positions, points);
-        const auto inCell = buildEmbeddingTable(complex, embedding);
-        const auto inLattice = buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
+        const embed::Embedding embedding = embed::embedPoints(complex, positions, points);
+        const auto inCell = embed::buildEmbeddingTable(complex, embedding);
+        const auto inLattice =
+            embed::buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
         for (Index i = 0; i < inCell.rowCount(); ++i) {
             const auto& located = embedding.points[i];
             // A point in a gap between cells has a place just outside of one.

@@ -14,7 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 using far::Boundary;
-using far::Index;
 using far::TopologyRefiner;
 using std::numbers::pi;
 using test::Frozen;

@@ -33,17 +33,16 @@ inline std::vector<Point3> positionsAt(const Lattice& lattice, const far::Topolo
 struct Frozen {
     Lattice rest;
     std::vector<Point3> model;
-    stencils::Binding<double> binding;
+    embed::Binding<double> binding;
 
     Frozen(const Lattice& lattice, int level, const std::vector<Point3>& points)
         : rest(lattice), model(points) {
         const far::TopologyRefiner refiner = refined(rest, level);
-        const stencils::Embedding embedding = stencils::embedPoints(
+        const embed::Embedding embedding = embed::embedPoints(
             refiner.level(level).complex, positionsAt(rest, refiner, level), points);
-        EXPECT_EQ(embedding.count(stencils::PointStatus::Inside),
-                  static_cast<far::Index>(points.size()));
-        binding = stencils::makeBinding<double>(refiner, level, stencils::Rules::Siggraph96,
-                                                embedding, points);
+        EXPECT_EQ(embedding.count(embed::PointStatus::Inside), static_cast<Index>(points.size()));
+        binding = embed::makeBinding<double>(refiner, level, stencils::Rules::Siggraph96, embedding,
+                                             points);
     }
 
     std::vector<Point3> posed(const std::vector<Point3>& pose) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/osd/reference_evaluator.h>
 #include <espalier/shapes/inventory.h>
@@ -24,7 +24,6 @@ namespace espalier::stencils {
 namespace {
 
 using far::Boundary;
-using far::Entity;
 using far::TopologyRefiner;
 using test::average;
 using test::NamedLattice;

@@ -16,8 +16,6 @@
 namespace espalier::test {
 
 using far::CellComplex;
-using far::Entity;
-using far::Index;
 
 /// A point as an affine combination of old vertices: the weight of each.
 struct Row {

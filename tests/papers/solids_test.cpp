@@ -12,7 +12,6 @@ namespace espalier::stencils {
 namespace {
 
 using far::CellComplex;
-using far::Entity;
 using far::TopologyRefiner;
 using test::average;
 using test::centroid;

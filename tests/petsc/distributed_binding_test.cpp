@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/petsc/distributed_table.h>
 #include <espalier/shapes/inventory.h>
-#include <espalier/stencils/local_binding.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,10 +22,9 @@ class DistributedBinding : public ::testing::Test {
 protected:
     static constexpr int kLevel = 3;
 
-    stencils::Binding<double> bind(std::span<const Point3> points) const {
-        return stencils::bindPoints<double>(far::TopologyRefiner(lattice_.complex),
-                                            lattice_.positions, kLevel, stencils::Rules::Siggraph96,
-                                            points)
+    embed::Binding<double> bind(std::span<const Point3> points) const {
+        return embed::bindPoints<double>(far::TopologyRefiner(lattice_.complex), lattice_.positions,
+                                         kLevel, stencils::Rules::Siggraph96, points)
             .binding;
     }
 

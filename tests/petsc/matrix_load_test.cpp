@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/io/petsc_binary.h>
-#include <espalier/petsc/error_capture.h>
+#include <espalier/base/error.h>
+#include <espalier/io/matrices/petsc_binary.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <petscmat.h>
+#include "petsc/error_capture.h"
 
 #include <bit>
 #include <filesystem>

@@ -14,7 +14,6 @@
 namespace espalier::test {
 
 using petsc::OwnedRange;
-using stencils::Index;
 using stencils::StencilTable;
 
 inline int rank() {
@@ -37,7 +36,7 @@ enum class Spread {
     AllOnLast
 };
 
-inline OwnedRange ownRange(far::Offset total, Spread spread) {
+inline OwnedRange ownRange(Offset total, Spread spread) {
     const int me = rank(), size = rankCount();
     const OwnedRange none{me == 0 ? 0 : total, me == 0 ? 0 : total};
     switch (spread) {
@@ -82,9 +81,9 @@ inline std::vector<double> randomValues(std::size_t count, unsigned seed) {
 inline StencilTable<double> randomTable(Index rowCount, Index columnCount, unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> weight(-1, 1);
-    far::Array<far::Offset> offsets = {0};
-    far::Array<Index> columns;
-    far::Array<double> weights;
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<double> weights;
     for (Index row = 0; row < rowCount; ++row) {
         const auto share = static_cast<double>(random() % 21) / columnCount;
         std::bernoulli_distribution isThere(std::min(share, 1.0));
@@ -93,7 +92,7 @@ inline StencilTable<double> randomTable(Index rowCount, Index columnCount, unsig
                 columns.push_back(column);
                 weights.push_back(weight(random));
             }
-        offsets.push_back(static_cast<far::Offset>(columns.size()));
+        offsets.push_back(static_cast<Offset>(columns.size()));
     }
     return {columnCount, std::move(offsets), std::move(columns), std::move(weights)};
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/vector3.h>
+#include <espalier/base/vector3.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/attach.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>
@@ -12,7 +13,6 @@ namespace espalier::shapes {
 namespace {
 
 using namespace espalier::test;
-using far::FaceId;
 
 /// The outward normal of an axis-parallel boundary face of a box about the point `centre`.
 Point3 outward(const Lattice& lattice, Index face, const Point3& centre) {
@@ -27,7 +27,7 @@ Point3 outward(const Lattice& lattice, Index face, const Point3& centre) {
 TEST(Attach, growsACrossFromACube) {
     Lattice lattice = box();
     for (Index side = 0; side < 6; ++side) {
-        const FaceId face = lattice.complex.faces(far::CellId(0))[side];
+        const FaceId face = lattice.complex.faces(CellId(0))[side];
         lattice = attachPrism(lattice, face, outward(lattice, face.value, {0.5, 0.5, 0.5}));
     }
     // Each prism adds 4 vertices, 8 edges, 5 faces and a cell to the 8, 12, 6 and 1 of the cube.
@@ -41,7 +41,7 @@ TEST(Attach, buildsAColumnPrismByPrism) {
     Lattice lattice = prism({5, 1, 1});
     for (int i = 0; i < 3; ++i) {
         // The second face of a prism is the one opposite to the one it stands on.
-        const far::CellId last(lattice.complex.count(3) - 1);
+        const CellId last(lattice.complex.count(3) - 1);
         lattice = attachPrism(lattice, lattice.complex.faces(last)[1], {0, 0, 1});
     }
     const Lattice expected = cylinder({5, {1, Core::Polygon}, 4, 1, {0, 0, -0.5}, {0, 0, 3.5}});
@@ -116,7 +116,7 @@ TEST(Attach, givesNewVerticesTheAttributesTheyComeFrom) {
     lattice.attributes.push_back({"x", 1, {}});
     for (const Point3& position : lattice.positions)
         lattice.attributes[0].values.push_back(position[0]);
-    const FaceId top = lattice.complex.faces(far::CellId(0))[1];
+    const FaceId top = lattice.complex.faces(CellId(0))[1];
     const Lattice onTop = attachPrism(lattice, top, {0, 0, 1});
     for (std::size_t v = 0; v < onTop.positions.size(); ++v)
         EXPECT_EQ(onTop.attributes[0].values[v], onTop.positions[v][0]);
@@ -127,7 +127,7 @@ TEST(Attach, givesNewVerticesTheAttributesTheyComeFrom) {
 TEST(Attach, averagesNoIntegers) {
     Lattice lattice = box();
     lattice.integers.push_back({"material", 1, IntegerType::UInt8, {1, 2, 3, 4, 5, 6, 7, 8}});
-    const FaceId top = lattice.complex.faces(far::CellId(0))[1];
+    const FaceId top = lattice.complex.faces(CellId(0))[1];
     const Lattice onTop = attachPrism(lattice, top, {0, 0, 1});
     ASSERT_EQ(onTop.integers[0].values.size(), 12U);
     std::size_t copies = 0;
@@ -150,7 +150,7 @@ TEST(Attach, averagesNoIntegers) {
 TEST(Attach, carriesMarks) {
     Lattice lattice = box();
     lattice.marks.vertices.push_back({0, far::kSmooth});
-    const Lattice grown = attachPrism(lattice, lattice.complex.faces(far::CellId(0))[1], {0, 0, 1});
+    const Lattice grown = attachPrism(lattice, lattice.complex.faces(CellId(0))[1], {0, 0, 1});
     EXPECT_EQ(grown.marks, lattice.marks);
 }
 
@@ -167,7 +167,7 @@ TEST(Attach, refusesWhatDoesNotFit) {
                   attachPrism(two, FaceId(11), {0, 0, 1});
               }),
               "attachPrism: face is 11; allowed: faces 0 to 10");
-    const FaceId bottom = two.complex.faces(far::CellId(0))[0];
+    const FaceId bottom = two.complex.faces(CellId(0))[0];
     for (const Point3& offset : {Point3{0, 0, 1}, Point3{1, 0, 0}})
         EXPECT_EQ(errorOf([&] { attachPrism(two, bottom, offset); }).substr(0, 25),
                   "attachPrism: offset is (" + std::to_string(static_cast<int>(offset[0])));

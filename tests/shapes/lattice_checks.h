@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/lattice.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,6 @@
 namespace espalier::test {
 
 using far::CellComplex;
-using far::Index;
 
 /// Rounding of sums of a few hundred terms of size 10.
 inline constexpr double kRounding = 1e-12;

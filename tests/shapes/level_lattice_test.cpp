@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>
@@ -12,7 +12,6 @@ namespace espalier {
 namespace {
 
 using far::Boundary;
-using far::Index;
 using far::TopologyRefiner;
 
 std::vector<Point3> anyPositions(const TopologyRefiner& refiner, int level) {

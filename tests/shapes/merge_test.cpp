@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/complex_builder.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/merge.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/solids.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/shapes/weld.h>
+#include "shapes/weld.h"
 #include <gtest/gtest.h>
 
 #include <random>

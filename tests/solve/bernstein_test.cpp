@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "solve/bernstein.h"
+#include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/shapes/inventory.h>
-#include <espalier/solve/bernstein.h>
-#include <espalier/solve/validity_pieces.h>
-#include <espalier/stencils/trilinear.h>
 #include <gtest/gtest.h>
+#include "solve/validity_pieces.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -22,18 +22,18 @@ using Eigen::Vector3d;
 /// A cube whose vertices are moved at random.
 struct RandomCell {
     Piece<1> piece;
-    stencils::Trilinear map;
+    embed::Trilinear map;
 };
 
 RandomCell randomCell(unsigned seed) {
     Lattice cube = shapes::box();
     const auto moves = test::randomValues(24, seed);
     for (std::size_t i = 0; i < 24; ++i) cube.positions[i / 3][i % 3] += moves[i];
-    const auto vertices = far::hexahedronVertices(cube.complex, far::CellId(0));
-    stencils::Trilinear::Corners corners;
+    const auto vertices = far::hexahedronVertices(cube.complex, CellId(0));
+    embed::Trilinear::Corners corners;
     for (std::size_t i = 0; i < 8; ++i)
         corners[i] = Vector3d(cube.positions[(*vertices)[i]].data());
-    return {CellPieces(cube.complex, 0).piece(0, cube.positions), stencils::Trilinear(corners)};
+    return {CellPieces(cube.complex, 0).piece(0, cube.positions), embed::Trilinear(corners)};
 }
 
 // A polynomial of degree 2 along each axis is known by its values at 3 places along each: 4 are
@@ -75,7 +75,7 @@ TEST(Bernstein, DeterminantOnTheWayIsThatOfTheMapOnTheWay) {
 
 /// A tricubic map of random points, and its derivatives by the definition.
 struct RandomPatch {
-    stencils::BezierPatch patch;
+    limit::BezierPatch patch;
     Piece<3> piece;
 
     explicit RandomPatch(unsigned seed) {

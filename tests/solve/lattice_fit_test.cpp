@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/solve/lattice_fit.h>
-#include <espalier/stencils/local_binding.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,10 +30,10 @@ struct Model {
 
     Model(const Lattice& chosen, std::size_t pointCount) : lattice(chosen) {
         const test::Refined refined(lattice, 2);
-        deformation = stencils::bindPoints<double>(far::TopologyRefiner(lattice.complex),
-                                                   lattice.positions, 2, Rules::Siggraph96,
-                                                   test::pointsIn(refined, pointCount, 5))
-                          .binding.table;
+        deformation =
+            embed::bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions, 2,
+                                      Rules::Siggraph96, test::pointsIn(refined, pointCount, 5))
+                .binding.table;
     }
 
     std::vector<Point3> moved(const std::vector<Point3>& displacements) const {

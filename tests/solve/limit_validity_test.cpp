@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/limit/limit_binding.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/refiner_options.h>
-#include <espalier/solve/checked_volume.h>
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/limit_binding.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include "solve/checked_volume.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -25,8 +25,8 @@
 namespace espalier::solve {
 namespace {
 
-using stencils::LimitParts;
-using stencils::LimitPositions;
+using limit::LimitParts;
+using limit::LimitPositions;
 using stencils::Rules;
 using test::vec;
 using ::testing::Contains;
@@ -96,12 +96,12 @@ TEST(LimitValidity, NoGradientContradictsIt) {
          {shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}}), shapes::cylinder({.sectors = 5}),
           shapes::octahedron(), test::mixedLattice()}) {
         const test::Refined refined(lattice, 1);
-        stencils::LimitOptions options;
+        limit::LimitOptions options;
         options.gradients = true;
         const auto points = test::pointsIn(refined, test::kIsSlow ? 20 : 100, 3);
         const far::TopologyRefiner base(lattice.complex, refinerOptions(lattice));
-        const auto bound = stencils::bindLimit<double>(base, lattice.positions, Rules::Siggraph96,
-                                                       points, options);
+        const auto bound =
+            limit::bindLimit<double>(base, lattice.positions, Rules::Siggraph96, points, options);
         /// The least determinant, of those in cells.
         const auto sampled = [&](const Positions& pose) {
             std::array<Positions, 3> columns;
@@ -109,7 +109,7 @@ TEST(LimitValidity, NoGradientContradictsIt) {
                 columns[c] = stencils::applyLevelTable(bound.binding.table.gradients[c], pose);
             double least = std::numeric_limits<double>::infinity();
             for (std::size_t i = 0; i < points.size(); ++i) {
-                if (bound.statuses[i] != stencils::PointStatus::Inside) continue;
+                if (bound.statuses[i] != embed::PointStatus::Inside) continue;
                 Eigen::Matrix3d gradient;
                 for (std::size_t c = 0; c < 3; ++c)
                     gradient.col(static_cast<Eigen::Index>(c)) = vec(columns[c][i]);

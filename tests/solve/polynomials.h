@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/solve/bernstein.h>
+#include "solve/bernstein.h"
 
 #include <Eigen/Core>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/point.h>
+#include <espalier/base/point.h>
 
 #include <vector>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
+#include <espalier/embed/cell_place.h>
+#include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/solve/validity.h>
-#include <espalier/solve/validity_pieces.h>
-#include <espalier/stencils/cell_place.h>
-#include <espalier/stencils/trilinear.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include "solve/validity_pieces.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -51,10 +51,10 @@ Eigen::Vector3d positionOf(const Positions& positions, Index vertex) {
 std::vector<double> sampleDeterminants(const far::CellComplex& complex, Index cell,
                                        const Positions& positions, int parts) {
     std::vector<double> samples;
-    if (const auto vertices = far::hexahedronVertices(complex, far::CellId(cell))) {
-        stencils::Trilinear::Corners corners;
+    if (const auto vertices = far::hexahedronVertices(complex, CellId(cell))) {
+        embed::Trilinear::Corners corners;
         for (std::size_t i = 0; i < 8; ++i) corners[i] = positionOf(positions, (*vertices)[i]);
-        const stencils::Trilinear map(corners);
+        const embed::Trilinear map(corners);
         for (int i = 0; i <= parts; ++i)
             for (int j = 0; j <= parts; ++j)
                 for (int k = 0; k <= parts; ++k)
@@ -65,8 +65,8 @@ std::vector<double> sampleDeterminants(const far::CellComplex& complex, Index ce
     const auto vertices = complex.relation(3, 0)[cell];
     for (const Index vertex : vertices)
         centre += positionOf(positions, vertex) / static_cast<double>(vertices.size());
-    for (Index t = 0; t < stencils::tetrahedronCount(complex, far::CellId(cell)); ++t) {
-        const auto base = stencils::tetrahedronBase(complex, far::CellId(cell), t);
+    for (Index t = 0; t < embed::tetrahedronCount(complex, CellId(cell)); ++t) {
+        const auto base = embed::tetrahedronBase(complex, CellId(cell), t);
         Eigen::Matrix3d edges;
         for (Eigen::Index i = 0; i < 3; ++i) edges.col(i) = positionOf(positions, base[i]) - centre;
         samples.push_back(edges.determinant());
@@ -272,7 +272,7 @@ TEST(Validity, LeftHandedLatticesAreAsGood) {
 TEST(Validity, SomeTetrahedraOfATypeFourCell) {
     const Refined refined(shapes::octahedron(), 1);
     Index cell = 0;
-    while (far::hexahedronVertices(refined.complex(), far::CellId(cell))) ++cell;
+    while (far::hexahedronVertices(refined.complex(), CellId(cell))) ++cell;
     const Index vertex = refined.complex().relation(3, 0)[cell].front();
     Positions pose = refined.positions;
     Point3 centre{};
@@ -437,11 +437,10 @@ TEST(Validity, BaseCellsAreThoseThatCellsDescendFrom) {
     const Refined refined(test::mixedLattice(), 2);
     std::vector<Index> firsts;
     refined.refiner.refinement(1).forEachChild(
-        0, 3, [&](far::Entity, const far::Interval& from) { firsts.push_back(from.upper.index); });
-    refined.refiner.refinement(2).forEachChild(
-        0, 3, [&](far::Entity child, const far::Interval& from) {
-            EXPECT_EQ(baseCellOf(refined.refiner, 2, child.index), firsts[from.upper.index]);
-        });
+        0, 3, [&](Entity, const far::Interval& from) { firsts.push_back(from.upper.index); });
+    refined.refiner.refinement(2).forEachChild(0, 3, [&](Entity child, const far::Interval& from) {
+        EXPECT_EQ(baseCellOf(refined.refiner, 2, child.index), firsts[from.upper.index]);
+    });
     EXPECT_EQ(baseCellOf(refined.refiner, 0, 1), 1);
 }
 

@@ -45,7 +45,7 @@ RefinedGrid baseGrid(const std::array<Index, 3>& n) {
 /// In half units of the parent: twice the middle of the entity that a child vertex comes from.
 GridPoint halfPoint(const TopologyRefiner& refiner, const RefinedGrid& parent, int level,
                     Index vertex) {
-    const far::Entity entity = refiner.refinement(level).parentOf({0, vertex}).upper;
+    const Entity entity = refiner.refinement(level).parentOf({0, vertex}).upper;
     const auto vertices =
         refiner.level(level - 1).complex.relation(entity.dimension, 0)[entity.index];
     GridPoint half = {};

@@ -11,7 +11,7 @@ TEST(Masks, AreAffineAndZeroOutsideTheirDimensions) {
     for (const Rules rules : {Rules::Siggraph96, Rules::Cse96, Rules::Rats})
         for (int stratum = 0; stratum <= 3; ++stratum)
             for (int dimension = 0; dimension <= stratum; ++dimension)
-                for (far::Index valence = 2; valence <= 12; ++valence) {
+                for (Index valence = 2; valence <= 12; ++valence) {
                     const Mask mask = refinementMask(rules, dimension, stratum, valence);
                     double sum = 0;
                     for (int j = 0; j < 4; ++j) {

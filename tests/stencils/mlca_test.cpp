@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/far/fading.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/mlca.h>
@@ -21,7 +22,6 @@ namespace {
 
 using far::Boundary;
 using far::CellComplex;
-using far::Entity;
 using far::TopologyRefiner;
 using far::TriangleSubdivision;
 using test::average;

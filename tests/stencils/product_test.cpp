@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
 #include <gmock/gmock.h>

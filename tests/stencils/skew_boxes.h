@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/stencils/tensor_product.h>
+#include <espalier/embed/tensor_product.h>
 
 #include <Eigen/Core>
 #include <array>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/surface_fans.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>
+#include "far/surface_fans.h"
 
 #include <algorithm>
 #include <cmath>

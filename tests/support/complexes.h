@@ -12,7 +12,6 @@
 namespace espalier::test {
 
 using far::CellComplex;
-using far::Index;
 
 using Loops = std::vector<std::vector<Index>>;
 
@@ -98,7 +97,7 @@ inline CellComplex gridMesh(Index nx, Index ny) {
 inline std::vector<Loops> cellLoops(const CellComplex& complex) {
     std::vector<Loops> cells;
     for (Index cell = 0; cell < complex.count(3); ++cell)
-        cells.push_back(far::outwardLoops(complex, far::CellId(cell)));
+        cells.push_back(far::outwardLoops(complex, CellId(cell)));
     return cells;
 }
 

@@ -15,11 +15,10 @@ namespace espalier::test {
 
 /// The faces of each cell as loops anticlockwise from outside, wherever they start and in whatever
 /// order they come.
-inline std::vector<std::vector<std::vector<far::Index>>> orientedCells(
-    const far::CellComplex& complex) {
-    std::vector<std::vector<std::vector<far::Index>>> cells;
-    for (far::Index cell = 0; cell < complex.count(3); ++cell) {
-        auto loops = far::outwardLoops(complex, far::CellId(cell));
+inline std::vector<std::vector<std::vector<Index>>> orientedCells(const far::CellComplex& complex) {
+    std::vector<std::vector<std::vector<Index>>> cells;
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        auto loops = far::outwardLoops(complex, CellId(cell));
         for (auto& loop : loops)
             std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
         std::sort(loops.begin(), loops.end());

@@ -59,7 +59,7 @@ inline Lattice surfaceOf(const Lattice& solid) {
     std::vector<char> isUsed(static_cast<std::size_t>(solid.complex.count(0)), 0);
     for (Index cell = 0; cell < solid.complex.count(3); ++cell) {
         const auto faces = solid.complex.relation(3, 2)[cell];
-        const Loops cellLoops = far::outwardLoops(solid.complex, far::CellId(cell));
+        const Loops cellLoops = far::outwardLoops(solid.complex, CellId(cell));
         for (std::size_t i = 0; i < cellLoops.size(); ++i) {
             if (solid.complex.relation(2, 3)[faces[i]].size() == 2) continue;
             for (const Index vertex : cellLoops[i]) isUsed[static_cast<std::size_t>(vertex)] = 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,10 +18,10 @@ namespace espalier::test {
 
 inline void expectEachItemOnceInFixedRanges() {
     std::vector<std::atomic<int>> visits(1003);
-    far::parallelFor(1003, 10, [&](far::Offset first, far::Offset last) {
+    parallelFor(1003, 10, [&](Offset first, Offset last) {
         EXPECT_EQ(first % 10, 0);
-        EXPECT_EQ(last, std::min<far::Offset>(first + 10, 1003));
-        for (far::Offset i = first; i < last; ++i) ++visits[static_cast<std::size_t>(i)];
+        EXPECT_EQ(last, std::min<Offset>(first + 10, 1003));
+        for (Offset i = first; i < last; ++i) ++visits[static_cast<std::size_t>(i)];
     });
     for (const auto& count : visits) EXPECT_EQ(count, 1);
 }
@@ -29,7 +29,7 @@ inline void expectEachItemOnceInFixedRanges() {
 inline void expectTheErrorOfTheLowestRange(int repeats) {
     for (int repeat = 0; repeat < repeats; ++repeat) {
         try {
-            far::parallelFor(1000, 10, [](far::Offset first, far::Offset) {
+            parallelFor(1000, 10, [](Offset first, Offset) {
                 if (first >= 300) throw std::runtime_error(std::to_string(first));
             });
             FAIL() << "nothing thrown";
@@ -46,14 +46,14 @@ inline void expectNoOtherWorkWhileWaiting(int repeats) {
     std::atomic<bool> isEnteredAgain = false;
     for (int repeat = 0; repeat < repeats; ++repeat) {
         std::once_flag once;
-        far::parallelFor(64, 1, [&](far::Offset, far::Offset) {
+        parallelFor(64, 1, [&](Offset, Offset) {
             if (holdsLock) {
                 isEnteredAgain = true;  // Waiting for the flag here would never end.
                 return;
             }
             std::call_once(once, [&] {
                 holdsLock = true;
-                far::parallelFor(16, 1, [](far::Offset first, far::Offset) {
+                parallelFor(16, 1, [](Offset first, Offset) {
                     std::this_thread::sleep_for(std::chrono::microseconds(10 + 7 * first));
                 });
                 holdsLock = false;

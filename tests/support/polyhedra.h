@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/error.h>
+#include <espalier/base/error.h>
 #include <espalier/far/standard_cells.h>
+#include <espalier/far/topology_error.h>
 #include <espalier/shapes/lattice.h>
 
 #include <algorithm>

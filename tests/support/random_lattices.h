@@ -98,8 +98,8 @@ inline Lattice extendedBipyramid(int sides) {
     }
     Point3 apex = middleOf(opposite);
     for (double& x : apex) x *= 2.5;
-    lattice = shapes::attachPyramid(lattice, far::FaceId(opposite), apex);
-    return shapes::attachPrism(lattice, far::FaceId(0), outward);
+    lattice = shapes::attachPyramid(lattice, FaceId(opposite), apex);
+    return shapes::attachPrism(lattice, FaceId(0), outward);
 }
 
 /// Lattices with features of their surface that zoo() has not: cells of types 4, 5 and 6 with

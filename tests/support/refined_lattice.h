@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/embedding.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/embedding.h>
 
 #include <Eigen/Core>
 #include <random>
 #include <vector>
 
 namespace espalier::test {
-
-using far::Index;
 
 inline constexpr stencils::Rules kLatticeRules[] = {stencils::Rules::Siggraph96,
                                                     stencils::Rules::Cse96, stencils::Rules::Mlca};
@@ -34,9 +32,9 @@ struct Refined {
     std::vector<Point3> pose(const std::vector<Point3>& points) const {
         return stencils::refinePositions(refiner, level, stencils::Rules::Siggraph96, points);
     }
-    stencils::Embedding embed(const std::vector<Point3>& points,
-                              const stencils::EmbeddingOptions& options = {}) const {
-        return stencils::embedPoints(complex(), positions, points, options);
+    embed::Embedding embed(const std::vector<Point3>& points,
+                           const embed::EmbeddingOptions& options = {}) const {
+        return embed::embedPoints(complex(), positions, points, options);
     }
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/tensor_product.h>
 #include <espalier/stencils/sparse_matrix.h>
-#include <espalier/stencils/tensor_product.h>
 
 #include <Eigen/Core>
 #include <random>
@@ -41,27 +41,25 @@ inline std::vector<Point3> shaken(std::vector<Point3> points, unsigned seed, dou
 /// has its own.
 /// \param weightOf a weight by the number of the entry
 template <class Real, class WeightOf>
-stencils::StencilTable<Real> tableOfLongRows(far::Index rowCount, far::Index length,
-                                             WeightOf weightOf) {
-    far::Array<far::Offset> offsets = {0};
-    far::Array<far::Index> columns;
-    far::Array<Real> weights;
-    for (far::Index row = 0; row < rowCount; ++row) {
-        for (far::Index k = 0; k < length; ++k) {
+stencils::StencilTable<Real> tableOfLongRows(Index rowCount, Index length, WeightOf weightOf) {
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<Real> weights;
+    for (Index row = 0; row < rowCount; ++row) {
+        for (Index k = 0; k < length; ++k) {
             weights.push_back(static_cast<Real>(weightOf(columns.size())));
             columns.push_back(k + (3 * row < 2 * rowCount ? 0 : row));
         }
-        offsets.push_back(static_cast<far::Offset>(columns.size()));
+        offsets.push_back(static_cast<Offset>(columns.size()));
     }
     return {length + rowCount, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
 /// D of a box lattice.
-inline stencils::StencilTable<double> tableOf(const stencils::TensorLattice& lattice,
+inline stencils::StencilTable<double> tableOf(const embed::TensorLattice& lattice,
                                               const std::vector<Point3>& points,
-                                              const stencils::EmbeddingOptions& options = {}) {
-    return stencils::buildDeformationTable(lattice,
-                                           stencils::embedPoints(lattice, points, options));
+                                              const embed::EmbeddingOptions& options = {}) {
+    return embed::buildDeformationTable(lattice, embed::embedPoints(lattice, points, options));
 }
 
 }  // namespace espalier::test

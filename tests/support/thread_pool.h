@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/executor.h>
+#include <espalier/base/executor.h>
 
 #include <algorithm>
 #include <condition_variable>
@@ -15,7 +15,7 @@ namespace espalier::test {
 
 /// Threads of a host, which know nothing of oneTBB. All of it happens under one mutex, for the
 /// thread sanitizer to see.
-class ThreadPool final : public far::Executor {
+class ThreadPool final : public Executor {
 public:
     enum class Waiting {
         Blocks,        ///< a thread that waits for its loop does nothing else
@@ -42,7 +42,7 @@ public:
         for (std::thread& thread : threads_) thread.join();
     }
 
-    void run(far::Offset count, far::FunctionRef<void(far::Offset)> task) override {
+    void run(Offset count, FunctionRef<void(Offset)> task) override {
         Job job{task, count};
         std::unique_lock lock(mutex_);
         jobs_.push_back(&job);
@@ -55,9 +55,9 @@ public:
 
 private:
     struct Job {
-        far::FunctionRef<void(far::Offset)> task;
-        far::Offset count;
-        far::Offset next = 0;
+        FunctionRef<void(Offset)> task;
+        Offset count;
+        Offset next = 0;
         int running = 0;
     };
 
@@ -69,7 +69,7 @@ private:
     }
 
     void runNext(Job& job, std::unique_lock<std::mutex>& lock) {
-        const far::Offset index = job.next++;
+        const Offset index = job.next++;
         ++job.running;
         lock.unlock();
         job.task(index);

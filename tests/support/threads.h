@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/far/parallel.h>
+#include <espalier/base/parallel.h>
 
 #ifdef ESPALIER_WITH_TBB
 #include <tbb/task_arena.h>
@@ -12,7 +12,7 @@ namespace espalier::test {
 /// What `work` returns when so many threads do it: more than the machine has cores, if need be.
 template <class Work>
 auto withThreads(int threads, Work work) {
-    const far::ThreadLimit limit(threads);
+    const ThreadLimit limit(threads);
 #ifdef ESPALIER_WITH_TBB
     return tbb::task_arena(threads).execute(work);
 #else

@@ -132,7 +132,7 @@ inline std::vector<std::vector<Index>> matchLevels(const far::TopologyRefiner& f
                                                    std::vector<Index> base) {
     std::vector<std::vector<Index>> maps = {std::move(base)};
     for (int level = 1; level <= first.maxLevel(); ++level) {
-        const auto keyOf = [&](const CellComplex& complex, far::Entity entity, bool rename) {
+        const auto keyOf = [&](const CellComplex& complex, Entity entity, bool rename) {
             const auto row = complex.relation(entity.dimension, 0)[entity.index];
             std::vector<Index> key(row.begin(), row.end());
             if (rename)

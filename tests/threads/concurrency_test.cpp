@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/executor.h>
+#include <espalier/base/executor.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/change_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
@@ -7,7 +8,6 @@
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/shapes/inventory.h>
-#include <espalier/stencils/local_binding.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -39,9 +39,9 @@ void onThreads(Work work) {
         std::vector<std::thread> threads;
         for (int thread = 0; thread < kThreads; ++thread)
             threads.emplace_back([&, thread] {
-                far::SerialExecutor serial;
-                far::Executor& executor = isShared ? static_cast<far::Executor&>(pool) : serial;
-                const far::ExecutorScope scope(executor);
+                SerialExecutor serial;
+                Executor& executor = isShared ? static_cast<Executor&>(pool) : serial;
+                const ExecutorScope scope(executor);
                 ++ready;
                 while (ready < kThreads) std::this_thread::yield();
                 work(thread);
@@ -89,10 +89,10 @@ TEST(Concurrency, EvaluatorsOfOneTable) {
     const TopologyRefiner base(lattice().complex);
     const auto model = points(6000);
     const auto table =
-        stencils::bindPoints<float>(base, lattice().positions, 3, Rules::Siggraph96, model)
+        embed::bindPoints<float>(base, lattice().positions, 3, Rules::Siggraph96, model)
             .binding.table;
     const auto factors =
-        stencils::bindFactored<float>(base, lattice().positions, 3, Rules::Siggraph96, model)
+        embed::bindFactored<float>(base, lattice().positions, 3, Rules::Siggraph96, model)
             .binding.table;
     const auto xyz = BufferDescriptor::packed(3);
     const Index rows = table.rowCount(), columns = table.columnCount();
@@ -126,8 +126,8 @@ TEST(Concurrency, EvaluatorsOfOneTable) {
 
 TEST(Concurrency, OneBinding) {
     const auto bound =
-        stencils::bindPoints<double>(TopologyRefiner(lattice().complex), lattice().positions, 3,
-                                     Rules::Siggraph96, points(3000));
+        embed::bindPoints<double>(TopologyRefiner(lattice().complex), lattice().positions, 3,
+                                  Rules::Siggraph96, points(3000));
     const auto expected = evaluateBinding(bound.binding, lattice().positions);
     onThreads(
         [&](int) { EXPECT_EQ(evaluateBinding(bound.binding, lattice().positions), expected); });
@@ -137,7 +137,7 @@ TEST(Concurrency, OneBinding) {
 TEST(Concurrency, BindingToOneLattice) {
     const auto model = points(2000);
     const auto bind = [&](const TopologyRefiner& base) {
-        return stencils::bindPoints<double>(base, lattice().positions, 3, Rules::Siggraph96, model)
+        return embed::bindPoints<double>(base, lattice().positions, 3, Rules::Siggraph96, model)
             .binding;
     };
     const auto expected = bind(TopologyRefiner(shapes::cylinder({.sectors = 5}).complex));

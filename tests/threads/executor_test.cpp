@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/executor.h>
-#include <espalier/far/parallel.h>
-#include <espalier/far/progress.h>
+#include <espalier/base/executor.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/progress.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/inventory.h>
-#include <espalier/stencils/local_binding.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -241,11 +241,11 @@ TEST(Executor, OffersAgainWhatWasTurnedAway) {
 }
 
 /// Points bound to a lattice, by groups on several threads.
-stencils::BoundModel<float> bindModel() {
+embed::BoundModel<float> bindModel() {
     static const Lattice lattice = shapes::cylinder({.sectors = 5});
     static const std::vector<Point3> points = test::pointsIn(test::Refined(lattice, 2), 20'000, 3);
-    return stencils::bindPoints<float>(TopologyRefiner(lattice.complex), lattice.positions, 3,
-                                       stencils::Rules::Siggraph96, points);
+    return embed::bindPoints<float>(TopologyRefiner(lattice.complex), lattice.positions, 3,
+                                    stencils::Rules::Siggraph96, points);
 }
 
 TEST(ExecutorScope, ResultsAreTheSameBitForBit) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/error.h>
-#include <espalier/far/executor.h>
-#include <espalier/far/parallel.h>
-#include <espalier/far/progress.h>
+#include <espalier/base/error.h>
+#include <espalier/base/executor.h>
+#include <espalier/base/parallel.h>
+#include <espalier/base/progress.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/local_binding.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -272,8 +272,8 @@ TEST(Cancelled, TablesAndBindings) {
     withAndWithoutThreads([&] {
         cancelEverywhere([&] { return stencils::buildStencils<float>(refiner, 2); });
         cancelEverywhere([&] {
-            return stencils::bindPoints<double>(base, lattice().positions, 2,
-                                                stencils::Rules::Siggraph96, points)
+            return embed::bindPoints<double>(base, lattice().positions, 2,
+                                             stencils::Rules::Siggraph96, points)
                 .binding;
         });
     });

@@ -3,12 +3,12 @@
 // A program of somebody else's: a cube in a lattice, which is moved by (1, 2, 3). It exits with 0
 // if the points of the cube went there, too, and a file came back as it was written.
 
+#include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/solve/validity.h>
-#include <espalier/stencils/local_binding.h>
 
 #include <cmath>
 #include <cstddef>
@@ -20,8 +20,8 @@ int main() {
     const Lattice lattice = shapes::box({.cells = {2, 2, 2}});
     const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
     const std::vector<Point3> points = {{0.1, 0.2, 0.3}, {0.5, 0.5, 0.5}, {0.9, 0.1, 0.7}};
-    const auto bound = stencils::bindPoints<double>(base, lattice.positions, 2,
-                                                    stencils::Rules::Siggraph96, points);
+    const auto bound =
+        embed::bindPoints<double>(base, lattice.positions, 2, stencils::Rules::Siggraph96, points);
     std::vector<Point3> pose = lattice.positions;
     for (Point3& position : pose)
         for (std::size_t c = 0; c < 3; ++c) position[c] += static_cast<double>(c + 1);

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace espalier {
+
+/// Number of an entity among those of its dimension, counted from 0.
+using Index = std::int32_t;
+
+/// Position in the values of a CSR relation. Relations may hold more entries than an Index counts.
+using Offset = std::int64_t;
+
+inline constexpr Index kMaxIndex = std::numeric_limits<Index>::max();
+
+/// Largest dimension of a complex: a lattice.
+inline constexpr int kMaxDimension = 3;
+
+/// A vertex, edge, face or cell whose dimension is known only at run time.
+/// Refinement and the masks are written in these, so that they serve every dimension.
+struct Entity {
+    int dimension = 0;
+    Index index = 0;
+    friend auto operator<=>(const Entity&, const Entity&) = default;
+};
+
+/// A value for every entity of a complex, by its dimension.
+template <class T>
+using ByEntity = std::array<std::vector<T>, kMaxDimension + 1>;
+
+/// Index of an entity of a dimension known at compile time; ids of different dimensions do not mix.
+template <int Dimension>
+struct Id {
+    Index value = 0;
+
+    constexpr Id() = default;
+    constexpr explicit Id(Index index) : value(index) {}
+    constexpr operator Entity() const { return {Dimension, value}; }
+    friend constexpr auto operator<=>(const Id&, const Id&) = default;
+};
+
+using VertexId = Id<0>;
+using EdgeId = Id<1>;
+using FaceId = Id<2>;
+using CellId = Id<3>;
+
+/// "vertex", "edge", "face" or "cell": how messages name an entity of this dimension.
+ESPALIER_API const char* dimensionName(int dimension);
+
+/// A row of a relation, read as typed ids.
+template <int Dimension>
+class ESPALIER_API IdSpan {
+public:
+    class Iterator {
+    public:
+        using value_type = Id<Dimension>;
+        using difference_type = std::ptrdiff_t;
+
+        Iterator() = default;
+        explicit Iterator(const Index* at) : at_(at) {}
+        value_type operator*() const { return value_type(*at_); }
+        Iterator& operator++() {
+            ++at_;
+            return *this;
+        }
+        Iterator operator++(int) {
+            Iterator before = *this;
+            ++at_;
+            return before;
+        }
+        friend bool operator==(const Iterator&, const Iterator&) = default;
+
+    private:
+        const Index* at_ = nullptr;
+    };
+
+    explicit IdSpan(std::span<const Index> indices) : indices_(indices) {}
+    Iterator begin() const { return Iterator(indices_.data()); }
+    Iterator end() const { return Iterator(indices_.data() + indices_.size()); }
+    std::size_t size() const { return indices_.size(); }
+    Id<Dimension> operator[](std::size_t position) const {
+        return Id<Dimension>(indices_[position]);
+    }
+
+private:
+    std::span<const Index> indices_;
+};
+
+}  // namespace espalier

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <limits>
+#include <mutex>
+#include <set>
+#include <string_view>
+
+namespace espalier {
+namespace {
+
+constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
+
+/// The limits of this process.
+class Limits {
+public:
+    void add(std::uint64_t bytes) {
+        const std::lock_guard lock(mutex_);
+        all_.insert(bytes);
+        lowest_ = *all_.begin();
+    }
+    void remove(std::uint64_t bytes) {
+        const std::lock_guard lock(mutex_);
+        all_.erase(all_.find(bytes));
+        lowest_ = all_.empty() ? kNoLimit : *all_.begin();
+    }
+    std::uint64_t lowest() const { return lowest_.load(std::memory_order_relaxed); }
+
+    /// Whether it is time to look at the memory again.
+    bool isLookDue() {
+        using Clock = std::chrono::steady_clock;
+        constexpr Clock::duration kInterval = std::chrono::milliseconds(5);
+        const auto now = Clock::now().time_since_epoch().count();
+        const auto last = lastLook_.load(std::memory_order_relaxed);
+        if (now - last < kInterval.count()) return false;
+        lastLook_.store(now, std::memory_order_relaxed);
+        return true;
+    }
+
+private:
+    std::mutex mutex_;
+    std::multiset<std::uint64_t> all_;
+    std::atomic<std::uint64_t> lowest_ = kNoLimit;
+    std::atomic<std::chrono::steady_clock::rep> lastLook_ = 0;
+};
+
+Limits& limits() {
+    static Limits limits;
+    return limits;
+}
+
+}  // namespace
+
+MemoryLimit::MemoryLimit(std::uint64_t bytes) : bytes_(bytes) {
+    limits().add(bytes_);
+}
+
+MemoryLimit::~MemoryLimit() {
+    limits().remove(bytes_);
+}
+
+std::uint64_t residentMemory() {
+    // Pages: of the program, in memory, shared ... Without streams, which take memory.
+    const int file = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+    if (file < 0) return 0;
+    std::array<char, 64> text;
+    const auto size = ::read(file, text.data(), text.size());
+    ::close(file);
+    if (size <= 0) return 0;
+    const std::string_view words(text.data(), static_cast<std::size_t>(size));
+    const std::size_t space = words.find(' ');
+    if (space == std::string_view::npos) return 0;
+    std::uint64_t pages = 0;
+    std::from_chars(words.data() + space + 1, words.data() + words.size(), pages);
+    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+void requireMemory(std::uint64_t bytes, const std::string& what) {
+    const std::uint64_t limit = limits().lowest();
+    if (limit == kNoLimit) return;
+    const std::uint64_t held = residentMemory();
+    if (held <= limit && bytes <= limit - held) return;
+    throw MemoryError(what + " takes some " + formatBytes(bytes) + " of memory; the limit is " +
+                      formatBytes(limit) + ", of which " + formatBytes(held) + " are in use");
+}
+
+void checkMemory() {
+    const std::uint64_t limit = limits().lowest();
+    if (limit == kNoLimit || !limits().isLookDue()) return;
+    const std::uint64_t held = residentMemory();
+    if (held > limit)
+        throw MemoryError("out of memory: " + formatBytes(held) + " are in use; the limit is " +
+                          formatBytes(limit));
+}
+
+std::string formatBytes(std::uint64_t bytes) {
+    constexpr std::array<const char*, 7> kUnits = {"B", "kB", "MB", "GB", "TB", "PB", "EB"};
+    auto amount = static_cast<double>(bytes);
+    std::size_t unit = 0;
+    for (; amount >= 1000 && unit + 1 < kUnits.size(); ++unit) amount /= 1000;
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), amount,
+                                   std::chars_format::fixed, unit == 0 ? 0 : 1)
+                         .ptr;
+    return std::string(digits.data(), end) + " " + kUnits[unit];
+}
+
+}  // namespace espalier

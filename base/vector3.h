@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/point.h>
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+// Vector arithmetic for sources; not installed.
+namespace espalier {
+
+inline Point3 sum(const Point3& a, const Point3& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+inline Point3 difference(const Point3& a, const Point3& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+inline Point3 scaled(const Point3& a, double factor) {
+    return {a[0] * factor, a[1] * factor, a[2] * factor};
+}
+
+/// From a (at t = 0) to b (at t = 1); exact at both ends.
+inline Point3 between(const Point3& a, const Point3& b, double t) {
+    return {std::lerp(a[0], b[0], t), std::lerp(a[1], b[1], t), std::lerp(a[2], b[2], t)};
+}
+
+inline double dot(const Point3& a, const Point3& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+inline Point3 cross(const Point3& a, const Point3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+inline double length(const Point3& a) {
+    return std::hypot(a[0], a[1], a[2]);
+}
+
+/// \param a not the zero vector
+inline Point3 normalised(const Point3& a) {
+    return scaled(a, 1 / length(a));
+}
+
+/// The mean of at least one point.
+inline Point3 mean(std::span<const Point3> points) {
+    Point3 total = {0, 0, 0};
+    for (const Point3& point : points) total = sum(total, point);
+    return scaled(total, 1 / static_cast<double>(points.size()));
+}
+
+/// Half the sum of the cross products round a loop: its length is the area of a flat loop, and it
+/// points to the side from which the loop runs anticlockwise.
+inline Point3 areaVector(std::span<const Point3> loop) {
+    Point3 total = {0, 0, 0};
+    // Taken from a corner of the loop, so that a loop far from the origin loses no digits.
+    for (std::size_t i = 2; i < loop.size(); ++i)
+        total = sum(total, cross(difference(loop[i - 1], loop[0]), difference(loop[i], loop[0])));
+    return scaled(total, 0.5);
+}
+
+}  // namespace espalier

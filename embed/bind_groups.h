@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/memory.h>
+#include <espalier/base/parallel.h>
+#include <espalier/embed/length_unit.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/embed/place_points.h>
+#include <espalier/far/topology_match.h>
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <espalier/embed/group_binder.h>
+
+namespace espalier::embed {
+
+/// Binds points, a group of near ones after the other, in parallel.
+/// \param binder, in units of `unit`
+/// \param progress as in bindPoints()
+template <class Real, class Table>
+BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
+                                   const far::TopologyRefiner& base, const LengthUnit& unit,
+                                   std::span<const Point3> points, Offset groupSize,
+                                   OutsidePolicy outside,
+                                   const std::function<void(Offset)>& progress) {
+    checkPointCount(points);
+    const Offset pointCount = std::ssize(points);
+    const std::vector<Index> order = alongCurve(points);
+    std::vector<std::vector<BoundPart<Table>>> groups(
+        static_cast<std::size_t>((pointCount + groupSize - 1) / groupSize));
+    std::atomic<Offset> done = 0, entryCount = 0;
+    parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
+        std::vector<Point3> own;
+        for (Offset i = first; i < last; ++i) own.push_back(unit.toUnits(points[order[i]]));
+        auto& parts = groups[first / groupSize];
+        parts = binder.bind(own);
+        for (BoundPart<Table>& part : parts) {
+            for (Index& point : part.points) point = order[first + point];
+            entryCount += pointRows(part.table).entryCount();
+        }
+        // The rows of the groups are held until all are gathered.
+        requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(Real)),
+                      "a table of the " + std::to_string(entryCount) + " weights so far");
+        if (progress) progress(done += last - first);
+    });
+
+    BoundModel<Real, Table> model;
+    model.statuses.resize(points.size());
+    std::vector<BoundPart<Table>> parts;
+    for (auto& group : groups)
+        for (BoundPart<Table>& part : group) {
+            for (std::size_t i = 0; i < part.points.size(); ++i)
+                model.statuses[part.points[i]] = part.statuses[i];
+            model.largestResidual =
+                std::max(model.largestResidual, unit.fromUnits(part.largestResidual));
+            parts.push_back(std::move(part));
+        }
+    if (outside == OutsidePolicy::Error) checkAllInside(points, model.statuses);
+    gatherRows(parts, static_cast<Index>(pointCount), base.level(0).complex.count(0),
+               model.binding.table);
+    model.binding.topologyHash = far::topologyHash(base.level(0).complex);
+    const auto& rows = pointRows(model.binding.table);
+    for (Index i = 0; i < rows.rowCount(); ++i) {
+        if (!rows.columns(i).empty()) continue;
+        model.binding.kept.push_back(i);
+        model.binding.keptAt.push_back(points[i]);
+    }
+    return model;
+}
+
+}  // namespace espalier::embed

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/cell_frame.h>
+
+#include <espalier/far/standard_cells.h>
+
+#include <algorithm>
+
+namespace espalier::embed {
+namespace {
+
+/// Where the corners of a hexahedron in VTK's order are in a frame.
+constexpr std::array<std::size_t, 8> kPlaceOfVtk = {0, 1, 3, 2, 4, 5, 7, 6};
+
+/// The entity spanned by a corner and some of the axes from there.
+/// \param axes bit a: along axis a
+Entity spannedBy(const far::CellComplex& complex, const CellFrame& frame, std::size_t corner,
+                 std::size_t axes) {
+    const int dimension = static_cast<int>((axes & 1) + (axes >> 1 & 1) + (axes >> 2 & 1));
+    const Index from = frame.corners[corner];
+    if (dimension == 0) return {0, from};
+    if (dimension == 3) return {3, frame.cell};
+    const Index to = frame.corners[corner ^ axes];
+    // An edge with both, or a face of the cell with both in it, opposite to each other.
+    for (const Index index : complex.relation(3, dimension)[frame.cell]) {
+        const auto vertices = complex.relation(dimension, 0)[index];
+        if (far::contains(vertices, from) && far::contains(vertices, to)) return {dimension, index};
+    }
+    return {dimension, kMaxIndex};  // No frame of this complex.
+}
+
+}  // namespace
+
+std::optional<CellFrame> frameOf(const far::CellComplex& complex, Index cell) {
+    const auto vertices = far::hexahedronVertices(complex, CellId(cell));
+    if (!vertices) return std::nullopt;
+    CellFrame frame{cell, {}};
+    for (std::size_t i = 0; i < 8; ++i) frame.corners[kPlaceOfVtk[i]] = (*vertices)[i];
+    return frame;
+}
+
+std::optional<CellFrame> neighbourOf(const far::CellComplex& complex, const CellFrame& frame,
+                                     std::size_t axis, std::size_t side) {
+    const std::size_t step = std::size_t{1} << axis;
+    const std::size_t corner = side << axis;
+    const Entity face = spannedBy(complex, frame, corner, 7 - step);
+    const auto cells = complex.relation(2, 3)[face.index];
+    const auto other =
+        std::find_if(cells.begin(), cells.end(), [&](Index cell) { return cell != frame.cell; });
+    if (other == cells.end() || complex.relation(3, 0)[*other].size() != 8) return std::nullopt;
+    CellFrame result{*other, {}};
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+        if (bitOf(i, axis) != side) continue;
+        result.corners[i ^ step] = frame.corners[i];
+        // Along the one edge from there that leaves the face.
+        for (const Index edge : complex.relation(3, 1)[*other]) {
+            const auto ends = complex.relation(1, 0)[edge];
+            if (!far::contains(ends, frame.corners[i])) continue;
+            const Index end = ends[0] == frame.corners[i] ? ends[1] : ends[0];
+            if (far::contains(complex.relation(2, 0)[face.index], end)) continue;
+            result.corners[i] = end;
+            ++found;
+        }
+    }
+    if (found != 4) return std::nullopt;
+    return result;
+}
+
+std::optional<CellFrame> childOf(const far::CellComplex& parent, const far::Refinement& refinement,
+                                 const CellFrame& frame, std::size_t corner) {
+    const auto cell = refinement.childOf({{0, frame.corners[corner]}, {3, frame.cell}});
+    if (!cell) return std::nullopt;
+    CellFrame child{cell->index, {}};
+    for (std::size_t i = 0; i < 8; ++i) {
+        // The new point of what lies between the corner and this one: half way along the axes in
+        // which they differ.
+        const Entity entity = spannedBy(parent, frame, corner, corner ^ i);
+        child.corners[i] = refinement.childOf({entity, entity})->index;
+    }
+    return child;
+}
+
+}  // namespace espalier::embed

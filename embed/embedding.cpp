@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/parallel.h>
+#include <espalier/embed/embedding.h>
+#include <espalier/embed/place_points.h>
+#include <espalier/far/standard_cells.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/table_builder.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <espalier/stencils/level_rows.h>
+
+namespace espalier::embed {
+
+namespace {
+
+/// The corners of a hexahedron as W has them: ascending.
+struct SortedCorners {
+    std::array<Index, 8> vertices;
+    std::array<std::uint8_t, 8> positions;  ///< among far::hexahedronVertices()
+};
+
+std::optional<SortedCorners> sortedCorners(const far::CellComplex& complex, CellId cell) {
+    const auto corners = far::hexahedronVertices(complex, cell);
+    if (!corners) return std::nullopt;
+    SortedCorners sorted;
+    for (std::uint8_t i = 0; i < 8; ++i) {
+        std::size_t before = 0;
+        for (const Index other : *corners) before += other < (*corners)[i];
+        sorted.vertices[before] = (*corners)[i];
+        sorted.positions[before] = i;
+    }
+    return sorted;
+}
+
+std::vector<std::optional<SortedCorners>> allSortedCorners(const far::CellComplex& complex) {
+    std::vector<std::optional<SortedCorners>> all(static_cast<std::size_t>(complex.count(3)));
+    parallelFor(complex.count(3), 4096, [&](Offset first, Offset last) {
+        for (Offset cell = first; cell < last; ++cell)
+            all[cell] = sortedCorners(complex, CellId(static_cast<Index>(cell)));
+    });
+    return all;
+}
+
+void appendEntry(Index vertex, double weight, stencils::RowList<double>& rows) {
+    if (weight == 0) return;
+    rows.columns.push_back(vertex);
+    rows.weights.push_back(weight);
+}
+
+void appendHexahedron(const SortedCorners& corners, const CellPlace& place,
+                      stencils::RowList<double>& rows) {
+    const auto weights = hexahedronWeights(place);
+    for (std::size_t i = 0; i < 8; ++i)
+        appendEntry(corners.vertices[i], weights[corners.positions[i]], rows);
+}
+
+/// A vertex of the tetrahedron comes twice in its weights, and once in the row.
+void appendTypeN(const far::CellComplex& complex, const CellPlace& place,
+                 stencils::RowList<double>& rows) {
+    auto weights = placeWeights(complex, place);
+    std::sort(weights.begin(), weights.end(),
+              [](const VertexWeight& a, const VertexWeight& b) { return a.vertex < b.vertex; });
+    for (std::size_t i = 0; i < weights.size();) {
+        const Index vertex = weights[i].vertex;
+        double sum = 0;
+        for (; i < weights.size() && weights[i].vertex == vertex; ++i) sum += weights[i].weight;
+        appendEntry(vertex, sum, rows);
+    }
+}
+
+}  // namespace
+
+Embedding embedPoints(const far::CellComplex& complex, std::span<const Point3> positions,
+                      std::span<const Point3> points, const EmbeddingOptions& options,
+                      const std::function<void(Offset)>& progress) {
+    checkPointCount(points);
+    const PointLocator locator(complex, positions, options.tolerance);
+    return locatePoints<CellPlace>(
+        points, complex.count(0), options.outside, progress,
+        [&](const Point3& point, bool seekNearest) { return locator.locate(point, seekNearest); },
+        alongCurve(points));
+}
+
+stencils::StencilTable<double> buildEmbeddingTable(const far::CellComplex& complex,
+                                                   const Embedding& embedding) {
+    checkVertexCount(embedding.vertexCount, complex.count(0));
+    const auto pointCount = static_cast<Index>(embedding.points.size());
+    // In many points, it takes a quarter of the time to look the corners of each cell up once. Few
+    // points must not wait for all the cells.
+    std::vector<std::optional<SortedCorners>> all;
+    if (pointCount > complex.count(3) / 4) all = allSortedCorners(complex);
+    const auto cornersOf = [&](CellId cell) {
+        return all.empty() ? sortedCorners(complex, cell) : all[cell.value];
+    };
+    return stencils::buildTableByChunks<double>(
+        pointCount, complex.count(0), {},
+        [&](Offset first, Offset last, stencils::RowList<double>& rows) {
+            const auto count = static_cast<std::size_t>(last - first);
+            rows.columns.reserve(8 * count);
+            rows.weights.reserve(8 * count);
+            rows.ends.reserve(count);
+            for (Offset point = first; point < last; ++point) {
+                const auto& place = embedding.points[point].place;
+                if (place) {
+                    if (const auto corners = cornersOf(place->cell))
+                        appendHexahedron(*corners, *place, rows);
+                    else
+                        appendTypeN(complex, *place, rows);
+                }
+                rows.endRow();
+            }
+        });
+}
+
+stencils::RowOrder orderByBaseCell(const Embedding& embedding, std::span<const Index> baseCells,
+                                   Index groupCount) {
+    std::vector<Index> groups;
+    groups.reserve(embedding.points.size());
+    for (const LocatedPoint& point : embedding.points)
+        groups.push_back(point.place ? baseCells[point.place->cell.value] : 0);
+    return stencils::RowOrder(groups, groupCount);
+}
+
+namespace {
+
+/// \param stencilsFor the rows of S_level for some vertices of the level
+template <class StencilsFor>
+stencils::FactoredTable<double> factoredTable(const far::CellComplex& complex,
+                                              const Embedding& embedding, StencilsFor stencilsFor) {
+    stencils::CompactTable weights =
+        stencils::compactColumns(buildEmbeddingTable(complex, embedding));
+    return {stencilsFor(weights.columns), std::move(weights.table)};
+}
+
+template <class Real>
+stencils::FactoredTable<Real> rounded(stencils::FactoredTable<double> factors) {
+    return {stencils::convertTable<Real>(std::move(factors.vertices)),
+            stencils::convertTable<Real>(std::move(factors.points))};
+}
+
+/// D from its factors.
+template <class Real>
+stencils::StencilTable<Real> multiplied(const stencils::FactoredTable<double>& factors,
+                                        const far::TopologyRefiner& refiner, int level,
+                                        const Embedding& embedding) {
+    const stencils::BaseEntities origins = stencils::baseEntities(refiner, level).back();
+    return stencils::multiply<Real>(factors.points, factors.vertices,
+                                    orderByBaseCell(embedding, origins.of(3), origins.count()));
+}
+
+}  // namespace
+
+template <class Real>
+stencils::FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner, int level,
+                                                 stencils::Rules rules,
+                                                 const Embedding& embedding) {
+    return rounded<Real>(factoredTable(
+        refiner.level(level).complex, embedding, [&](std::span<const Index> vertices) {
+            return stencils::buildStencils<double>(refiner, level, rules, vertices);
+        }));
+}
+
+template <class Real>
+stencils::FactoredTable<Real> buildFactoredTable(
+    const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
+    const Embedding& embedding) {
+    const int level = static_cast<int>(tables.size());
+    return rounded<Real>(factoredTable(
+        refiner.level(level).complex, embedding, [&](std::span<const Index> vertices) {
+            return stencils::composeStencils<double>(refiner, tables, vertices);
+        }));
+}
+
+namespace {
+
+/// D where rows of S are long: those of points are carried to the base by themselves.
+template <class Real>
+stencils::StencilTable<Real> multipliedFromPoints(
+    const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
+    const Embedding& embedding) {
+    const int level = static_cast<int>(tables.size());
+    std::vector<stencils::StencilTable<double>> rows;
+    for (int k = 0; k < level; ++k)
+        rows.push_back(stencils::buildTable<double>(0, refiner.level(k).complex.count(0),
+                                                    [](Index, stencils::RowAccumulator&) {}));
+    rows.push_back(buildEmbeddingTable(refiner.level(level).complex, embedding));
+    return std::move(
+        stencils::composeRows<Real>(tables, std::move(rows), stencils::Composition::FromRows)
+            .back());
+}
+
+bool hasLongRows(const far::TopologyRefiner& refiner) {
+    return stencils::compositionAbove(refiner.level(0).complex) == stencils::Composition::FromRows;
+}
+
+}  // namespace
+
+template <class Real>
+stencils::StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
+                                                   stencils::Rules rules,
+                                                   const Embedding& embedding) {
+    if (hasLongRows(refiner))
+        return multipliedFromPoints<Real>(
+            refiner, stencils::buildLevelTables<double>(refiner, level, rules), embedding);
+    return multiplied<Real>(buildFactoredTable<double>(refiner, level, rules, embedding), refiner,
+                            level, embedding);
+}
+
+template <class Real>
+stencils::StencilTable<Real> buildDeformationTable(
+    const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
+    const Embedding& embedding) {
+    if (hasLongRows(refiner)) return multipliedFromPoints<Real>(refiner, tables, embedding);
+    return multiplied<Real>(buildFactoredTable<double>(refiner, tables, embedding), refiner,
+                            static_cast<int>(tables.size()), embedding);
+}
+
+template stencils::FactoredTable<float> buildFactoredTable(const far::TopologyRefiner&, int,
+                                                           stencils::Rules, const Embedding&);
+template stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner&, int,
+                                                            stencils::Rules, const Embedding&);
+template stencils::FactoredTable<float> buildFactoredTable(
+    const far::TopologyRefiner&, std::span<const stencils::StencilTable<double>>, const Embedding&);
+template stencils::FactoredTable<double> buildFactoredTable(
+    const far::TopologyRefiner&, std::span<const stencils::StencilTable<double>>, const Embedding&);
+template stencils::StencilTable<float> buildDeformationTable(const far::TopologyRefiner&, int,
+                                                             stencils::Rules, const Embedding&);
+template stencils::StencilTable<double> buildDeformationTable(const far::TopologyRefiner&, int,
+                                                              stencils::Rules, const Embedding&);
+template stencils::StencilTable<float> buildDeformationTable(
+    const far::TopologyRefiner&, std::span<const stencils::StencilTable<double>>, const Embedding&);
+template stencils::StencilTable<double> buildDeformationTable(
+    const far::TopologyRefiner&, std::span<const stencils::StencilTable<double>>, const Embedding&);
+
+}  // namespace espalier::embed

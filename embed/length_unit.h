@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/point.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace espalier::embed {
+
+/// A power of two near the size of a lattice, in which lengths are measured where they are squared:
+/// squares of 1e200 and of 1e-200 are no numbers. Whatever the size of a lattice, its numbers and
+/// results are the same to the last bit.
+class LengthUnit {
+public:
+    /// \param positions of a lattice; where a coordinate is not finite, the unit is 1
+    explicit LengthUnit(std::span<const Point3> positions) {
+        double largest = 0;
+        for (const Point3& position : positions)
+            for (const double coordinate : position)
+                largest = std::max(largest, std::abs(coordinate));
+        // Any point is far from vertices that are all at the origin.
+        if (largest == 0) largest = std::numeric_limits<double>::denorm_min();
+        int exponent = 0;
+        if (std::isfinite(largest)) std::frexp(largest, &exponent);
+        // In two steps: the inverse of the smallest number is none.
+        half_ = std::ldexp(1, exponent / 2);
+        rest_ = std::ldexp(1, exponent - exponent / 2);
+    }
+
+    /// What is finite stays so.
+    double toUnits(double length) const {
+        const double units = length / half_ / rest_;
+        if (!std::isinf(units) || !std::isfinite(length)) return units;
+        return std::copysign(std::numeric_limits<double>::max(), length);
+    }
+    double fromUnits(double length) const { return length * half_ * rest_; }
+    Point3 toUnits(const Point3& point) const {
+        return {toUnits(point[0]), toUnits(point[1]), toUnits(point[2])};
+    }
+    std::vector<Point3> toUnits(std::span<const Point3> points) const {
+        std::vector<Point3> result;
+        result.reserve(points.size());
+        for (const Point3& point : points) result.push_back(toUnits(point));
+        return result;
+    }
+
+private:
+    double half_, rest_;
+};
+
+}  // namespace espalier::embed

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
+#include <espalier/embed/local_binding.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include <espalier/embed/bind_groups.h>
+#include <espalier/stencils/level_rows.h>
+
+namespace espalier::embed {
+namespace {
+
+/// Whether a level has no more cells than so many, as far as the vertices of the base cells tell:
+/// a vertex of a cell becomes a cell, most of them hexahedra, which become eight.
+bool isWithin(const far::CellComplex& base, int level, Offset most) {
+    auto cells = static_cast<double>(base.relation(3, 0).values().size());
+    for (int k = 1; k < level; ++k) cells *= 8;
+    return cells <= static_cast<double>(most);
+}
+
+template <class Table>
+std::unique_ptr<const GroupBinder<Table>> makeBinder(const far::TopologyRefiner& base,
+                                                     std::span<const Point3> positions, int level,
+                                                     stencils::Rules rules, Offset pointCount,
+                                                     const EmbeddingOptions& options) {
+    // Where there are points for every cell, nothing is saved by leaving some out, and groups
+    // would refine the cells between them twice. But rows of S for all of its vertices are too many
+    // where they are long.
+    const far::CellComplex& complex = base.level(0).complex;
+    if (isWithin(complex, level, pointCount) &&
+        stencils::compositionAbove(complex) == stencils::Composition::FromBase)
+        return std::make_unique<WholeBinder<Table>>(base, positions, level, rules, options);
+    return std::make_unique<PartBinder<Table>>(base, positions, level, rules, options);
+}
+
+/// A lower bound of the mean of numbers between 0 and 1, of which a random sample has the mean
+/// `sampleMean`. One in a million of such bounds is wrong.
+///
+/// Chernoff's: for a smaller mean, the probability of such a sample is at most
+/// exp(−count · D(sampleMean ‖ mean)), with D the divergence of two coins.
+double leastMean(double sampleMean, int count) {
+    const double divergence = std::log(1e6) / count;
+    const auto term = [](double p, double q) { return p > 0 ? p * std::log(p / q) : 0; };
+    double low = 0, high = sampleMean;
+    for (int i = 0; i < 50; ++i) {
+        const double mean = (low + high) / 2;
+        const bool isTooFar = term(sampleMean, mean) + term(1 - sampleMean, 1 - mean) > divergence;
+        (isTooFar ? low : high) = mean;
+    }
+    return low;
+}
+
+/// Refuses rows of D that are more than memory holds, before they are made: where each row may have
+/// thousands of entries, making them takes minutes. How many they have, some of the points tell.
+/// \throws MemoryError
+template <class Real>
+void requireForRows(const GroupBinder<stencils::StencilTable<Real>>& binder, const LengthUnit& unit,
+                    std::span<const Point3> points, Index columnCount) {
+    constexpr int kSampleSize = 64;
+    if (points.size() < 4 * kSampleSize) return;
+    // The rows of the groups, and D, in which they are gathered.
+    constexpr auto kEntryBytes = static_cast<double>(2 * (sizeof(Index) + sizeof(Real)));
+    const double mostEntries = static_cast<double>(points.size()) * columnCount;
+    const auto require = [&](double entries, double rowLength) {
+        // A limit of more than 2⁶³ bytes is none.
+        const double bytes = std::min(kEntryBytes * entries, 0x1p63);
+        requireMemory(static_cast<std::uint64_t>(bytes),
+                      "binding " + std::to_string(points.size()) + " points with some " +
+                          std::to_string(std::llround(rowLength)) + " weights each");
+    };
+    try {
+        return require(mostEntries, columnCount);
+    } catch (const MemoryError&) {
+        // Most rows may be shorter, or empty.
+    }
+    std::mt19937 random(1);
+    std::vector<Point3> sample;
+    for (int i = 0; i < kSampleSize; ++i)
+        sample.push_back(unit.toUnits(points[random() % points.size()]));
+    Offset entryCount = 0;
+    for (const BoundPart<stencils::StencilTable<Real>>& part : binder.bind(sample))
+        entryCount += part.table.entryCount();
+    const double rowLength = static_cast<double>(entryCount) / kSampleSize;
+    require(mostEntries * leastMean(rowLength / columnCount, kSampleSize), rowLength);
+}
+
+/// Binds points in either form.
+template <class Real, class Table>
+BoundModel<Real, Table> bind(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                             int level, stencils::Rules rules, std::span<const Point3> points,
+                             const EmbeddingOptions& options,
+                             const std::function<void(Offset)>& progress) {
+    checkBase(base, positions, level);
+    checkPointCount(points);
+    const LengthUnit unit(positions);
+    const std::vector<Point3> inUnits = unit.toUnits(positions);
+    const auto binder = makeBinder<Table>(base, inUnits, level, rules, std::ssize(points), options);
+    const far::CellComplex& complex = base.level(0).complex;
+    if constexpr (std::is_same_v<Table, stencils::StencilTable<Real>>)
+        if (stencils::compositionAbove(complex) == stencils::Composition::FromRows)
+            requireForRows<Real>(*binder, unit, points, complex.count(0));
+    // Larger groups share more of the cells around theirs; but their levels are held at once, some
+    // 100 kB a level for a point that shares none, as most do on the fine levels.
+    const Offset groupSize = level < 7 ? 1 << 14 : 1 << 11;
+    return bindGroups<Real, Table>(*binder, base, unit, points, groupSize, options.outside,
+                                   progress);
+}
+
+}  // namespace
+
+template <class Real>
+BoundModel<Real> bindPoints(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                            int level, stencils::Rules rules, std::span<const Point3> points,
+                            const EmbeddingOptions& options,
+                            const std::function<void(Offset)>& progress) {
+    return bind<Real, stencils::StencilTable<Real>>(base, positions, level, rules, points, options,
+                                                    progress);
+}
+
+template <class Real>
+BoundModel<Real, stencils::FactoredTable<Real>> bindFactored(
+    const far::TopologyRefiner& base, std::span<const Point3> positions, int level,
+    stencils::Rules rules, std::span<const Point3> points, const EmbeddingOptions& options,
+    const std::function<void(Offset)>& progress) {
+    return bind<Real, stencils::FactoredTable<Real>>(base, positions, level, rules, points, options,
+                                                     progress);
+}
+
+template BoundModel<float> bindPoints(const far::TopologyRefiner&, std::span<const Point3>, int,
+                                      stencils::Rules, std::span<const Point3>,
+                                      const EmbeddingOptions&, const std::function<void(Offset)>&);
+template BoundModel<double> bindPoints(const far::TopologyRefiner&, std::span<const Point3>, int,
+                                       stencils::Rules, std::span<const Point3>,
+                                       const EmbeddingOptions&, const std::function<void(Offset)>&);
+template BoundModel<float, stencils::FactoredTable<float>> bindFactored(
+    const far::TopologyRefiner&, std::span<const Point3>, int, stencils::Rules,
+    std::span<const Point3>, const EmbeddingOptions&, const std::function<void(Offset)>&);
+template BoundModel<double, stencils::FactoredTable<double>> bindFactored(
+    const far::TopologyRefiner&, std::span<const Point3>, int, stencils::Rules,
+    std::span<const Point3>, const EmbeddingOptions&, const std::function<void(Offset)>&);
+
+}  // namespace espalier::embed

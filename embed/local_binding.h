@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/embed/binding.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/stencils/factored_table.h>
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace espalier::embed {
+
+/// A model bound to a lattice, and how that went for each point.
+template <class Real, class Table = stencils::StencilTable<Real>>
+struct BoundModel {
+    Binding<Real, Table> binding;
+    std::vector<PointStatus> statuses;  ///< one a point
+    double largestResidual = 0;         ///< see PlacedPoints::largestResidual()
+
+    Index count(PointStatus status) const {
+        return static_cast<Index>(std::count(statuses.begin(), statuses.end(), status));
+    }
+};
+
+/// Binds points to a level of a lattice that is refined no further than they ask for.
+///
+/// The result is, to the last bit, what refining the whole lattice, embedPoints() and makeBinding()
+/// give. But only cells that can still hold a point are refined, with what their rules need around
+/// them; points are taken in groups that lie together, and of each group only its rows of D are
+/// kept. So memory is that of D, of the base, and of what a group needs, at any level: binding a
+/// million points at level 8 of a thousand cells is possible, which has 16 milliards of cells.
+///
+/// The tolerance is a fraction of the diagonal of the base lattice's bounding box.
+///
+/// \param base a lattice at level 0
+/// \param positions of its vertices, at rest
+/// \param level 1 to kMostLevelOfPoints
+/// \param progress called now and then with the number of points done, from any thread, or empty
+/// \throws Error as embedPoints(), and for a base of other levels; TopologyError as
+///         far::TopologyRefiner::refineUniform(); MemoryError if D is beyond a
+///         MemoryLimit: within seconds where cells have hundreds of vertices, and so rows of D
+///         thousands of weights
+/// \cost O(points · (level + log base cells + entries of D a point)), once the cells are smaller
+///       than the distances between points. In parallel; the result does not depend on the number
+///       of threads
+/// \cite MacCracken & Joy 1996, sections 4 to 6
+template <class Real>
+ESPALIER_API BoundModel<Real> bindPoints(const far::TopologyRefiner& base,
+                                         std::span<const Point3> positions, int level,
+                                         stencils::Rules rules, std::span<const Point3> points,
+                                         const EmbeddingOptions& options = {},
+                                         const std::function<void(Offset)>& progress = {});
+
+/// The same with D left in its factors. Their product is the D of bindPoints(), but for rounding. A
+/// vertex of the level may be there more than once, for points of different groups.
+///
+/// \cost less, by the product
+template <class Real>
+ESPALIER_API BoundModel<Real, stencils::FactoredTable<Real>> bindFactored(
+    const far::TopologyRefiner& base, std::span<const Point3> positions, int level,
+    stencils::Rules rules, std::span<const Point3> points, const EmbeddingOptions& options = {},
+    const std::function<void(Offset)>& progress = {});
+
+}  // namespace espalier::embed

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/embed/nested_lattices.h>
+#include <espalier/stencils/composition.h>
+
+#include <cmath>
+#include <string>
+
+namespace espalier::embed {
+
+stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& child,
+                                          std::span<const Point3> childPose,
+                                          const far::TopologyRefiner& parent,
+                                          std::span<const Point3> parentRest, int level,
+                                          stencils::Rules rules, const EmbeddingOptions& options) {
+    if (childPose.size() != static_cast<std::size_t>(child.columnCount()))
+        throw Error("got " + std::to_string(childPose.size()) + " positions for " +
+                    std::to_string(child.columnCount()) + " vertices of the child");
+    for (std::size_t vertex = 0; vertex < childPose.size(); ++vertex)
+        for (const double coordinate : childPose[vertex])
+            if (!std::isfinite(coordinate))
+                throw Error("the position of vertex " + std::to_string(vertex) +
+                            " of the child is not finite");
+    EmbeddingOptions embedding = options;
+    if (embedding.outside == OutsidePolicy::Error) embedding.outside = OutsidePolicy::Keep;
+    const auto bound = bindPoints<double>(parent, parentRest, level, rules, childPose, embedding);
+    // A vertex that stays where it is has no row of weights.
+    if (!bound.binding.kept.empty()) {
+        const Index vertex = bound.binding.kept.front();
+        const bool isOutside = bound.statuses[vertex] == PointStatus::Outside;
+        throw Error("vertex " + std::to_string(vertex) + " of the child " +
+                    (isOutside ? "lies outside of the parent lattice"
+                               : "has no place in the parent lattice: its cell is degenerate"));
+    }
+    return stencils::multiply<double>(child, bound.binding.table);
+}
+
+}  // namespace espalier::embed

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/embed/place_points.h>
+#include <espalier/embed/space_curve.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+namespace espalier::embed {
+
+void checkPositions(const far::CellComplex& complex, std::span<const Point3> positions) {
+    if (positions.size() != static_cast<std::size_t>(complex.count(0)))
+        throw Error("got " + std::to_string(positions.size()) + " positions for " +
+                    std::to_string(complex.count(0)) + " vertices");
+    for (std::size_t vertex = 0; vertex < positions.size(); ++vertex) {
+        const Point3& position = positions[vertex];
+        if (!std::all_of(position.begin(), position.end(),
+                         [](double coordinate) { return std::isfinite(coordinate); }))
+            throw Error("the position of lattice vertex " + std::to_string(vertex) +
+                        " is not finite");
+    }
+}
+
+void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positions, int level) {
+    if (base.dimension() != 3)
+        throw Error("points can be bound to a lattice only, not to a complex of dimension " +
+                    std::to_string(base.dimension()));
+    if (base.maxLevel() != 0)
+        throw Error("points are bound to a base that has not been refined; this one has " +
+                    std::to_string(base.maxLevel()) + " levels more");
+    if (level < 1)
+        throw Error("points are bound to level 1 or above, not to level " + std::to_string(level));
+    if (level > kMostLevelOfPoints)
+        throw Error("points are bound to level " + std::to_string(kMostLevelOfPoints) +
+                    " at most, not to level " + std::to_string(level));
+    const far::Level& lattice = base.level(0);
+    checkPositions(lattice.complex, positions);
+    // Without boundary control there may be no next level: refining says what is missing.
+    bool isLeft = false;
+    for (Index vertex = 0; vertex < lattice.complex.count(0); ++vertex)
+        isLeft = isLeft || !lattice.strata.isOpen({0, vertex});
+    if (!isLeft) far::TopologyRefiner(base).refineUniform(1);
+}
+
+double checkedTolerance(double tolerance) {
+    if (std::isfinite(tolerance) && tolerance >= 0) return tolerance;
+    throw Error("the tolerance is " + std::to_string(tolerance) + "; expected 0 or more");
+}
+
+std::vector<Index> alongCurve(std::span<const Point3> points) {
+    Eigen::AlignedBox3d box;
+    for (const Point3& point : points)
+        if (const Eigen::Vector3d position(point.data()); position.allFinite())
+            box.extend(position);
+    const MortonCurve curve(box);
+    Array<CurvePlace> places(points.size());
+    parallelFor(static_cast<Offset>(points.size()), 4096, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            places[at] = {curve.key(Eigen::Vector3d(points[at].data())), static_cast<Index>(i)};
+        }
+    });
+    // Over 2¹⁰ parts along each axis are fine enough.
+    sortAlongCurve(places, 32);
+    std::vector<Index> order;
+    order.reserve(places.size());
+    for (const CurvePlace& place : places) order.push_back(place.item);
+    return order;
+}
+
+void checkPointCount(std::span<const Point3> points) {
+    if (points.size() > static_cast<std::size_t>(kMaxIndex))
+        throw Error("got " + std::to_string(points.size()) + " points; the most is " +
+                    std::to_string(kMaxIndex));
+}
+
+void checkVertexCount(Index placedIn, Index vertexCount) {
+    if (placedIn != vertexCount)
+        throw Error("the points were embedded in a lattice of " + std::to_string(placedIn) +
+                    " vertices, not of " + std::to_string(vertexCount) + ": another level?");
+}
+
+void checkAllInside(std::span<const Point3> points, std::span<const PointStatus> statuses) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (statuses[i] != PointStatus::Inside)
+            refusePoint(static_cast<Offset>(i), points[i], statuses[i]);
+}
+
+void refusePoint(Offset index, const Point3& point, PointStatus status) {
+    std::ostringstream message;
+    message << "point " << index << " at (" << point[0] << ", " << point[1] << ", " << point[2]
+            << ") "
+            << (status == PointStatus::Outside
+                    ? "is outside the lattice"
+                    : "has no place in the lattice: its cell is degenerate, or it is not finite");
+    throw Error(message.str());
+}
+
+}  // namespace espalier::embed

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/point_descent.h>
+
+#include <espalier/embed/regular_cells.h>
+#include <espalier/stencils/composition.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <limits>
+#include <utility>
+
+namespace espalier::embed {
+
+using Eigen::Vector3d;
+using Bound = std::optional<CellBound>;
+using Extent = far::TopologyRefiner::Extent;
+
+namespace {
+
+/// The boxes of a level may miss those of the last one by the rounding of the sums between, which
+/// is relative to where the lattice lies: some 100 times 1e-16 a level.
+constexpr double kSlack = 1e-12;
+
+/// By how much of itself what a cell becomes is beyond the cell, mostly, at most.
+constexpr double kLikely = 0.25;
+
+double largestCoordinate(std::span<const Point3> positions) {
+    double largest = 0;
+    for (const Point3& position : positions)
+        for (const double coordinate : position) largest = std::max(largest, std::abs(coordinate));
+    return largest;
+}
+
+/// The cells that have a bound, or those that have none.
+std::vector<Index> cellsWith(const std::vector<Bound>& bounds, bool bound) {
+    std::vector<Index> cells;
+    for (std::size_t cell = 0; cell < bounds.size(); ++cell)
+        if (bounds[cell].has_value() == bound) cells.push_back(static_cast<Index>(cell));
+    return cells;
+}
+
+std::vector<BoxTree::Box> boxesOf(const std::vector<Bound>& bounds, const std::vector<Index>& cells,
+                                  double margin) {
+    std::vector<BoxTree::Box> boxes;
+    for (const Index cell : cells) {
+        boxes.push_back(bounds[cell]->box);
+        boxes.back().min().array() -= margin;
+        boxes.back().max().array() += margin;
+    }
+    return boxes;
+}
+
+/// A distance from a point within which there is something that the cell becomes.
+double reach(const far::CellComplex& complex, std::span<const Point3> positions, Index cell,
+             const Bound& bound, const Vector3d& point) {
+    if (!bound) return std::numeric_limits<double>::infinity();
+    if (!bound->drift) {
+        // The far corner of the box.
+        const Vector3d low = (point - bound->box.min()).cwiseAbs();
+        return low.cwiseMax((bound->box.max() - point).cwiseAbs()).norm();
+    }
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Index vertex : complex.relation(3, 0)[cell])
+        nearest = std::min(nearest, (Vector3d(positions[vertex].data()) - point).norm());
+    return nearest + bound->drift->norm();
+}
+
+}  // namespace
+
+PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                           stencils::Rules rules, CellSolver::Scale scale)
+    : base_(base),
+      positions_(positions),
+      rules_(rules),
+      rounding_(kSlack * (scale.size + largestCoordinate(positions))),
+      margin_(scale.tolerance + rounding_),
+      bounds_([&] {
+          CellBounds bounds(base.level(0), positions, base.options().creasing);
+          std::vector<Bound> result;
+          for (Index cell = 0; cell < base.level(0).complex.count(3); ++cell)
+              result.push_back(bounds.boundOf(cell, std::nullopt));
+          return result;
+      }()),
+      bounded_(cellsWith(bounds_, true)),
+      unbounded_(cellsWith(bounds_, false)),
+      tree_(boxesOf(bounds_, bounded_, margin_)) {}
+
+Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought sought) const {
+    std::vector<std::vector<Index>> pointsOf(bounds_.size());
+    std::vector<Index> found;
+    for (std::size_t point = 0; point < points.size(); ++point) {
+        const auto add = [&](Index cell) { pointsOf[cell].push_back(static_cast<Index>(point)); };
+        for (const Index cell : unbounded_) add(cell);
+        found.clear();
+        const Vector3d position(points[point].data());
+        if (sought == Sought::Containing) {
+            tree_.findContaining(position, found);
+        } else {
+            const auto reachOf = [&](Index i) {
+                const Index cell = bounded_[i];
+                if (!isLasting(base_.level(0), cell))
+                    return std::numeric_limits<double>::infinity();
+                return reach(base_.level(0).complex, positions_, cell, bounds_[cell], position);
+            };
+            tree_.findWithin(position, tree_.findNearest(position, reachOf).distance + margin_,
+                             found);
+        }
+        for (const Index i : found) add(bounded_[i]);
+    }
+    Candidates candidates;
+    for (std::size_t cell = 0; cell < bounds_.size(); ++cell) {
+        candidates.points.insert(candidates.points.end(), pointsOf[cell].begin(),
+                                 pointsOf[cell].end());
+        candidates.endCell(static_cast<Index>(cell), bounds_[cell]);
+    }
+    return candidates;
+}
+
+Descent PointDescent::begin(std::span<const Point3> points, Sought sought) const {
+    Descent descent{
+        base_, {}, {positions_.begin(), positions_.end()}, baseCandidates(points, sought), margin_};
+    descent.candidates.filter([&](std::size_t i, Index) {
+        return isLasting(base_.level(0), descent.candidates.cells[i]);
+    });
+    return descent;
+}
+
+void PointDescent::keepNearest(Descent& descent, std::span<const Point3> points,
+                               std::span<double> nearest) const {
+    const far::CellComplex& complex = descent.refiner.level(descent.refiner.maxLevel()).complex;
+    Candidates& candidates = descent.candidates;
+    for (std::size_t i = 0; i < candidates.cells.size(); ++i)
+        for (const Index point : candidates.pointsOf(i)) {
+            double& best = nearest[point];
+            best = std::min(best, reach(complex, descent.positions, candidates.cells[i],
+                                        candidates.bounds[i], Vector3d(points[point].data())));
+        }
+    candidates.filter([&](std::size_t i, Index point) {
+        const Bound& bound = candidates.bounds[i];
+        // Written so that what is not a number stays.
+        return !bound || !(bound->box.exteriorDistance(Vector3d(points[point].data())) >
+                           nearest[point] + descent.margin);
+    });
+}
+
+void PointDescent::refine(Descent& descent, std::span<const Point3> points, Sought sought,
+                          Extent extent, Bounding bounding) const {
+    const int level = descent.refiner.maxLevel() + 1;
+    const far::CellComplex parent = descent.refiner.level(level - 1).complex;
+    descent.refiner.refineAround(descent.candidates.cells, extent);
+    descent.tables.push_back(stencils::buildLevelTable(descent.refiner, level, rules_));
+    descent.positions = stencils::applyLevelTable(descent.tables.back(), descent.positions);
+
+    CellBounds bounds(descent.refiner.level(level), descent.positions, base_.options().creasing);
+    const auto mayHold = [&](const Bound& bound, const AffineHull& hull, Index point) {
+        return !bound ||
+               (!(bound->box.exteriorDistance(Vector3d(points[point].data())) > descent.margin) &&
+                hull.contains(Vector3d(points[point].data())));
+    };
+    const Candidates parents = std::exchange(descent.candidates, {});
+    Candidates& children = descent.candidates;
+    for (std::size_t i = 0; i < parents.cells.size(); ++i) {
+        const Index cell = parents.cells[i];
+        const Bound& bound = parents.bounds[i];
+        for (const Index vertex : parent.relation(3, 0)[cell]) {
+            const auto child = descent.refiner.refinement(level).childOf({{0, vertex}, {3, cell}});
+            if (!child) continue;  // It is beyond the open boundary.
+            const Bound ofChild =
+                bounding == Bounding::Future
+                    ? bounds.boundOf(child->index, bound ? bound->drift : std::nullopt)
+                    : bounds.ownBox(child->index, bounding == Bounding::Likely ? kLikely : 0);
+            const AffineHull hull = sought == Sought::Containing && bounding == Bounding::Likely
+                                        ? bounds.ownHull(child->index, kLikely)
+                                        : AffineHull();
+            for (const Index point : parents.pointsOf(i))
+                if (sought == Sought::Nearest || mayHold(ofChild, hull, point))
+                    children.points.push_back(point);
+            children.endCell(child->index, ofChild);
+        }
+    }
+}
+
+std::optional<Descent> PointDescent::descend(std::span<const Point3> points, int level,
+                                             Sought sought, Extent extent) const {
+    Descent descent = begin(points, sought);
+    for (int k = 1; k <= level; ++k) {
+        if (sought == Sought::Nearest) {
+            std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
+            keepNearest(descent, points, nearest);
+        }
+        if (descent.candidates.cells.empty()) return std::nullopt;
+        const bool isLast = k == level;
+        refine(descent, points, sought, isLast ? extent : Extent::Ring,
+               isLast ? Bounding::Itself : Bounding::Future);
+    }
+    return descent;
+}
+
+}  // namespace espalier::embed

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/embed/box_tree.h>
+#include <espalier/embed/cell_solver.h>
+#include <espalier/embed/length_unit.h>
+
+#include <span>
+
+namespace espalier::embed {
+
+/// Finds the cells of a refined lattice that hold given points.
+///
+/// A point belongs to the cell of lowest number that contains it. (In a cell so twisted that
+/// Newton's method from its centre misses the point, only if no other cell has it.) Faces that are
+/// not flat leave small gaps (a hexahedron has a bilinear face, its type-n neighbour a folded one);
+/// a point in a gap belongs to the nearest cell, by continuing that cell's map along its tangent.
+/// Any number of threads may ask; answers depend on nothing but the point.
+///
+/// \cite MacCracken & Joy 1996, sections 4 to 6
+class ESPALIER_API PointLocator {
+public:
+    /// \param complex a lattice of level 1 or above; kept (a cheap copy)
+    /// \param positions one a vertex; copied
+    /// \param tolerance how far outside a point still counts as inside, as a fraction of the
+    ///        diagonal of the lattice's bounding box, 0 or more
+    /// \throws Error if `complex` is not a lattice of quadrilaterals, `positions` do not fit it or
+    ///         are not finite, or `tolerance` is out of range
+    /// \cost O(cells log cells)
+    PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
+                 double tolerance);
+
+    /// The same with the scale of another lattice: that of the base, of which `complex` is a level.
+    PointLocator(const far::CellComplex& complex, std::span<const Point3> positions,
+                 CellSolver::Scale scale);
+
+    /// \param seekNearest whether to find the place that stands for a point outside
+    LocatedPoint locate(const Point3& point, bool seekNearest) const;
+
+private:
+    LocatedPoint locateInUnits(const Point3& position, bool seekNearest) const;
+
+    LengthUnit unit_;
+    CellSolver solver_;  ///< of positions in units
+    BoxTree tree_;
+};
+
+}  // namespace espalier::embed

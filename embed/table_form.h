@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/embed/embedding.h>
+#include <espalier/stencils/factored_table.h>
+
+#include <span>
+#include <vector>
+
+// Points are bound to D or to its factors. These overloads are the steps that differ between the
+// two. The limit binds to D with its gradients, and adds overloads of pointRows() and gatherRows()
+// (limit_binding.cpp).
+namespace espalier::embed {
+
+/// Some of the points of a group, as they were bound.
+template <class Table>
+struct BoundPart {
+    std::vector<Index> points;  ///< which, counted from 0
+    std::vector<PointStatus> statuses;
+    double largestResidual = 0;
+    Table table;  ///< a row for each, without entries where it has no place
+};
+
+/// The rows that tell which points have a place.
+template <class Real>
+const stencils::StencilTable<Real>& pointRows(const stencils::StencilTable<Real>& table) {
+    return table;
+}
+template <class Real>
+const stencils::StencilTable<Real>& pointRows(const stencils::FactoredTable<Real>& table) {
+    return table.points;
+}
+
+/// Makes the table of points whose cells are cells of a level.
+/// \param tables the level tables of `refiner`
+template <class Real>
+void buildRows(const far::TopologyRefiner& refiner,
+               std::span<const stencils::StencilTable<double>> tables, const Embedding& embedding,
+               stencils::StencilTable<Real>& result);
+template <class Real>
+void buildRows(const far::TopologyRefiner& refiner,
+               std::span<const stencils::StencilTable<double>> tables, const Embedding& embedding,
+               stencils::FactoredTable<Real>& result);
+
+/// The same from the stencils of the whole level.
+/// \param weights W of the points
+/// \param stencils S of the whole level
+/// \param order of the rows of W
+template <class Real>
+void buildRows(stencils::StencilTable<double> weights,
+               const stencils::StencilTable<double>& stencils, const stencils::RowOrder& order,
+               stencils::StencilTable<Real>& result);
+template <class Real>
+void buildRows(stencils::StencilTable<double> weights,
+               const stencils::StencilTable<double>& stencils, const stencils::RowOrder& order,
+               stencils::FactoredTable<Real>& result);
+
+/// Puts the rows of all parts into one table, and empties the tables of the parts. A vertex of
+/// factors that several parts use is repeated for each of them. \param parts with the numbers of
+/// their points in the whole model
+template <class Real>
+void gatherRows(std::vector<BoundPart<stencils::StencilTable<Real>>>& parts, Index rowCount,
+                Index columnCount, stencils::StencilTable<Real>& result);
+template <class Real>
+void gatherRows(std::vector<BoundPart<stencils::FactoredTable<Real>>>& parts, Index rowCount,
+                Index columnCount, stencils::FactoredTable<Real>& result);
+
+}  // namespace espalier::embed

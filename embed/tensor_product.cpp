@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
+#include <espalier/embed/box_least_squares.h>
+#include <espalier/embed/place_points.h>
+#include <espalier/embed/tensor_product.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+namespace espalier::embed {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+/// How far a vertex may lie from its place in the affine grid, in parts of the lattice's diagonal.
+/// Files with six digits, as printf and iostreams write by default, are off by 5e-6 of a
+/// coordinate, and a vertex by up to √3 of that: 8.7e-6. Parallelepipeds that somebody moved a
+/// vertex of by hand are off by far more.
+constexpr double kAffine = 1e-5;
+
+/// The same in parts of the largest coordinate, for lattices far from the origin: √3 times the
+/// 6e-8 by which files in single precision are off.
+constexpr double kSingle = 1.1e-7;
+
+/// The least volume of a parallelepiped with sides of length 1: flatter, and the local coordinates
+/// would have under half the digits of a double.
+constexpr double kMinVolume = 1e-8;
+
+/// How far beyond the region, in cells, a point on its boundary may come out by rounding: 1e-16 of
+/// its coordinates over the size and thinness of a cell, as in PointLocator.
+constexpr double kOnBoundary = 1e-10;
+
+/// Calls body(point, vertex) for each grid point.
+template <class Body>
+void forEachVertex(const far::BoxGrid& grid, Body body) {
+    std::size_t next = 0;
+    for (Index k = 0; k <= grid.cells[2]; ++k)
+        for (Index j = 0; j <= grid.cells[1]; ++j)
+            for (Index i = 0; i <= grid.cells[0]; ++i)
+                body(Vector3d(i, j, k), grid.vertices[next++]);
+}
+
+void checkCells(Basis basis, const std::array<Index, 3>& cells) {
+    for (const Index count : cells)
+        if (axisRange(basis, count).low >= axisRange(basis, count).high)
+            throw Error("a B-spline lattice needs 3 cells along each axis or more: this one has " +
+                        std::to_string(cells[0]) + " × " + std::to_string(cells[1]) + " × " +
+                        std::to_string(cells[2]));
+}
+
+}  // namespace
+
+TensorLattice::TensorLattice(const far::CellComplex& complex, std::span<const Point3> rest,
+                             Basis basis)
+    : complex_(complex),
+      rest_(rest.begin(), rest.end()),
+      basis_(basis),
+      grid_(far::asBoxGrid(complex)) {
+    checkCells(basis, grid_.cells);
+    checkPositions(complex, rest);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const AxisRange range = axisRange(basis, grid_.cells[axis]);
+        low_[static_cast<Eigen::Index>(axis)] = range.low;
+        high_[static_cast<Eigen::Index>(axis)] = range.high;
+    }
+    Eigen::AlignedBox3d box;
+    for (const Point3& position : rest) box.extend(Vector3d(position.data()));
+    size_ = box.diagonal().stableNorm();
+    fitAxes();
+    invertAxes();
+    checkFit();
+}
+
+/// Least squares, which no vertex governs and which does not depend on numbering. On a grid the
+/// sums of the axes separate.
+void TensorLattice::fitAxes() {
+    const Vector3d middle = Vector3d(grid_.cells[0], grid_.cells[1], grid_.cells[2]) / 2;
+    Vector3d mean = Vector3d::Zero(), squares = Vector3d::Zero();
+    forEachVertex(grid_, [&](const Vector3d&, Index vertex) { mean += restAt(vertex); });
+    mean /= static_cast<double>(rest_.size());
+    axes_.setZero();
+    forEachVertex(grid_, [&](const Vector3d& point, Index vertex) {
+        const Vector3d steps = point - middle;
+        axes_ += (restAt(vertex) - mean) * steps.transpose();
+        squares += steps.cwiseAbs2();
+    });
+    axes_ *= squares.cwiseInverse().asDiagonal();
+    origin_ = mean - axes_ * middle;
+}
+
+/// By way of unit vectors: the volume of tiny or huge cells is not a number.
+void TensorLattice::invertAxes() {
+    const Vector3d lengths(axes_.col(0).stableNorm(), axes_.col(1).stableNorm(),
+                           axes_.col(2).stableNorm());
+    const Matrix3d units = axes_ * lengths.cwiseInverse().asDiagonal();
+    if (!(std::abs(units.determinant()) > kMinVolume))
+        throw Error("the rest positions have no volume: they are not a parallelepiped");
+    toCells_ = lengths.cwiseInverse().asDiagonal() * units.inverse();
+}
+
+void TensorLattice::checkFit() const {
+    Index farthest = 0;
+    double distance = 0;
+    forEachVertex(grid_, [&](const Vector3d& point, Index vertex) {
+        const double off = (positionAt(point) - restAt(vertex)).stableNorm();
+        if (off > distance) {
+            distance = off;
+            farthest = vertex;
+        }
+    });
+    double largest = 0;
+    for (const Point3& position : rest_)
+        for (const double coordinate : position) largest = std::max(largest, std::abs(coordinate));
+    if (distance <= kAffine * size_ + kSingle * largest) return;
+    std::ostringstream message;
+    message << "the rest positions are not an evenly divided parallelepiped: vertex " << farthest
+            << " is " << distance << " from its place in the nearest one";
+    throw Error(message.str());
+}
+
+/// In cells. Clamping would do for right angles only.
+Vector3d TensorLattice::nearestInRegion(const Vector3d& point) const {
+    return nearestInBox(axes_, point - origin_, low_, high_);
+}
+
+Located<TensorPlace> TensorLattice::locate(const Point3& position, double tolerance,
+                                           bool seekNearest) const {
+    const Vector3d point(position.data());
+    Located<TensorPlace> result;
+    const Vector3d local = toCells_ * (point - origin_);
+    // Finite coordinates may be too large to have a local place.
+    if (!local.allFinite()) return result;
+    Vector3d at = local.cwiseMax(low_).cwiseMin(high_);
+    if ((local - at).lpNorm<Eigen::Infinity>() > kOnBoundary) {
+        at = nearestInRegion(point);
+        result.distance = (positionAt(at) - point).stableNorm();
+    }
+    const bool isInside = result.distance <= tolerance * size_;
+    result.status = isInside ? PointStatus::Inside : PointStatus::Outside;
+    if (!isInside && !seekNearest) return result;
+    result.place = TensorPlace{toArray(at), toArray(local - at)};
+    Vector3d back = Vector3d::Zero();
+    for (const auto& [vertex, weight] : weights(*result.place)) {
+        back += weight * restAt(vertex);
+    }
+    result.residual = (back - point).stableNorm();
+    return result;
+}
+
+std::vector<VertexWeight> TensorLattice::weights(const TensorPlace& place) const {
+    std::array<AxisFunctions, 3> axes;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        axes[axis] = axisFunctions(basis_, grid_.cells[axis], place.at[axis]);
+    const auto& [x, y, z] = axes;
+    const auto& [du, dv, dw] = place.offset;
+    std::vector<VertexWeight> result;
+    result.reserve(x.values.size() * y.values.size() * z.values.size());
+    for (std::size_t k = 0; k < z.values.size(); ++k)
+        for (std::size_t j = 0; j < y.values.size(); ++j) {
+            // Of x, and of the derivative of x.
+            const double factor = y.values[j] * z.values[k];
+            const double value =
+                factor + dv * y.derivatives[j] * z.values[k] + dw * y.values[j] * z.derivatives[k];
+            for (std::size_t i = 0; i < x.values.size(); ++i) {
+                const double weight = x.values[i] * value + du * x.derivatives[i] * factor;
+                if (weight == 0) continue;
+                const Index vertex = grid_.vertexAt({x.first + static_cast<Index>(i),
+                                                     y.first + static_cast<Index>(j),
+                                                     z.first + static_cast<Index>(k)});
+                result.push_back({vertex, weight});
+            }
+        }
+    return result;
+}
+
+TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3> points,
+                            const EmbeddingOptions& options,
+                            const std::function<void(Offset)>& progress) {
+    const double tolerance = checkedTolerance(options.tolerance);
+    return locatePoints<TensorPlace>(points, lattice.complex().count(0), options.outside, progress,
+                                     [&](const Point3& point, bool seekNearest) {
+                                         return lattice.locate(point, tolerance, seekNearest);
+                                     });
+}
+
+template <class Real>
+stencils::StencilTable<Real> buildDeformationTable(const TensorLattice& lattice,
+                                                   const TensorEmbedding& embedding) {
+    // All rows are as long; those of a Bézier lattice name each of its vertices.
+    const auto& points = embedding.points;
+    const auto first = std::find_if(points.begin(), points.end(),
+                                    [](const auto& point) { return point.place.has_value(); });
+    if (first != points.end())
+        requireMemory(
+            points.size() * lattice.weights(*first->place).size() * (sizeof(Index) + sizeof(Real)),
+            "a table of " + std::to_string(points.size()) + " rows");
+    return buildPlaceTable<Real>(embedding, lattice.complex().count(0),
+                                 [&](const TensorPlace& place) { return lattice.weights(place); });
+}
+
+template stencils::StencilTable<float> buildDeformationTable(const TensorLattice&,
+                                                             const TensorEmbedding&);
+template stencils::StencilTable<double> buildDeformationTable(const TensorLattice&,
+                                                              const TensorEmbedding&);
+
+}  // namespace espalier::embed

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
+#include <espalier/base/printable.h>
+#include <espalier/io/files/file.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include "descriptor.h"
+#include "descriptor_buffer.h"
+#include "destination.h"
+#include "new_file.h"
+#include "signals_blocked.h"
+
+#include <cerrno>
+#include <deque>
+#include <optional>
+#include <ostream>
+#include <system_error>
+
+namespace espalier::io {
+
+namespace fs = std::filesystem;
+
+std::string shownPath(const fs::path& path) {
+    return printable(path.native());
+}
+
+FileError::FileError(const fs::path& path, const std::string& cause)
+    : Error(shownPath(path) + ": " + printable(cause, cause.size())) {}
+
+FileError::FileError(const fs::path& path, std::size_t line, const std::string& cause)
+    : Error(shownPath(path) + ":" + std::to_string(line) + ": " + printable(cause, cause.size())) {}
+
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what, int error) {
+    throw FileError(path, what + ": " + systemMessage(error));
+}
+
+struct ::stat statusOf(const fs::path& path, const Descriptor& file) {
+    struct ::stat status {};
+    if (::fstat(file.number(), &status) != 0) fail(path, "cannot read", errno);
+    return status;
+}
+
+bool isSameTime(const ::timespec& a, const ::timespec& b) {
+    return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
+}
+
+/// Hands `write` a stream to the file, and sees that all has gone there.
+void writeTo(int descriptor, const FileToWrite& toWrite) {
+    DescriptorBuffer buffer(descriptor);
+    std::ostream out(&buffer);
+    toWrite.write(out);
+    out.flush();
+    if (buffer.error() != 0) fail(toWrite.path, "cannot write", buffer.error());
+    if (!out) throw FileError(toWrite.path, "cannot write: the stream has failed");
+}
+
+/// Errors of the system that a step has name the file.
+template <class Step>
+void ofFile(const fs::path& path, const std::string& what, Step step) {
+    try {
+        step();
+    } catch (const std::system_error& error) {
+        throw FileError(path, what + ": " + error.code().message());
+    }
+}
+
+void writeInPlace(const Destination& to, const FileToWrite& toWrite) {
+    const Descriptor file(uninterrupted([&] {
+        return to.kind == Destination::Kind::Descriptor
+                   ? ::fcntl(to.descriptor, F_DUPFD_CLOEXEC, 0)
+                   : ::open(to.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    }));
+    if (!file) fail(toWrite.path, "cannot write", errno);
+    writeTo(file.number(), toWrite);
+}
+
+/// A new file, and what it is called.
+struct Written {
+    Written(const FileToWrite& what, const fs::path& target) : toWrite(what), file(target) {}
+
+    const FileToWrite& toWrite;
+    NewFile file;
+};
+
+void moveToTargets(std::deque<Written>& written) {
+    for (std::size_t i = 0; i < written.size(); ++i) {
+        try {
+            written[i].file.moveToTarget();
+        } catch (const std::system_error& error) {
+            std::string replaced;
+            for (std::size_t j = 0; j < i; ++j)
+                replaced +=
+                    (j == 0 ? "; replaced before it: " : ", ") + shownPath(written[j].toWrite.path);
+            throw FileError(written[i].toWrite.path,
+                            "cannot write: " + error.code().message() + replaced);
+        }
+    }
+}
+
+}  // namespace
+
+std::string readFile(const fs::path& path) {
+    const Descriptor file(
+        uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY); }));
+    if (!file) fail(path, "cannot open", errno);
+    const struct ::stat before = statusOf(path, file);
+    if (S_ISDIR(before.st_mode)) throw FileError(path, "is a directory");
+    // One more than there are, to see the end. Pipes and the files of /proc do not say.
+    constexpr std::size_t kBlock = 1 << 16;
+    const auto expected = static_cast<std::size_t>(before.st_size);
+    requireMemory(expected, shownPath(path) + ":");
+    std::string bytes(expected > 0 ? expected + 1 : kBlock, '\0');
+    std::size_t size = 0;
+    while (true) {
+        if (size == bytes.size()) {
+            requireMemory(2 * size, shownPath(path) + ":");  // beside what there is
+            bytes.resize(2 * size);
+        }
+        const ssize_t got = uninterrupted(
+            [&] { return ::read(file.number(), bytes.data() + size, bytes.size() - size); });
+        if (got < 0) fail(path, "cannot read", errno);
+        if (got == 0) break;
+        size += static_cast<std::size_t>(got);
+    }
+    bytes.resize(size);
+    const struct ::stat after = statusOf(path, file);
+    if (S_ISREG(before.st_mode) &&
+        (after.st_size != before.st_size || !isSameTime(after.st_mtim, before.st_mtim)))
+        throw FileError(path, "has changed while it was read");
+    return bytes;
+}
+
+void checkWritable(const fs::path& path) {
+    destinationOf(path);
+}
+
+void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+    writeFiles({{path, write}});
+}
+
+void writeFiles(const std::vector<FileToWrite>& files) {
+    std::vector<Destination> destinations;
+    for (const FileToWrite& file : files) destinations.push_back(destinationOf(file.path));
+    std::optional<SignalsBlocked> blocked;  // until `written` has removed names that failed
+    std::deque<Written> written;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        if (destinations[i].kind != Destination::Kind::File) {
+            writeInPlace(destinations[i], files[i]);
+            continue;
+        }
+        ofFile(files[i].path, "cannot create a file beside it",
+               [&] { written.emplace_back(files[i], destinations[i].path); });
+        writeTo(written.back().file.descriptor(), files[i]);
+    }
+    for (Written& each : written)
+        ofFile(each.toWrite.path, "cannot write", [&] { each.file.complete(); });
+    blocked.emplace();
+    for (Written& each : written)
+        ofFile(each.toWrite.path, "cannot write", [&] { each.file.giveName(); });
+    moveToTargets(written);
+    blocked.reset();
+    for (const Written& each : written)
+        ofFile(each.toWrite.path, "is written, but may not outlast a loss of power",
+               [&] { each.file.syncFolder(); });
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "new_file.h"
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <system_error>
+
+namespace espalier::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void check(int result) {
+    if (result < 0) throw std::system_error(errno, std::generic_category());
+}
+
+/// By which a file without a name can be named.
+std::string procName(int descriptor) {
+    return "/proc/self/fd/" + std::to_string(descriptor);
+}
+
+}  // namespace
+
+NewFile::NewFile(const fs::path& target)
+    : target_(target), folder_(target.has_parent_path() ? target.parent_path() : ".") {
+    struct ::stat status {};
+    if (::stat(target.c_str(), &status) == 0) old_ = status;
+    if (!openNameless()) openNamed();
+}
+
+NewFile::~NewFile() {
+    if (name_) ::unlink(name_->c_str());
+}
+
+bool NewFile::openNameless() {
+    descriptor_ = Descriptor(uninterrupted(
+        [&] { return ::open(folder_.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666); }));
+    // It needs /proc to get a name in the end.
+    if (descriptor_ && ::access(procName(descriptor()).c_str(), F_OK) != 0)
+        descriptor_ = Descriptor();
+    return static_cast<bool>(descriptor_);
+}
+
+void NewFile::openNamed() {
+    // Not mkstemp: it makes private files, and a new file's mode should follow the umask. But who
+    // may not read the old one may not read this one either.
+    const ::mode_t mode = old_ ? old_->st_mode & 0777 : 0666;
+    while (!descriptor_) {
+        std::string name = freshName();
+        descriptor_ = Descriptor(uninterrupted(
+            [&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); }));
+        if (descriptor_)
+            name_ = std::move(name);
+        else if (errno != EEXIST)
+            check(-1);
+    }
+}
+
+std::string NewFile::freshName() const {
+    static std::atomic<unsigned> count = 0;
+    // Not made from the target's name, which may be as long as names can be.
+    return (folder_ / ("espalier.tmp" + std::to_string(::getpid()) + "-" + std::to_string(count++)))
+        .string();
+}
+
+void NewFile::takeModeOfOldFile() const {
+    if (!old_) return;
+    // The owner, if this process may give files away, or else the group.
+    const auto anyone = static_cast<::uid_t>(-1);
+    const bool isOwned = ::fchown(descriptor(), old_->st_uid, old_->st_gid) == 0;
+    const bool isOfGroup = isOwned || ::fchown(descriptor(), anyone, old_->st_gid) == 0;
+    // Rights of the old ones are not for others.
+    ::mode_t mode = old_->st_mode & 07777;
+    if (!isOwned) mode &= ~static_cast<::mode_t>(S_ISUID);
+    if (!isOfGroup)
+        mode = (mode & ~static_cast<::mode_t>(S_ISGID | S_IRWXG)) | (mode & S_IRWXO) << 3;
+    struct ::stat now {};
+    check(::fstat(descriptor(), &now));
+    // Not asked for in vain: some file systems have the same mode for all files.
+    if ((now.st_mode & 07777) != mode) check(::fchmod(descriptor(), mode));
+}
+
+void NewFile::sync() const {
+    check(uninterrupted([&] { return ::fsync(descriptor()); }));
+}
+
+void NewFile::complete() {
+    takeModeOfOldFile();
+    sync();
+}
+
+void NewFile::giveName() {
+    if (name_) return;
+    const std::string from = procName(descriptor());
+    while (!name_) {
+        std::string name = freshName();
+        if (::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0)
+            name_ = std::move(name);
+        else if (errno != EEXIST)
+            check(-1);
+    }
+    // Again: Btrfs does not sync all of a file that has no name.
+    sync();
+}
+
+void NewFile::moveToTarget() {
+    check(::rename(name_->c_str(), target_.c_str()));
+    name_.reset();
+}
+
+void NewFile::syncFolder() const {
+    const Descriptor folder(
+        uninterrupted([&] { return ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); }));
+    // Who may write in a folder need not be allowed to read it.
+    if (!folder && errno == EACCES) return;
+    check(folder.number());
+    const int result = uninterrupted([&] { return ::fsync(folder.number()); });
+    // Not every file system syncs folders.
+    if (result != 0 && errno != EINVAL) check(result);
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lattice_parts.h"
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/io/files/file.h>
+#include "../vtk/point_arrays.h"
+#include "../vtk/vtk_numbers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+namespace espalier::io {
+
+double sharpnessToFile(double sharpness) {
+    return std::min(sharpness, far::kLeastInfinite);
+}
+
+double sharpnessFromFile(double value) {
+    return value >= far::kLeastInfinite ? far::kInfinitelySharp : value;
+}
+
+bool isMarkInFile(const std::filesystem::path& path, const char* array, std::size_t place,
+                  double value) {
+    if (std::isnan(value))
+        throw FileError(path, "value " + std::to_string(place) + " of " + inQuotes(array) +
+                                  ", counted from 0, is NaN; expected a sharpness of 0 or more, "
+                                  "or -1 for no mark");
+    return value >= 0;
+}
+
+bool isEdge(const far::CellComplex& complex, Index a, Index b) {
+    const auto edges = complex.relation(0, 1)[a];
+    return a != b && std::any_of(edges.begin(), edges.end(), [&](Index edge) {
+               return far::contains(complex.relation(1, 0)[edge], b);
+           });
+}
+
+far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& marks) {
+    far::readMarks(complex, marks);  // Throws what is wrong with them.
+    std::map<std::array<Index, 2>, double> edges;
+    for (const auto& mark : marks.edges) {
+        const auto [a, b] = mark.vertices;
+        edges[{std::min(a, b), std::max(a, b)}] = mark.sharpness;
+    }
+    std::map<Index, double> vertices;
+    for (const auto& mark : marks.vertices) vertices[mark.vertex] = mark.sharpness;
+    far::Marks result;
+    for (const auto& [ends, sharpness] : edges) result.edges.push_back({ends, sharpness});
+    for (const auto& [vertex, sharpness] : vertices) result.vertices.push_back({vertex, sharpness});
+    result.holes = far::readHoles(complex, marks);
+    return result;
+}
+
+std::vector<double> vertexSharpnessForFile(const far::CellComplex& complex,
+                                           const far::Marks& marks) {
+    std::vector<double> sharpness(static_cast<std::size_t>(complex.count(0)), kUnmarkedInFile);
+    for (const auto& mark : marks.vertices)
+        sharpness[static_cast<std::size_t>(mark.vertex)] = sharpnessToFile(mark.sharpness);
+    return sharpness;
+}
+
+std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::filesystem::path& path,
+                                                    const std::vector<double>& sharpness) {
+    std::vector<far::Marks::Vertex> marks;
+    for (std::size_t vertex = 0; vertex < sharpness.size(); ++vertex)
+        if (isMarkInFile(path, kVertexSharpness, vertex, sharpness[vertex]))
+            marks.push_back({static_cast<Index>(vertex), sharpnessFromFile(sharpness[vertex])});
+    return marks;
+}
+
+Index checkedIndex(const std::filesystem::path& path, std::size_t count, const char* what) {
+    if (count > static_cast<std::size_t>(kMaxIndex))
+        throw FileError(path, "has " + std::to_string(count) + " " + what + "; the most is " +
+                                  std::to_string(kMaxIndex));
+    return static_cast<Index>(count);
+}
+
+std::optional<Index> numberWithout(std::span<const Index> dropped, Index vertex) {
+    const auto at = std::lower_bound(dropped.begin(), dropped.end(), vertex);
+    if (at != dropped.end() && *at == vertex) return std::nullopt;
+    return vertex - static_cast<Index>(at - dropped.begin());
+}
+
+namespace {
+
+/// The marks with the numbers that vertices have without the `dropped` ones. The mark of a dropped
+/// vertex goes with it.
+/// \throws TopologyError naming an edge, as the file does, that the complex does not have
+far::Marks marksWithout(std::span<const Index> dropped, const far::CellComplex& complex,
+                        const far::Marks& marks) {
+    far::Marks result;
+    for (const far::Marks::Edge& mark : marks.edges) {
+        const auto a = numberWithout(dropped, mark.vertices[0]);
+        const auto b = numberWithout(dropped, mark.vertices[1]);
+        if (!a || !b || !isEdge(complex, *a, *b))
+            throw far::TopologyError(far::TopologyCause::BadMark, {0, mark.vertices[0]},
+                                     "a mark names edge (" + std::to_string(mark.vertices[0]) +
+                                         ", " + std::to_string(mark.vertices[1]) +
+                                         "), which does not exist");
+        result.edges.push_back({{*a, *b}, mark.sharpness});
+    }
+    for (const far::Marks::Vertex& mark : marks.vertices)
+        if (const auto vertex = numberWithout(dropped, mark.vertex))
+            result.vertices.push_back({*vertex, mark.sharpness});
+    return result;
+}
+
+}  // namespace
+
+Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder builder, Lattice parts,
+                      ReadNotes* notes) {
+    const std::vector<Index> dropped = builder.dropUnusedVertices();
+    // Whatever stands there does not matter.
+    for (const Index vertex : dropped) parts.positions[static_cast<std::size_t>(vertex)] = {};
+    checkFinite(path, parts.positions);
+    for (const VertexAttribute& attribute : parts.attributes)
+        if (attribute.name.starts_with(kReservedNames))
+            throw FileError(path, "the attribute " + inQuotes(attribute.name) + " has " +
+                                      std::to_string(attribute.components) +
+                                      " components and is no known mark; names that begin with " +
+                                      inQuotes(kReservedNames) + " are kept for marks");
+    parts.complex = namingWithout(path, dropped, [&] { return builder.build(); });
+    parts.marks = naming(path, [&] {
+        return canonicalMarks(parts.complex, marksWithout(dropped, parts.complex, parts.marks));
+    });
+    eraseVertices(dropped, 1, parts.positions);
+    for (VertexAttribute& attribute : parts.attributes)
+        eraseVertices(dropped, attribute.components, attribute.values);
+    for (VertexIntegers& integers : parts.integers)
+        eraseVertices(dropped, integers.components, integers.values);
+    if (notes) notes->droppedVertices = dropped;
+    return parts;
+}
+
+far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice,
+                             int dimension) {
+    if (lattice.complex.dimension() != dimension)
+        throw FileError(path, "cannot be written: the lattice is of dimension " +
+                                  std::to_string(lattice.complex.dimension()) + ", not " +
+                                  std::to_string(dimension));
+    const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
+    if (lattice.positions.size() != vertexCount)
+        throw FileError(path, "cannot be written: the lattice has " + std::to_string(vertexCount) +
+                                  " vertices and " + std::to_string(lattice.positions.size()) +
+                                  " positions");
+    checkFinite(path, lattice.positions);
+    const auto checkAttribute = [&](const auto& attribute) {
+        if (attribute.name.empty())
+            throw FileError(path, "cannot be written: an attribute has no name");
+        if (attribute.name.starts_with(kReservedNames))
+            throw FileError(path, "cannot be written: the attribute " + inQuotes(attribute.name) +
+                                      " has a name that is kept for marks");
+        const auto components = static_cast<std::size_t>(std::max(attribute.components, 0));
+        if (components == 0 || attribute.values.size() != components * vertexCount)
+            throw FileError(path, "cannot be written: the attribute " + inQuotes(attribute.name) +
+                                      " has " + std::to_string(attribute.values.size()) +
+                                      " values for " + std::to_string(vertexCount) +
+                                      " vertices of " + std::to_string(attribute.components) +
+                                      " components");
+    };
+    for (const VertexAttribute& attribute : lattice.attributes) checkAttribute(attribute);
+    for (const VertexIntegers& integers : lattice.integers) {
+        checkAttribute(integers);
+        for (const std::int64_t value : integers.values)
+            if (!canHold(numberOf(integers.type), value))
+                throw FileError(
+                    path, "cannot be written: the attribute " + inQuotes(integers.name) + " has " +
+                              std::to_string(value) + ", which is out of the range of " +
+                              integerTypeName(integers.type));
+    }
+    return naming(path, [&] { return canonicalMarks(lattice.complex, lattice.marks); });
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
+#include <espalier/io/lattices/ovm.h>
+#include "../vtk/vtk_numbers.h"
+#include "lattice_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace espalier::io {
+
+namespace {
+
+using Loop = std::vector<Index>;
+
+/// Types of vertex properties that become attributes.
+struct PropertyType {
+    std::string_view name;
+    int components;
+    VtkNumber number;
+};
+
+constexpr PropertyType kPropertyTypes[] = {
+    {"int", 1, VtkNumber::Int32},      {"short", 1, VtkNumber::Int16},
+    {"uint", 1, VtkNumber::UInt32},    {"long", 1, VtkNumber::Int64},
+    {"ulong", 1, VtkNumber::UInt64},   {"float", 1, VtkNumber::Float32},
+    {"double", 1, VtkNumber::Float64}, {"vec2f", 2, VtkNumber::Float32},
+    {"vec3f", 3, VtkNumber::Float32},  {"vec4f", 4, VtkNumber::Float32},
+    {"vec2d", 2, VtkNumber::Float64},  {"vec3d", 3, VtkNumber::Float64},
+    {"vec4d", 4, VtkNumber::Float64}};
+
+constexpr std::string_view kVectorOfDoubles = "vector_double";
+
+/// First word of the line that opens a property.
+constexpr std::string_view kPropertyKinds[] = {"vprop", "eprop",           "heprop",
+                                               "fprop", "hfprop",          "cprop",
+                                               "mprop", "vertex_property", "edge_property"};
+
+/// \param word in lower case
+bool isPropertyKind(std::string_view word) {
+    return std::find(std::begin(kPropertyKinds), std::end(kPropertyKinds), word) !=
+           std::end(kPropertyKinds);
+}
+
+class OvmReader {
+public:
+    OvmReader(const std::filesystem::path& path, std::string_view bytes)
+        : path_(path), text_(path, bytes) {
+        text_.skipComments('#');
+    }
+
+    Lattice read(ReadNotes* notes) {
+        readHeader();
+        readVertices();
+        readEdges();
+        readFaces();
+        far::ComplexBuilder builder(3, static_cast<Index>(positions_.size()));
+        readPolyhedra(builder);
+        while (!nextProperty_.empty() || !text_.atEnd()) readProperty();
+        return finishLattice(path_, std::move(builder),
+                             {.complex = {},
+                              .positions = std::move(positions_),
+                              .marks = std::move(marks_),
+                              .attributes = std::move(attributes_),
+                              .integers = std::move(integers_)},
+                             notes);
+    }
+
+private:
+    void readHeader() {
+        std::string word = lowerCase(text_.token("OVM"));
+        if (word == "ovm") {
+            word = lowerCase(text_.token("ASCII"));
+            if (word != "ascii")
+                text_.fail("is an OVM file of kind " + inQuotes(word) + "; only ASCII can be read");
+            word = lowerCase(text_.token("Vertices"));
+        }
+        // OpenVolumeMesh does without the first line, and so do some who write for it.
+        if (word != "vertices")
+            text_.fail("is not an OVM file: expected Vertices, got " + inQuotes(word));
+    }
+
+    std::size_t beginSection(const char* name, std::size_t leastBytes) {
+        const std::string word(text_.token(name));
+        if (lowerCase(word) != lowerCase(name))
+            text_.fail(std::string("expected ") + name + ", got " + inQuotes(word));
+        const std::size_t count = text_.count("the number of entries", leastBytes);
+        checkedIndex(path_, count, name);
+        return count;
+    }
+
+    void readVertices() {
+        const std::size_t count = text_.count("the number of vertices", 6);
+        checkedIndex(path_, count, "vertices");
+        positions_.resize(count);
+        for (Point3& position : positions_)
+            for (double& coordinate : position) coordinate = text_.number<double>("a coordinate");
+    }
+
+    /// A number below `count`.
+    std::size_t readIndex(std::size_t count, const char* what) {
+        const auto index = text_.number<std::uint64_t>(what);
+        if (index >= count)
+            text_.fail(std::string(what) + " is " + std::to_string(index) + "; there are " +
+                       std::to_string(count));
+        return index;
+    }
+
+    void readEdges() {
+        edges_.resize(beginSection("Edges", 4));
+        for (auto& edge : edges_)
+            for (Index& end : edge)
+                end = static_cast<Index>(readIndex(positions_.size(), "a vertex of an edge"));
+        isEdgeUsed_.assign(edges_.size(), false);
+    }
+
+    void readFaces() {
+        faces_.resize(beginSection("Faces", 2));
+        for (std::size_t face = 0; face < faces_.size(); ++face) {
+            const std::size_t valence = text_.count("the valence of a face", 2);
+            Index firstTail = 0;
+            Index before = 0;
+            for (std::size_t i = 0; i < valence; ++i) {
+                const std::size_t halfEdge = readIndex(2 * edges_.size(), "a half-edge");
+                isEdgeUsed_[halfEdge / 2] = true;
+                const Index tail = edges_[halfEdge / 2][halfEdge % 2];
+                if (i == 0)
+                    firstTail = tail;
+                else if (tail != before)
+                    failAtLoop(face);
+                before = edges_[halfEdge / 2][1 - halfEdge % 2];
+                faces_[face].push_back(tail);
+            }
+            if (before != firstTail) failAtLoop(face);
+        }
+        checkUse(1, isEdgeUsed_, "face");
+        isFaceUsed_.assign(faces_.size(), false);
+    }
+
+    [[noreturn]] void failAtLoop(std::size_t face) {
+        text_.fail("the half-edges of face " + std::to_string(face) + " do not form a loop");
+    }
+
+    void readPolyhedra(far::ComplexBuilder& builder) {
+        cellCount_ = beginSection("Polyhedra", 2);
+        std::vector<Loop> loops;
+        for (std::size_t cell = 0; cell < cellCount_; ++cell) {
+            loops.resize(text_.count("the valence of a polyhedron", 2));
+            for (Loop& loop : loops) {
+                const std::size_t halfFace = readIndex(2 * faces_.size(), "a half-face");
+                isFaceUsed_[halfFace / 2] = true;
+                loop = faces_[halfFace / 2];
+                // Half-faces run anticlockwise from inside; the builder takes loops from outside.
+                if (halfFace % 2 == 0) std::reverse(loop.begin(), loop.end());
+            }
+            naming(path_, [&] { return builder.addCell(loops); });
+        }
+        checkUse(2, isFaceUsed_, "polyhedron");
+    }
+
+    /// Nothing that a file holds is dropped in silence.
+    void checkUse(int dimension, const std::vector<bool>& isUsed, const char* user) {
+        const auto unused = std::find(isUsed.begin(), isUsed.end(), false) - isUsed.begin();
+        if (static_cast<std::size_t>(unused) == isUsed.size()) return;
+        throw far::TopologyError(far::TopologyCause::UnusedEntity,
+                                 {dimension, static_cast<Index>(unused)},
+                                 shownPath(path_) + ": " + dimensionName(dimension) + " " +
+                                     std::to_string(unused) + " belongs to no " + user);
+    }
+
+    void readProperty() {
+        std::string kind = std::exchange(nextProperty_, {});
+        if (kind.empty()) kind = lowerCase(text_.token("a property"));
+        if (!isPropertyKind(kind)) text_.fail("expected a property, got " + inQuotes(kind));
+        const std::string type = lowerCase(text_.token("the type of a property"));
+        const std::string_view rest = text_.restOfLine();
+        const std::size_t open = rest.find('"');
+        const std::size_t close = rest.rfind('"');
+        if (open == std::string_view::npos || open == close)
+            text_.fail("a property has no name in quotes");
+        const std::string name(rest.substr(open + 1, close - open - 1));
+        const bool isOfVertices = kind == "vprop" || kind == "vertex_property";
+        const bool isOfEdges = kind == "eprop" || kind == "edge_property";
+        if (isOfVertices && name == kVertexSharpness && type == "double")
+            marks_.vertices =
+                vertexMarksFromFile(path_, readValues(positions_.size(), 1, VtkNumber::Float64));
+        else if (isOfEdges && name == kEdgeSharpness && type == "double")
+            readEdgeMarks();
+        else if (isOfVertices && type == kVectorOfDoubles)
+            readVectors(name);
+        else if (const PropertyType* known = isOfVertices ? find(type) : nullptr)
+            readAttribute(name, *known);
+        else
+            skipProperty(kind, type);
+    }
+
+    void readAttribute(const std::string& name, const PropertyType& type) {
+        const auto components = static_cast<std::size_t>(type.components);
+        if (isInteger(type.number))
+            integers_.push_back(
+                {name, type.components, integerTypeOf(type.number),
+                 readValues<std::int64_t>(positions_.size(), components, type.number)});
+        else
+            attributes_.push_back(
+                {name, type.components, readValues(positions_.size(), components, type.number)});
+    }
+
+    static const PropertyType* find(std::string_view name) {
+        for (const PropertyType& type : kPropertyTypes)
+            if (type.name == name) return &type;
+        return nullptr;
+    }
+
+    template <class Value = double>
+    std::vector<Value> readValues(std::size_t rows, std::size_t components, VtkNumber type) {
+        const std::size_t count = saturatingProduct(rows, components);
+        text_.checkRoom(count, 2, "the number of values of a property");
+        std::vector<Value> values;
+        values.reserve(count);
+        for (std::size_t i = 0; i < count; ++i)
+            values.push_back(readNumber<Value>(text_, type, "a value of a property"));
+        return values;
+    }
+
+    void readEdgeMarks() {
+        const std::vector<double> sharpness = readValues(edges_.size(), 1, VtkNumber::Float64);
+        for (std::size_t edge = 0; edge < edges_.size(); ++edge)
+            if (isMarkInFile(path_, kEdgeSharpness, edge, sharpness[edge]))
+                marks_.edges.push_back({edges_[edge], sharpnessFromFile(sharpness[edge])});
+    }
+
+    /// Vectors of any length, each after its length. They are an attribute if all have one length.
+    void readVectors(const std::string& name) {
+        std::vector<double> values;
+        std::optional<std::size_t> length;
+        bool isEven = true;
+        for (std::size_t vertex = 0; vertex < positions_.size(); ++vertex) {
+            const std::size_t size = text_.count("the length of a vector", 2);
+            isEven = isEven && size == length.value_or(size);
+            length = size;
+            for (std::size_t i = 0; i < size; ++i)
+                values.push_back(text_.number<double>("a value of a property"));
+        }
+        if (isEven && length.value_or(0) > 0)
+            attributes_.push_back(
+                {name, checkedIndex(path_, *length, "components"), std::move(values)});
+    }
+
+    void skipProperty(std::string_view kind, std::string_view type) {
+        if (type == "string") {
+            skipStrings(kind);
+            return;
+        }
+        // Values of other types never look like the line that opens a property.
+        while (nextProperty_.empty() && !text_.atEnd()) {
+            const std::string word = lowerCase(text_.token("a value of a property"));
+            if (isPropertyKind(word))
+                nextProperty_ = word;
+            else
+                text_.restOfLine();
+        }
+    }
+
+    /// Each string comes as its length, a colon and its characters, whatever they are.
+    void skipStrings(std::string_view kind) {
+        for (std::size_t i = 0; i < countOf(kind); ++i) {
+            text_.atEnd();
+            std::size_t length = 0;
+            for (char c = nextByte(); c != ':'; c = nextByte()) {
+                if (c < '0' || c > '9' || length > text_.remaining())
+                    text_.fail("a string does not begin with its length and a colon");
+                length = 10 * length + static_cast<std::size_t>(c - '0');
+            }
+            text_.bytes(length, "a string");
+        }
+    }
+
+    char nextByte() { return text_.bytes(1, "a string")[0]; }
+
+    std::size_t countOf(std::string_view kind) const {
+        if (kind == "vprop" || kind == "vertex_property") return positions_.size();
+        if (kind == "eprop" || kind == "edge_property") return edges_.size();
+        if (kind == "heprop") return 2 * edges_.size();
+        if (kind == "fprop") return faces_.size();
+        if (kind == "hfprop") return 2 * faces_.size();
+        return kind == "cprop" ? cellCount_ : 1;
+    }
+
+    std::filesystem::path path_;
+    TextReader text_;
+    std::vector<Point3> positions_;
+    std::vector<std::array<Index, 2>> edges_;
+    std::vector<Loop> faces_;
+    std::vector<bool> isEdgeUsed_;
+    std::vector<bool> isFaceUsed_;
+    std::size_t cellCount_ = 0;
+    std::string nextProperty_;  ///< its first word, if that has been read already
+    far::Marks marks_;
+    std::vector<VertexAttribute> attributes_;
+    std::vector<VertexIntegers> integers_;
+};
+
+}  // namespace
+
+Lattice readOvm(const std::filesystem::path& path, ReadNotes* notes) {
+    return readOvm(path, readFile(path), notes);
+}
+
+Lattice readOvm(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return OvmReader(path, bytes).read(notes);
+}
+
+}  // namespace espalier::io

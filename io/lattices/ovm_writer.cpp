@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/lattices/ovm.h>
+#include "../files/text_output.h"
+#include "../vtk/point_arrays.h"
+#include "lattice_parts.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace espalier::io {
+
+namespace {
+
+/// The type of property that holds integers. OpenVolumeMesh writes its own types of one byte as
+/// characters, and has none of UInt16.
+const char* propertyType(IntegerType type) {
+    switch (type) {
+        case IntegerType::UInt32:
+            return "uint";
+        case IntegerType::Int64:
+            return "long";
+        case IntegerType::UInt64:
+            return "ulong";
+        case IntegerType::Int8:
+        case IntegerType::UInt8:
+        case IntegerType::Int16:
+            return "short";
+        default:
+            return "int";
+    }
+}
+
+class OvmWriter {
+public:
+    explicit OvmWriter(std::ostream& out) : out_(out) {}
+
+    void write(const Lattice& lattice, const far::Marks& marks) {
+        const far::CellComplex& complex = lattice.complex;
+        out_.text("OVM ASCII\n");
+        beginSection("Vertices", complex.count(0));
+        rows(coordinatesOf(lattice.positions), 3);
+        beginSection("Edges", complex.count(1));
+        for (Index edge = 0; edge < complex.count(1); ++edge) {
+            const auto ends = complex.relation(1, 0)[edge];
+            rows(std::vector<Index>(ends.begin(), ends.end()), 2);
+        }
+        // A half-edge runs along its edge, or else has the odd number. Half-faces run anticlockwise
+        // from inside, so that here it is the sign +1, outside, that has the odd number.
+        beginSection("Faces", complex.count(2));
+        writeHalves(complex.boundary(2), -1);
+        beginSection("Polyhedra", complex.count(3));
+        writeHalves(complex.boundary(3), +1);
+        for (const VertexAttribute& attribute : lattice.attributes) writeAttribute(attribute);
+        for (const VertexIntegers& integers : lattice.integers) writeIntegers(integers);
+        writeMarks(complex, marks);
+    }
+
+private:
+    void beginSection(const char* name, Index count) {
+        out_.text(std::string(name) + "\n");
+        out_.number(count);
+        out_.text("\n");
+    }
+
+    template <class Value>
+    void rows(const std::vector<Value>& values, std::size_t rowLength) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            out_.number(values[i]);
+            out_.text((i + 1) % rowLength == 0 ? "\n" : " ");
+        }
+    }
+
+    void writeHalves(const far::SignedIncidence& boundary, int oddSign) {
+        for (Index row = 0; row < boundary.unsignedRows().rowCount(); ++row) {
+            const auto parts = boundary[row];
+            const auto signs = boundary.signs(row);
+            out_.number(parts.size());
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                out_.text(" ");
+                out_.number(2 * std::int64_t{parts[i]} + (signs[i] == oddSign ? 1 : 0));
+            }
+            out_.text("\n");
+        }
+    }
+
+    void writeAttribute(const VertexAttribute& attribute) {
+        const auto components = static_cast<std::size_t>(attribute.components);
+        const bool isVector = components > 4;
+        const std::string type = components == 1 ? "double"
+                                 : isVector      ? "vector_double"
+                                                 : "vec" + std::to_string(components) + "d";
+        out_.text("VProp " + type + " \"" + attribute.name + "\"\n");
+        if (!isVector) {
+            rows(attribute.values, components);
+            return;
+        }
+        // A vector is its length and its values, each on a line.
+        for (std::size_t i = 0; i < attribute.values.size(); ++i) {
+            if (i % components == 0) rows(std::vector<std::size_t>{components}, 1);
+            rows(std::vector<double>{attribute.values[i]}, 1);
+        }
+    }
+
+    /// \param integers of one component
+    void writeIntegers(const VertexIntegers& integers) {
+        out_.text(std::string("VProp ") + propertyType(integers.type) + " \"" + integers.name +
+                  "\"\n");
+        if (integers.type == IntegerType::UInt64)
+            rows(std::vector<std::uint64_t>(integers.values.begin(), integers.values.end()), 1);
+        else
+            rows(integers.values, 1);
+    }
+
+    void writeMarks(const far::CellComplex& complex, const far::Marks& marks) {
+        if (!marks.vertices.empty())
+            writeAttribute({kVertexSharpness, 1, vertexSharpnessForFile(complex, marks)});
+        if (marks.edges.empty()) return;
+        out_.text(std::string("EProp double \"") + kEdgeSharpness + "\"\n");
+        rows(edgeSharpness(complex, marks), 1);
+    }
+
+    static std::vector<double> edgeSharpness(const far::CellComplex& complex,
+                                             const far::Marks& marks) {
+        std::vector<double> sharpness(static_cast<std::size_t>(complex.count(1)), kUnmarkedInFile);
+        for (const auto& mark : marks.edges)
+            for (const Index edge : complex.relation(0, 1)[mark.vertices[0]])
+                if (far::contains(complex.relation(1, 0)[edge], mark.vertices[1]))
+                    sharpness[static_cast<std::size_t>(edge)] = sharpnessToFile(mark.sharpness);
+        return sharpness;
+    }
+
+    TextOutput out_;
+};
+
+}  // namespace
+
+void writeOvm(const std::filesystem::path& path, const Lattice& lattice) {
+    const far::Marks marks = checkedForWriting(path, lattice);
+    const auto checkName = [&](const std::string& name) {
+        if (name.find_first_of("\r\n") != std::string::npos)
+            throw FileError(path, "cannot be written: the name of the attribute " + inQuotes(name) +
+                                      " has more than one line");
+    };
+    for (const VertexAttribute& attribute : lattice.attributes) checkName(attribute.name);
+    for (const VertexIntegers& integers : lattice.integers) {
+        checkName(integers.name);
+        if (integers.components > 1)
+            throw FileError(path, "cannot be written: the attribute " + inQuotes(integers.name) +
+                                      " has " + std::to_string(integers.components) +
+                                      " integers for each vertex, for which .ovm has no type; "
+                                      "expected .vtu or .vtk");
+    }
+    writeFile(path, [&](std::ostream& out) { OvmWriter(out).write(lattice, marks); });
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "matrix_rows.h"
+#include "../files/coding_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace espalier::io {
+
+using stencils::StencilTable;
+
+namespace {
+
+class RowSorter {
+public:
+    explicit RowSorter(Index columnCount) : columnCount_(columnCount) {}
+
+    /// Has the columns of a row ascend, with their weights.
+    void sort(std::size_t row, std::span<Index> columns, std::span<double> weights) {
+        const auto isAscending = [&] {
+            return std::adjacent_find(columns.begin(), columns.end(), std::greater_equal<>()) ==
+                   columns.end();
+        };
+        const auto fail = [&](const std::string& cause) {
+            throw CodingError("row " + std::to_string(row) + " " + cause);
+        };
+        for (const Index column : columns)
+            if (column < 0 || column >= columnCount_)
+                fail("names column " + std::to_string(column) + " of " +
+                     std::to_string(columnCount_));
+        for (const double weight : weights)
+            if (!std::isfinite(weight)) fail("has a weight of " + std::to_string(weight));
+        if (isAscending()) return;
+
+        entries_.clear();
+        for (std::size_t i = 0; i < columns.size(); ++i)
+            entries_.emplace_back(columns[i], weights[i]);
+        std::sort(entries_.begin(), entries_.end());
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            columns[i] = entries_[i].first;
+            weights[i] = entries_[i].second;
+        }
+        if (!isAscending())
+            fail("has column " +
+                 std::to_string(*std::adjacent_find(columns.begin(), columns.end())) + " twice");
+    }
+
+private:
+    Index columnCount_;
+    std::vector<std::pair<Index, double>> entries_;
+};
+
+}  // namespace
+
+Index matrixSize(std::int64_t count, const char* of) {
+    if (count < 0 || count > kMaxIndex)
+        throw CodingError("claims " + std::to_string(count) + " " + of + "; expected 0 to " +
+                          std::to_string(kMaxIndex));
+    return static_cast<Index>(count);
+}
+
+StencilTable<double> tableOfRows(Index columnCount, Array<Offset> offsets, Array<Index> columns,
+                                 Array<double> weights) {
+    const auto entryCount = static_cast<Offset>(columns.size());
+    if (weights.size() != columns.size())
+        throw CodingError("has " + std::to_string(entryCount) + " columns and " +
+                          std::to_string(weights.size()) + " weights; expected as many");
+    if (offsets.empty()) throw CodingError("has no offsets of rows; expected one more than rows");
+    matrixSize(static_cast<std::int64_t>(offsets.size()) - 1, "rows");
+    if (offsets.front() != 0 || offsets.back() != entryCount)
+        throw CodingError("has rows from entry " + std::to_string(offsets.front()) + " to " +
+                          std::to_string(offsets.back()) + "; expected 0 to " +
+                          std::to_string(entryCount));
+    RowSorter sorter(columnCount);
+    for (std::size_t row = 0; row + 1 < offsets.size(); ++row) {
+        const Offset first = offsets[row], last = offsets[row + 1];
+        if (first > last || last > entryCount)
+            throw CodingError("row " + std::to_string(row) + " goes from entry " +
+                              std::to_string(first) + " to " + std::to_string(last) + " of " +
+                              std::to_string(entryCount));
+        const auto begin = static_cast<std::size_t>(first);
+        const auto count = static_cast<std::size_t>(last - first);
+        sorter.sort(row, std::span(columns).subspan(begin, count),
+                    std::span(weights).subspan(begin, count));
+    }
+    return StencilTable<double>(stencils::Trusted{}, columnCount, std::move(offsets),
+                                std::move(columns), std::move(weights));
+}
+
+}  // namespace espalier::io

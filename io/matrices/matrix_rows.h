@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/stencils/stencil_table.h>
+
+#include <cstdint>
+
+namespace espalier::io {
+
+/// A number of rows or columns, as a file claims it.
+/// \param of "rows" or "columns"
+/// \throws CodingError if a table cannot have so many
+Index matrixSize(std::int64_t count, const char* of);
+
+/// A table of the arrays of a matrix in compressed sparse rows, as programs write them: unlike in a
+/// table, the columns of a row may come in any order.
+///
+/// \throws CodingError if they are not such a matrix, naming the first bad row, counted from 0; if
+///         a column comes twice in a row, or if a weight is not finite
+/// \cost   O(entries); O(entries · log entries) where they are not in order
+stencils::StencilTable<double> tableOfRows(Index columnCount, Array<Offset> offsets,
+                                           Array<Index> columns, Array<double> weights);
+
+}  // namespace espalier::io

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "coordinates.h"
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
+#include "../files/byte_order.h"
+#include "../files/text_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace espalier::io {
+namespace {
+
+/// Infinity is not: floats hold it.
+bool isTooLarge(Precision precision, double value) {
+    return precision == Precision::Float && std::isfinite(value) &&
+           std::abs(value) > std::numeric_limits<float>::max();
+}
+
+/// The number that begins at `place`. What was read as a number holds no comment or backslash, so
+/// that one of these ends it.
+std::string_view numberAt(std::string_view text, std::size_t place) {
+    const auto ends = [](char c) { return c <= ' ' || c == '#' || c == '\\'; };
+    const auto begin = text.begin() + static_cast<std::ptrdiff_t>(place);
+    return {begin, std::find_if(begin, text.end(), ends)};
+}
+
+}  // namespace
+
+const char* axisName(std::size_t axis) {
+    static constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
+    return kNames[axis];
+}
+
+double roundTo(Precision precision, double value, std::size_t point) {
+    if (isTooLarge(precision, value))
+        throw Error("the new position of point " + std::to_string(point) + " holds " +
+                    formatNumber(value) + ", which is more than the floats of its format hold");
+    return precision == Precision::Float ? static_cast<float>(value) : value;
+}
+
+double loadReal(std::string_view bytes, std::size_t place, Precision precision, std::endian order) {
+    const char* at = bytes.data() + place;
+    return precision == Precision::Float ? loadNumber<float>(at, order)
+                                         : loadNumber<double>(at, order);
+}
+
+double loadCoordinate(std::string_view bytes, std::size_t place, Precision precision,
+                      std::endian order, std::size_t axis, std::size_t point,
+                      const std::filesystem::path& path) {
+    const double value = loadReal(bytes, place, precision, order);
+    if (!std::isfinite(value))
+        throw FileError(path, "byte " + std::to_string(place) + ": " + axisName(axis) +
+                                  " of point " + std::to_string(point) + " is not finite");
+    return value;
+}
+
+void storeCoordinate(std::string& bytes, std::size_t place, double value, Precision precision,
+                     std::endian order) {
+    if (precision == Precision::Float)
+        storeNumber(bytes.data() + place, static_cast<float>(value), order);
+    else
+        storeNumber(bytes.data() + place, value, order);
+}
+
+double parseReal(std::string_view word, Precision precision) {
+    double value = 0;
+    if (!parseNumber(word, value) || isTooLarge(precision, value))
+        return std::numeric_limits<double>::quiet_NaN();
+    return precision == Precision::Float ? static_cast<float>(value) : value;
+}
+
+double parseCoordinate(std::string_view word, std::size_t axis, Precision precision,
+                       const std::filesystem::path& path, std::size_t line) {
+    const auto fail = [&](const std::string& cause) {
+        const std::string expected = std::string("; expected ") + axisName(axis) + " of a vertex";
+        throw FileError(path, line, cause + expected);
+    };
+    double value = 0;
+    if (word.empty()) fail("the line ends");
+    if (!parseNumber(word, value)) fail(inQuotes(word) + " is not a number");
+    if (!std::isfinite(value)) fail(inQuotes(word) + " is not finite");
+    if (isTooLarge(precision, value)) fail(inQuotes(word) + " is more than a float holds");
+    return precision == Precision::Float ? static_cast<float>(value) : value;
+}
+
+bool isSame(double a, double b) {
+    return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+std::optional<double> VectorChange::at(std::size_t point, std::size_t axis) const {
+    const double old = before[point][axis];
+    // Before it is rounded: what stays need not be a number that can be.
+    if (isSame(now[point][axis], old)) return std::nullopt;
+    const double value = roundTo(precisions[axis], now[point][axis], point);
+    return value == old ? std::nullopt : std::optional(value);
+}
+
+TextChanges::TextChanges(std::string_view text, std::span<const VectorChange> changes)
+    : text_(text) {
+    for (const VectorChange& change : changes)
+        for (std::size_t axis = 0; axis < 3 && !change.places.empty(); ++axis)
+            numbers_.push_back({&change, axis});
+    const auto placeOf = [](const Number& number) {
+        return number.change->places.front()[number.axis];
+    };
+    std::sort(numbers_.begin(), numbers_.end(),
+              [&](const Number& a, const Number& b) { return placeOf(a) < placeOf(b); });
+}
+
+void TextChanges::apply(TextPatch& patch, std::size_t point) const {
+    for (const auto& [change, axis] : numbers_) {
+        const std::optional<double> value = change->at(point, axis);
+        if (!value) continue;
+        const std::string_view old = numberAt(text_, change->places[point][axis]);
+        if (change->precisions[axis] == Precision::Float)
+            patch.replace(old, static_cast<float>(*value));
+        else
+            patch.replace(old, *value);
+    }
+}
+
+void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes) {
+    const TextChanges points(text, changes);
+    TextPatch patch(out, text);
+    for (std::size_t point = 0; point < changes.front().places.size(); ++point)
+        points.apply(patch, point);
+    patch.finish();
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/far/sharpness.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/models/obj_mesh.h>
+#include "../files/text_output.h"
+#include "../lattices/lattice_parts.h"
+#include "../vtk/point_arrays.h"
+
+#include <initializer_list>
+#include <ostream>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace espalier::io {
+
+namespace {
+
+/// A curve as lines, each as long as it can be: first those that begin at an end or a junction,
+/// then the closed ones, which come back to where they began.
+std::vector<std::vector<Index>> linesOf(const far::CellComplex& curve) {
+    const auto& edgesAt = curve.relation(0, 1);
+    const auto& endsOf = curve.relation(1, 0);
+    std::vector<bool> isDrawn(static_cast<std::size_t>(curve.count(1)), false);
+    std::vector<std::vector<Index>> lines;
+    const auto draw = [&](Index edge, Index from) {
+        std::vector<Index> line = {from};
+        while (!isDrawn[static_cast<std::size_t>(edge)]) {
+            isDrawn[static_cast<std::size_t>(edge)] = true;
+            const Index to = endsOf[edge][endsOf[edge].front() == line.back() ? 1 : 0];
+            line.push_back(to);
+            if (edgesAt[to].size() != 2) break;
+            edge = edgesAt[to][edgesAt[to].front() == edge ? 1 : 0];
+        }
+        if (line.size() > 1) lines.push_back(std::move(line));
+    };
+    for (Index vertex = 0; vertex < curve.count(0); ++vertex)
+        if (edgesAt[vertex].size() != 2)
+            for (const Index edge : edgesAt[vertex]) draw(edge, vertex);
+    for (Index vertex = 0; vertex < curve.count(0); ++vertex) draw(edgesAt[vertex].front(), vertex);
+    return lines;
+}
+
+class ObjMeshWriter {
+public:
+    explicit ObjMeshWriter(std::ostream& out) : out_(out) {}
+
+    void write(const Lattice& mesh, const far::Marks& marks) {
+        for (const Point3& position : mesh.positions) {
+            out_.text("v");
+            for (const double coordinate : position) number(coordinate);
+            out_.text("\n");
+        }
+        if (mesh.complex.dimension() == 1)
+            for (const std::vector<Index>& line : linesOf(mesh.complex)) writePath("l", line);
+        else
+            for (Index face = 0; face < mesh.complex.count(2); ++face)
+                writePath("f", mesh.complex.relation(2, 0)[face]);
+        writeTags(mesh.tags);
+        for (const auto& mark : marks.edges)
+            writeMark("t crease 2/1/0", {mark.vertices[0], mark.vertices[1]}, mark.sharpness);
+        for (const auto& mark : marks.vertices)
+            writeMark("t corner 1/1/0", {mark.vertex}, mark.sharpness);
+        for (const Index face : marks.holes) {
+            out_.text("t hole 1/0/0");
+            number(face);
+            out_.text("\n");
+        }
+    }
+
+private:
+    void writePath(const char* keyword, std::span<const Index> vertices) {
+        out_.text(keyword);
+        for (const Index vertex : vertices) number(vertex + 1);
+        out_.text("\n");
+    }
+
+    template <class Number>
+    void number(Number value) {
+        out_.text(" ");
+        out_.number(value);
+    }
+
+    void writeTags(const RefinementTags& tags) {
+        if (tags.boundary) {
+            const bool isOpen = tags.boundary == far::Boundary::Open;
+            const bool isSharp = tags.boundary == far::Boundary::Sharp;
+            out_.text("t interpolateboundary 1/0/0");
+            number(isOpen ? 0 : isSharp ? 1 : 2);
+            out_.text("\n");
+        }
+        if (tags.creasing) {
+            const bool isChaikin = tags.creasing == far::Creasing::Chaikin;
+            out_.text("t creasemethod 0/0/1 ");
+            out_.text(isChaikin ? "chaikin\n" : "normal\n");
+        }
+        if (tags.triangles) {
+            const bool isSmooth = tags.triangles == far::TriangleSubdivision::Smooth;
+            out_.text("t smoothtriangles 0/0/1 ");
+            out_.text(isSmooth ? "smooth\n" : "catmark\n");
+        }
+    }
+
+    void writeMark(const char* tag, std::initializer_list<Index> vertices, double sharpness) {
+        const float stored = far::storedSharpness(sharpness);
+        if (stored == far::kSmooth) return;
+        out_.text(tag);
+        for (const Index vertex : vertices) number(vertex);
+        number(static_cast<float>(sharpnessToFile(stored)));
+        out_.text("\n");
+    }
+
+    TextOutput out_;
+};
+
+}  // namespace
+
+void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh) {
+    const int dimension = mesh.complex.dimension() == 1 ? 1 : 2;
+    const far::Marks marks = checkedForWriting(path, mesh, dimension);
+    checkFinite(path, mesh.positions);
+    if (!mesh.attributes.empty() || !mesh.integers.empty())
+        throw FileError(path, "cannot be written: the mesh has the attribute " +
+                                  inQuotes(mesh.attributes.empty() ? mesh.integers[0].name
+                                                                   : mesh.attributes[0].name) +
+                                  ", and an OBJ has no place for attributes");
+    writeFile(path, [&](std::ostream& out) { ObjMeshWriter(out).write(mesh, marks); });
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "obj_statements.h"
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+#include "coordinates.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace espalier::io {
+
+std::string_view ObjWords::next() {
+    while (const std::size_t length = blankAt(0)) rest_.remove_prefix(length);
+    std::size_t end = 0;
+    while (end < rest_.size() && rest_[end] != '#' && blankAt(end) == 0) ++end;
+    const std::string_view word = rest_.substr(0, end);
+    rest_.remove_prefix(end);
+    return word;
+}
+
+/// Length of the white space or the continued line end that begins at `at`.
+std::size_t ObjWords::blankAt(std::size_t at) const {
+    if (at == rest_.size()) return 0;
+    const char c = rest_[at];
+    if (c == ' ' || (c >= '\t' && c <= '\r')) return 1;
+    if (c != '\\') return 0;
+    const std::string_view after = rest_.substr(at + 1);
+    return after.starts_with('\n') ? 2 : after.starts_with("\r\n") ? 3 : 0;
+}
+
+std::string_view readObjStatement(TextReader& reader) {
+    const std::string_view first = reader.restOfLine();
+    std::string_view last = first;
+    // Paths in comments may end in a backslash; what follows them is not theirs.
+    while (last.ends_with('\\') && last.find('#') == std::string_view::npos)
+        last = reader.restOfLine();
+    return {first.data(), static_cast<std::size_t>(last.data() + last.size() - first.data())};
+}
+
+std::string_view readObjKeyword(ObjWords& words, const std::filesystem::path& path,
+                                std::size_t line) {
+    constexpr std::string_view kKeywords[] = {
+        "v", "f", "fo", "vt", "vn", "t", "l", "p", "vp", "g", "s", "o", "mg", "usemtl", "mtllib",
+        // Free-form curves and surfaces.
+        "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv",
+        "sp", "end", "con", "bsp", "bzp", "cdc", "cdp", "res",
+        // Display, and others.
+        "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech",
+        "maplib", "usemap", "call", "csh"};
+    const std::string_view word = words.next();
+    if (!word.empty() && std::ranges::find(kKeywords, word) == std::end(kKeywords))
+        throw FileError(path, line,
+                        inQuotes(word) +
+                            " is not a keyword of OBJ files; expected v, f, vn or "
+                            "another one, in lower case, or # and a comment");
+    return word;
+}
+
+ObjPoint readObjPoint(ObjWords& words, const std::filesystem::path& path, std::size_t line) {
+    ObjPoint point;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        point.words[axis] = words.next();
+        point.position[axis] =
+            parseCoordinate(point.words[axis], axis, Precision::Double, path, line);
+    }
+    double ignored = 0;
+    for (std::string_view word = words.next(); !word.empty(); word = words.next())
+        if (!parseNumber(word, ignored))
+            throw FileError(
+                path, line,
+                inQuotes(word) + " is not a number; expected w or a colour after x y z");
+    return point;
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ply_header.h"
+#include <espalier/base/error.h>
+#include <espalier/io/files/text_reader.h>
+#include "../files/words.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace espalier::io {
+namespace {
+
+struct TypeName {
+    std::string_view name;
+    PlyType type;
+};
+
+constexpr TypeName kTypeNames[] = {
+    {"char", PlyType::Int8},     {"int8", PlyType::Int8},     {"uchar", PlyType::Uint8},
+    {"uint8", PlyType::Uint8},   {"short", PlyType::Int16},   {"int16", PlyType::Int16},
+    {"ushort", PlyType::Uint16}, {"uint16", PlyType::Uint16}, {"int", PlyType::Int32},
+    {"int32", PlyType::Int32},   {"uint", PlyType::Uint32},   {"uint32", PlyType::Uint32},
+    {"float", PlyType::Float},   {"float32", PlyType::Float}, {"double", PlyType::Double},
+    {"float64", PlyType::Double}};
+
+bool isReal(PlyType type) {
+    return type == PlyType::Float || type == PlyType::Double;
+}
+
+class HeaderParser {
+public:
+    HeaderParser(const std::filesystem::path& path, std::string_view bytes) : lines_(path, bytes) {}
+
+    PlyHeader parse() {
+        std::string_view first = nextLine();
+        if (takeWord(first) != "ply") lines_.fail("not a PLY file; expected 'ply'");
+        while (parseLine()) {
+        }
+        if (!format_) lines_.fail("the header has no line 'format'");
+        header_.format = *format_;
+        findPoints();
+        header_.size = lines_.position();
+        header_.lineCount = lines_.line();
+        return std::move(header_);
+    }
+
+private:
+    std::string_view nextLine() {
+        if (lines_.remaining() == 0) lines_.fail("the file ends in its header");
+        return lines_.restOfLine();
+    }
+
+    /// \return false for the last line of the header
+    bool parseLine() {
+        std::string_view line = nextLine();
+        const std::string_view keyword = takeWord(line);
+        if (keyword == "comment" || keyword == "obj_info") return true;
+        if (keyword == "format")
+            parseFormat(line);
+        else if (keyword == "element")
+            parseElement(line);
+        else if (keyword == "property")
+            parseProperty(line);
+        else if (keyword != "end_header")
+            lines_.fail(inQuotes(keyword) + " does not begin a line of a PLY header");
+        if (const std::string_view more = takeWord(line); !more.empty())
+            lines_.fail("expected the end of the line, got " + inQuotes(more));
+        return keyword != "end_header";
+    }
+
+    void parseFormat(std::string_view& line) {
+        if (format_) lines_.fail("a second line 'format'");
+        const std::string_view name = takeWord(line);
+        if (name == "ascii")
+            format_ = PlyFormat::Ascii;
+        else if (name == "binary_little_endian")
+            format_ = PlyFormat::BinaryLittleEndian;
+        else if (name == "binary_big_endian")
+            format_ = PlyFormat::BinaryBigEndian;
+        else
+            lines_.fail(inQuotes(name) +
+                        " is not a format; expected ascii, binary_little_endian or "
+                        "binary_big_endian");
+        if (const std::string_view version = takeWord(line); version != "1.0")
+            lines_.fail("version " + inQuotes(version) + " is not known; expected 1.0");
+    }
+
+    void parseElement(std::string_view& line) {
+        PlyElement& element = header_.elements.emplace_back();
+        element.name = takeWord(line);
+        if (element.name.empty()) lines_.fail("the line ends; expected the name of an element");
+        const std::string_view count = takeWord(line);
+        if (!parseNumber(count, element.count))
+            lines_.fail(inQuotes(count) + " is not a number of rows of the element " +
+                        inQuotes(element.name));
+    }
+
+    void parseProperty(std::string_view& line) {
+        if (header_.elements.empty()) lines_.fail("a property before the first element");
+        PlyProperty& property = header_.elements.back().properties.emplace_back();
+        std::string_view type = takeWord(line);
+        if (type == "list") {
+            property.lengthType = typeOf(takeWord(line));
+            if (isReal(*property.lengthType)) lines_.fail("the length of a list is not an integer");
+            type = takeWord(line);
+        }
+        property.type = typeOf(type);
+        property.name = takeWord(line);
+        if (property.name.empty()) lines_.fail("the line ends; expected the name of a property");
+    }
+
+    PlyType typeOf(std::string_view word) const {
+        for (const TypeName& entry : kTypeNames)
+            if (entry.name == word) return entry.type;
+        lines_.fail(inQuotes(word) +
+                    " is not a type; expected char, uchar, short, ushort, int, "
+                    "uint, float, double, or int8 to float64");
+    }
+
+    void findPoints() {
+        const auto isVertex = [](const PlyElement& element) { return element.name == "vertex"; };
+        const auto& elements = header_.elements;
+        const auto found = std::find_if(elements.begin(), elements.end(), isVertex);
+        if (found == elements.end()) lines_.fail("the header has no element 'vertex'");
+        if (std::count_if(elements.begin(), elements.end(), isVertex) > 1)
+            lines_.fail("the header has several elements 'vertex'");
+        header_.vertexElement = static_cast<std::size_t>(found - elements.begin());
+        for (std::size_t axis = 0; axis < 3; ++axis) header_.axes[axis] = findAxis(*found, axis);
+        addDirection(*found, {"nx", "ny", "nz"}, carryNormal);
+        addDirection(*found, {"tx", "ty", "tz"}, carryTangent);
+    }
+
+    /// Nothing, unless each of the names is that of one property, which holds a real number.
+    void addDirection(const PlyElement& vertex, const std::array<std::string_view, 3>& names,
+                      Carry carry) {
+        PlyDirection direction{{}, carry};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto isNamed = [&](const PlyProperty& property) {
+                return property.name == names[axis];
+            };
+            const auto& properties = vertex.properties;
+            const auto found = std::find_if(properties.begin(), properties.end(), isNamed);
+            if (std::count_if(properties.begin(), properties.end(), isNamed) != 1) return;
+            if (found->lengthType || !isReal(found->type)) return;
+            direction.columns[axis] = static_cast<std::size_t>(found - properties.begin());
+        }
+        header_.directions.push_back(direction);
+    }
+
+    std::size_t findAxis(const PlyElement& vertex, std::size_t axis) const {
+        const std::string name = axisName(axis);
+        const auto isAxis = [&](const PlyProperty& property) { return property.name == name; };
+        const auto& properties = vertex.properties;
+        const auto found = std::find_if(properties.begin(), properties.end(), isAxis);
+        if (found == properties.end())
+            lines_.fail("the vertices have no property " + inQuotes(name));
+        if (std::count_if(properties.begin(), properties.end(), isAxis) > 1)
+            lines_.fail("the vertices have several properties " + inQuotes(name));
+        if (found->lengthType || !isReal(found->type))
+            lines_.fail("the property " + inQuotes(name) + " of the vertices is " +
+                        (found->lengthType ? "a list" : "an integer") +
+                        ", and cannot hold a deformed position; expected float or double");
+        return static_cast<std::size_t>(found - properties.begin());
+    }
+
+    TextReader lines_;
+    std::optional<PlyFormat> format_;
+    PlyHeader header_;
+};
+
+}  // namespace
+
+std::size_t plySize(PlyType type) {
+    static constexpr std::array<std::size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
+    return kSizes[static_cast<std::size_t>(type)];
+}
+
+std::size_t PlyElement::smallestRow() const {
+    std::size_t bytes = 0;
+    for (const PlyProperty& property : properties)
+        bytes += plySize(property.lengthType.value_or(property.type));
+    return bytes;
+}
+
+bool PlyElement::hasLists() const {
+    return std::any_of(properties.begin(), properties.end(),
+                       [](const PlyProperty& property) { return property.lengthType.has_value(); });
+}
+
+std::array<Precision, 3> PlyHeader::precisions(const std::array<std::size_t, 3>& columns) const {
+    std::array<Precision, 3> result{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const bool isFloat = vertices().properties[columns[axis]].type == PlyType::Float;
+        result[axis] = isFloat ? Precision::Float : Precision::Double;
+    }
+    return result;
+}
+
+std::endian PlyHeader::byteOrder() const {
+    return format == PlyFormat::BinaryBigEndian ? std::endian::big : std::endian::little;
+}
+
+PlyHeader parsePlyHeader(const std::filesystem::path& path, std::string_view bytes) {
+    return HeaderParser(path, bytes).parse();
+}
+
+}  // namespace espalier::io

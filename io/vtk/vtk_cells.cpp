@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vtk_cells.h"
+#include <espalier/far/standard_cells.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/io/files/file.h>
+#include "../lattices/lattice_parts.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+namespace espalier::io {
+
+using far::StandardCell;
+
+namespace {
+
+constexpr std::int64_t kVtkVoxel = 11;
+
+/// Of a standard cell: a hexahedron has the most.
+constexpr std::size_t kMostEdges = 12;
+
+struct CellType {
+    std::int64_t number;
+    StandardCell kind;
+};
+
+constexpr CellType kCellTypes[] = {{10, StandardCell::Tetrahedron},
+                                   {kVtkVoxel, StandardCell::Hexahedron},
+                                   {12, StandardCell::Hexahedron},
+                                   {13, StandardCell::Wedge},
+                                   {14, StandardCell::Pyramid}};
+
+std::optional<StandardCell> kindOf(std::int64_t type) {
+    for (const CellType& entry : kCellTypes)
+        if (entry.number == type) return entry.kind;
+    return std::nullopt;
+}
+
+std::int64_t typeOf(StandardCell kind) {
+    const auto at = std::find_if(
+        std::begin(kCellTypes), std::end(kCellTypes),
+        [&](const CellType& entry) { return entry.kind == kind && entry.number != kVtkVoxel; });
+    return at->number;
+}
+
+}  // namespace
+
+void VtkCellReader::beginPiece(Index firstVertex, Index vertexCount) {
+    firstVertex_ = firstVertex;
+    pieceVertexCount_ = vertexCount;
+}
+
+void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertices) {
+    const std::optional<StandardCell> kind = kindOf(type);
+    if (!kind)
+        fail("is of VTK's type " + std::to_string(type) +
+             "; only the types 10, 11, 12, 13, 14 and 42 can be read");
+    std::vector<Index> checked;
+    for (const std::int64_t vertex : vertices) checked.push_back(checkedVertex(vertex));
+    if (type == kVtkVoxel && checked.size() == 8) {
+        // A voxel has its vertices in the order of x, y, z.
+        std::swap(checked[2], checked[3]);
+        std::swap(checked[6], checked[7]);
+    }
+    naming(path_, [&] { return builder_.addCell(*kind, checked); });
+    ++cellCount_;
+    mostEdges_ += kMostEdges;
+}
+
+void VtkCellReader::addPolyhedron(const std::vector<std::span<const std::int64_t>>& loops) {
+    std::vector<std::vector<Index>> checked(loops.size());
+    for (std::size_t i = 0; i < loops.size(); ++i)
+        for (const std::int64_t vertex : loops[i]) checked[i].push_back(checkedVertex(vertex));
+    naming(path_, [&] { return builder_.addCell(checked); });
+    ++cellCount_;
+    for (const auto& loop : loops) mostEdges_ += loop.size();
+}
+
+void VtkCellReader::addPolyhedron(std::span<const std::int64_t> faceStream) {
+    std::vector<std::span<const std::int64_t>> loops;
+    std::size_t at = 0;
+    const auto takeCount = [&](const char* what) {
+        if (at == faceStream.size()) fail(std::string("has faces that end before ") + what);
+        const std::int64_t count = faceStream[at++];
+        if (count < 0 || static_cast<std::uint64_t>(count) > faceStream.size() - at)
+            fail(std::string(what) + " is " + std::to_string(count) + ", but " +
+                 std::to_string(faceStream.size() - at) + " numbers are left for it");
+        return static_cast<std::size_t>(count);
+    };
+    const std::size_t faceCount = takeCount("the number of its faces");
+    for (std::size_t face = 0; face < faceCount; ++face) {
+        const std::size_t size = takeCount("the number of vertices of a face");
+        loops.push_back(faceStream.subspan(at, size));
+        at += size;
+    }
+    if (at != faceStream.size())
+        fail("has " + std::to_string(faceStream.size() - at) + " numbers after its last face");
+    addPolyhedron(loops);
+}
+
+Index VtkCellReader::checkedVertex(std::int64_t vertex) const {
+    if (vertex < 0 || vertex >= pieceVertexCount_)
+        throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {3, cellCount_},
+                                 shownPath(path_) + ": cell " + std::to_string(cellCount_) +
+                                     " names vertex " + std::to_string(vertex) + "; there are " +
+                                     std::to_string(pieceVertexCount_));
+    return firstVertex_ + static_cast<Index>(vertex);
+}
+
+void VtkCellReader::fail(const std::string& cause) const {
+    throw FileError(path_, "cell " + std::to_string(cellCount_) + " " + cause);
+}
+
+VtkCells vtkCells(const far::CellComplex& complex) {
+    VtkCells cells;
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        if (const auto standard = far::asStandardCell(complex, CellId(cell))) {
+            cells.types.push_back(typeOf(standard->kind));
+            cells.connectivity.insert(cells.connectivity.end(), standard->vertices.begin(),
+                                      standard->vertices.end());
+            cells.faceOffsets.push_back(-1);
+        } else {
+            const auto vertices = complex.relation(3, 0)[cell];
+            cells.types.push_back(kVtkPolyhedron);
+            cells.connectivity.insert(cells.connectivity.end(), vertices.begin(), vertices.end());
+            const auto loops = far::outwardLoops(complex, CellId(cell));
+            cells.faces.push_back(static_cast<std::int64_t>(loops.size()));
+            for (const auto& loop : loops) {
+                cells.faces.push_back(static_cast<std::int64_t>(loop.size()));
+                cells.faces.insert(cells.faces.end(), loop.begin(), loop.end());
+            }
+            cells.faceOffsets.push_back(static_cast<std::int64_t>(cells.faces.size()));
+        }
+        cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
+    }
+    return cells;
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/io/read_notes.h>
+#include <espalier/shapes/lattice.h>
+
+#include <filesystem>
+#include <string_view>
+
+/// \file
+/// Lattices in VTK's legacy files of unstructured grids (.vtk). Marks and attributes have the names
+/// and conventions of .vtu files (vtu.h); those of edges are in the FIELD of the data set.
+
+namespace espalier::io {
+
+/// Reads a lattice from a file of version 1 to 5, ASCII or BINARY, with cells of the types 10, 11,
+/// 12, 13, 14 and 42.
+///
+/// SCALARS, VECTORS, NORMALS, TEXTURE_COORDINATES, TENSORS and the arrays of FIELD in POINT_DATA
+/// become attributes, or Lattice::integers if their type is one of integers. vtkGhostType, arrays
+/// that are not of numbers, colours, ids, lookup tables, METADATA and all
+/// of CELL_DATA are skipped. Vertices that no cell uses are dropped, and the others numbered
+/// without them; else vertices and cells keep their numbers.
+///
+/// \param notes gets the dropped vertices, unless it is null
+/// \throws FileError with the line, if the file is malformed or holds cells of other types;
+///         TopologyError, with the path in its message, if the cells do not form a lattice
+ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, ReadNotes* notes = nullptr);
+
+/// The same for a file that is in memory already.
+/// \param path for messages
+/// \param bytes the whole file
+ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes,
+                                   ReadNotes* notes = nullptr);
+
+/// Writes a lattice as ASCII, version 3.0, so that it reads back the same: positions, attributes
+/// and integers bit for bit, integers with their type, marks in canonical order.
+///
+/// \throws FileError if the lattice is not of dimension 3, its parts do not fit together, or the
+///         file cannot be written; TopologyError if a mark names what is not there
+ESPALIER_API void writeVtkLegacy(const std::filesystem::path& path, const Lattice& lattice);
+
+}  // namespace espalier::io

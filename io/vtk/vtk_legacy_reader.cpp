@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/vtk/vtk_legacy.h>
+#include "../files/words.h"
+#include "../lattices/lattice_parts.h"
+#include "point_arrays.h"
+#include "vtk_cells.h"
+#include "vtk_legacy_data.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace espalier::io {
+namespace {
+
+class LegacyReader {
+public:
+    LegacyReader(const std::filesystem::path& path, std::string_view bytes)
+        : path_(path), data_(path, bytes) {}
+
+    Lattice read(ReadNotes* notes) {
+        readHeader();
+        while (!text().atEnd()) readPart(data_.keyword("a keyword"));
+        VtkCellReader cells(path_, checkedIndex(path_, positions_.size(), "points"));
+        addCells(cells);
+        marks_.vertices = vertexMarksFromFile(path_, vertexSharpness_);
+        addEdgeMarks();
+        return finishLattice(path_, cells.takeBuilder(),
+                             {.complex = {},
+                              .positions = std::move(positions_),
+                              .marks = std::move(marks_),
+                              .attributes = std::move(attributes_),
+                              .integers = std::move(integers_)},
+                             notes);
+    }
+
+private:
+    /// What the arrays that follow belong to.
+    enum class Owner { DataSet, Points, Cells };
+
+    TextReader& text() { return data_.text(); }
+
+    void readHeader() {
+        constexpr std::string_view kMagic = "# vtk datafile version ";
+        const std::string first = lowerCase(text().restOfLine());
+        if (!first.starts_with(kMagic))
+            text().fail(
+                "is not a legacy VTK file: it does not begin with '# vtk DataFile Version'");
+        const std::string_view version = std::string_view(first).substr(kMagic.size());
+        if (!parseNumber(version.substr(0, version.find_first_of(". \t")), version_) ||
+            version_ < 1 || version_ > 5)
+            text().fail("is of version " + inQuotes(version) + "; 1 to 5 can be read");
+        text().restOfLine();  // the title
+        const std::string encoding = data_.keyword("ASCII or BINARY");
+        if (encoding != "ascii" && encoding != "binary")
+            text().fail("expected ASCII or BINARY, got " + inQuotes(encoding));
+        data_.setBinary(encoding == "binary");
+        data_.expect("DATASET");
+        const std::string dataSet = data_.keyword("UNSTRUCTURED_GRID");
+        if (dataSet != "unstructured_grid")
+            text().fail("holds " + inQuotes(dataSet) + "; expected UNSTRUCTURED_GRID");
+    }
+
+    void readPart(const std::string& keyword) {
+        if (keyword == "metadata")
+            data_.skipMetadata();
+        else if (keyword == "points")
+            readPoints();
+        else if (keyword == "cells")
+            version_ >= 5 ? readCellsByOffsets() : readCellsBySizes();
+        else if (keyword == "cell_types")
+            readCellTypes();
+        else if (keyword == "point_data")
+            beginData(Owner::Points, positions_.size(), "points");
+        else if (keyword == "cell_data")
+            beginData(Owner::Cells, cellOffsets_.empty() ? 0 : cellOffsets_.size() - 1, "cells");
+        else if (keyword == "field")
+            readField();
+        else if (owner_ != Owner::DataSet)
+            readAttribute(keyword);
+        else
+            failAt(keyword);
+    }
+
+    void readPoints() {
+        const std::size_t count = text().count("the number of points", 3);
+        const std::string type = data_.keyword("the type of the points");
+        positions_ =
+            pointsOf(data_.numbers<double>(type, saturatingProduct(3, count), "a coordinate"));
+    }
+
+    /// Before version 5: for each cell the number of its vertices, and these.
+    void readCellsBySizes() {
+        const std::size_t count = text().count("the number of cells", 1);
+        const std::size_t size = text().count("the size of CELLS", 1);
+        const auto list = data_.numbers<std::int64_t>("int", size, "a number of CELLS");
+        cellOffsets_ = {0};
+        connectivity_.clear();
+        std::size_t at = 0;
+        for (std::size_t cell = 0; cell < count; ++cell) {
+            if (at == list.size() || list[at] < 0 ||
+                static_cast<std::uint64_t>(list[at]) > list.size() - at - 1)
+                text().fail("the numbers of CELLS end inside cell " + std::to_string(cell));
+            const auto length = static_cast<std::ptrdiff_t>(list[at]);
+            const auto begin = list.begin() + static_cast<std::ptrdiff_t>(at) + 1;
+            connectivity_.insert(connectivity_.end(), begin, begin + length);
+            cellOffsets_.push_back(static_cast<std::int64_t>(connectivity_.size()));
+            at += static_cast<std::size_t>(length) + 1;
+        }
+        if (at != list.size())
+            text().fail("CELLS has " + std::to_string(list.size()) + " numbers, of which " +
+                        std::to_string(at) + " belong to cells");
+    }
+
+    /// Since version 5: offsets, with one more than there are cells, and vertices.
+    void readCellsByOffsets() {
+        const std::size_t offsetCount = text().count("the number of offsets", 1);
+        const std::size_t size = text().count("the size of CONNECTIVITY", 1);
+        data_.expect("OFFSETS");
+        const std::string offsetType = data_.keyword("the type of OFFSETS");
+        cellOffsets_ = data_.numbers<std::int64_t>(offsetType, offsetCount, "an offset");
+        data_.expect("CONNECTIVITY");
+        const std::string type = data_.keyword("the type of CONNECTIVITY");
+        connectivity_ = data_.numbers<std::int64_t>(type, size, "a vertex of a cell");
+        std::int64_t before = 0;
+        for (const std::int64_t offset : cellOffsets_) {
+            if (offset < before || offset > static_cast<std::int64_t>(size))
+                text().fail("OFFSETS has " + std::to_string(offset) + " after " +
+                            std::to_string(before) + "; CONNECTIVITY has " + std::to_string(size) +
+                            " numbers");
+            before = offset;
+        }
+    }
+
+    void readCellTypes() {
+        const std::size_t count = text().count("the number of cell types", 1);
+        types_ = data_.numbers<std::int64_t>("int", count, "a cell type");
+    }
+
+    void beginData(Owner owner, std::size_t expected, const char* what) {
+        owner_ = owner;
+        tupleCount_ = text().number<std::uint64_t>(what);
+        if (tupleCount_ != expected)
+            text().fail("there are data for " + std::to_string(tupleCount_) + " " + what +
+                        ", of which there are " + std::to_string(expected));
+    }
+
+    void readAttribute(const std::string& keyword) {
+        if (keyword == "scalars") {
+            const std::string name = data_.name();
+            const std::string type = data_.keyword("the type of SCALARS");
+            const std::size_t components = optionalCount(1);
+            data_.expect("LOOKUP_TABLE");
+            text().token("the name of a lookup table");
+            readArray(name, type, components, tupleCount_);
+        } else if (keyword == "color_scalars") {
+            data_.name();
+            data_.skipColours(
+                saturatingProduct(text().count("the number of values", 1), tupleCount_));
+        } else if (keyword == "lookup_table") {
+            data_.name();
+            data_.skipColours(saturatingProduct(text().count("the number of colours", 1), 4));
+        } else if (keyword == "texture_coordinates") {
+            const std::string name = data_.name();
+            const std::size_t components = text().count("the number of coordinates", 1);
+            readArray(name, data_.keyword("a type"), components, tupleCount_);
+        } else if (keyword == "global_ids" || keyword == "pedigree_ids" ||
+                   keyword == "edge_flags") {
+            data_.name();
+            data_.values(data_.keyword("a type"), tupleCount_, "an id");
+        } else {
+            const std::size_t components = componentsOf(keyword);
+            const std::string name = data_.name();
+            readArray(name, data_.keyword("a type"), components, tupleCount_);
+        }
+    }
+
+    std::size_t componentsOf(const std::string& keyword) {
+        if (keyword == "vectors" || keyword == "normals") return 3;
+        if (keyword == "tensors6") return 6;
+        if (keyword == "tensors") return 9;
+        failAt(keyword);
+    }
+
+    /// A number in the rest of the line, if there is one.
+    std::size_t optionalCount(std::size_t otherwise) {
+        std::string_view rest = text().restOfLine();
+        const std::string_view word = takeWord(rest);
+        std::size_t count = otherwise;
+        if (!word.empty() && (!parseNumber(word, count) || count == 0))
+            text().fail(inQuotes(word) + " is not a number of components");
+        return count;
+    }
+
+    void readField() {
+        text().token("the name of a field");
+        const std::size_t count = text().count("the number of arrays", 1);
+        for (std::size_t i = 0; i < count; ++i) {
+            std::string name = data_.name();
+            while (name == "METADATA") {
+                data_.skipMetadata();
+                name = data_.name();
+            }
+            if (name == "NULL_ARRAY") continue;
+            const std::size_t components = text().count("the number of components", 1);
+            const std::size_t tuples = text().number<std::uint64_t>("the number of tuples");
+            readArray(name, data_.keyword("a type"), components, tuples);
+        }
+    }
+
+    /// Reads an array, and keeps it if it is an attribute or holds marks.
+    void readArray(const std::string& name, const std::string& type, std::size_t components,
+                   std::size_t tuples) {
+        const std::size_t line = text().line();
+        const std::optional<VtkNumber> number = numberOfLegacyName(type);
+        if (owner_ == Owner::Points && number && isInteger(*number) && name != kVertexSharpness) {
+            auto integers = data_.numbers<std::int64_t>(type, saturatingProduct(components, tuples),
+                                                        "an integer");
+            checkTuples(line, name, components, tuples);
+            if (name != kVtkGhosts)
+                integers_.push_back({name, checkedIndex(path_, components, "components"),
+                                     integerTypeOf(*number), std::move(integers)});
+            return;
+        }
+        auto values = data_.values(type, saturatingProduct(components, tuples), "a number");
+        if (!values) return;
+        if (owner_ == Owner::DataSet) {
+            if (name == kEdgeVertices && components == 2)
+                edgeVertices_ = std::move(*values);
+            else if (name == kEdgeSharpness && components == 1)
+                edgeSharpness_ = std::move(*values);
+        } else if (owner_ == Owner::Points) {
+            checkTuples(line, name, components, tuples);
+            if (name == kVertexSharpness && components == 1)
+                vertexSharpness_ = std::move(*values);
+            else
+                attributes_.push_back(
+                    {name, checkedIndex(path_, components, "components"), std::move(*values)});
+        }
+    }
+
+    void checkTuples(std::size_t line, const std::string& name, std::size_t components,
+                     std::size_t tuples) {
+        if (tuples != positions_.size() || components == 0)
+            throw FileError(path_, line,
+                            "the array " + inQuotes(name) + " has " + std::to_string(tuples) +
+                                " tuples of " + std::to_string(components) + " for " +
+                                std::to_string(positions_.size()) + " points");
+    }
+
+    void addCells(VtkCellReader& cells) {
+        const std::size_t count = cellOffsets_.empty() ? 0 : cellOffsets_.size() - 1;
+        if (types_.size() != count)
+            throw FileError(path_, "has " + std::to_string(count) + " cells and " +
+                                       std::to_string(types_.size()) + " cell types");
+        for (std::size_t cell = 0; cell < count; ++cell) {
+            const auto begin = static_cast<std::size_t>(cellOffsets_[cell]);
+            const auto end = static_cast<std::size_t>(cellOffsets_[cell + 1]);
+            const auto row = std::span(std::as_const(connectivity_)).subspan(begin, end - begin);
+            if (types_[cell] == kVtkPolyhedron)
+                cells.addPolyhedron(row);
+            else
+                cells.add(types_[cell], row);
+        }
+    }
+
+    void addEdgeMarks() {
+        if (edgeVertices_.size() != 2 * edgeSharpness_.size())
+            throw FileError(path_, "has marks of " + std::to_string(edgeSharpness_.size()) +
+                                       " edges, and " + std::to_string(edgeVertices_.size()) +
+                                       " vertices of marked edges");
+        const auto markedVertex = [&](double vertex) {
+            if (!(vertex >= 0 && vertex < static_cast<double>(positions_.size())))
+                throw FileError(path_, "a mark names vertex " + formatNumber(vertex) +
+                                           "; there are " + std::to_string(positions_.size()));
+            return static_cast<Index>(vertex);
+        };
+        for (std::size_t mark = 0; mark < edgeSharpness_.size(); ++mark)
+            if (isMarkInFile(path_, kEdgeSharpness, mark, edgeSharpness_[mark]))
+                marks_.edges.push_back({{markedVertex(edgeVertices_[2 * mark]),
+                                         markedVertex(edgeVertices_[2 * mark + 1])},
+                                        sharpnessFromFile(edgeSharpness_[mark])});
+    }
+
+    [[noreturn]] void failAt(const std::string& keyword) {
+        text().fail(inQuotes(keyword) + " is not a keyword that can stand here");
+    }
+
+    std::filesystem::path path_;
+    LegacyData data_;
+    int version_ = 0;
+    Owner owner_ = Owner::DataSet;
+    std::size_t tupleCount_ = 0;
+
+    std::vector<Point3> positions_;
+    std::vector<std::int64_t> cellOffsets_;  ///< cell c is connectivity_[c] to [c + 1]
+    std::vector<std::int64_t> connectivity_;
+    std::vector<std::int64_t> types_;
+    std::vector<VertexAttribute> attributes_;
+    std::vector<VertexIntegers> integers_;
+    std::vector<double> vertexSharpness_;
+    std::vector<double> edgeVertices_;
+    std::vector<double> edgeSharpness_;
+    far::Marks marks_;
+};
+
+}  // namespace
+
+Lattice readVtkLegacy(const std::filesystem::path& path, ReadNotes* notes) {
+    return readVtkLegacy(path, readFile(path), notes);
+}
+
+Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return LegacyReader(path, bytes).read(notes);
+}
+
+}  // namespace espalier::io

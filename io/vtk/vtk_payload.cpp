@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vtk_payload.h"
+#include <espalier/base/memory.h>
+#include <zlib.h>
+#include "../files/base64.h"
+#include "../files/byte_order.h"
+#include "../files/coding_error.h"
+#include "../files/inflate.h"
+#include "vtk_numbers.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <variant>
+#include <vector>
+
+namespace espalier::io {
+namespace {
+
+/// As VTK's own writer.
+constexpr std::size_t kBlockSize = 32768;
+
+class RawReader {
+public:
+    explicit RawReader(std::string_view text) : text_(text) {}
+
+    std::size_t mostLeft() const { return text_.size(); }
+
+    std::string read(std::size_t count) {
+        if (count > text_.size())
+            throw CodingError("the raw data ends too early: " + std::to_string(count) +
+                              " bytes are claimed, " + std::to_string(text_.size()) + " are there");
+        std::string result(text_.substr(0, count));
+        text_.remove_prefix(count);
+        return result;
+    }
+
+private:
+    std::string_view text_;
+};
+
+/// Reads the bytes and header words of one array, raw or in base64.
+class PayloadReader {
+public:
+    PayloadReader(std::string_view text, PayloadForm form, const VtkCoding& coding)
+        : coding_(coding), reader_(RawReader(text)) {
+        if (form == PayloadForm::Base64) reader_ = Base64Reader(text);
+    }
+
+    std::size_t mostLeft() const {
+        return std::visit([](const auto& reader) { return reader.mostLeft(); }, reader_);
+    }
+    std::string read(std::uint64_t count) {
+        return std::visit([&](auto& reader) { return reader.read(count); }, reader_);
+    }
+    std::size_t wordSize() const { return coding_.has64BitHeader ? 8 : 4; }
+    std::uint64_t readWord() {
+        if (coding_.has64BitHeader)
+            return loadNumber<std::uint64_t>(read(8).data(), coding_.byteOrder);
+        return loadNumber<std::uint32_t>(read(4).data(), coding_.byteOrder);
+    }
+
+private:
+    VtkCoding coding_;
+    std::variant<RawReader, Base64Reader> reader_;
+};
+
+std::string decodeCompressed(PayloadReader& reader) {
+    const std::uint64_t blockCount = reader.readWord();
+    if (blockCount == 0) return {};
+    const std::uint64_t blockSize = reader.readWord();
+    const std::uint64_t lastSize = reader.readWord();
+    if (blockCount > reader.mostLeft() / reader.wordSize())
+        throw CodingError("the data claims " + std::to_string(blockCount) +
+                          " compressed blocks; at most " + std::to_string(reader.mostLeft()) +
+                          " bytes are left");
+    std::vector<std::uint64_t> compressedSizes(blockCount);
+    for (std::uint64_t& size : compressedSizes) size = reader.readWord();
+    requireMemory(std::min(saturatingProduct(blockCount, blockSize),
+                           saturatingProduct(kMostInflation, reader.mostLeft())),
+                  "its data");
+    std::string bytes;
+    for (std::uint64_t block = 0; block < blockCount; ++block) {
+        const bool isCut = block + 1 == blockCount && lastSize != 0;
+        appendInflated(reader.read(compressedSizes[block]), isCut ? lastSize : blockSize,
+                       DeflateForm::Zlib, bytes);
+    }
+    return bytes;
+}
+
+void appendWord(std::string& header, std::uint64_t word, const VtkCoding& coding) {
+    const bool isWide = coding.has64BitHeader;
+    if (!isWide && word > std::numeric_limits<std::uint32_t>::max())
+        throw CodingError("an array of " + std::to_string(word) +
+                          " bytes is too large for the file's header_type, UInt32");
+    char bytes[8];
+    if (isWide)
+        storeNumber(bytes, word, coding.byteOrder);
+    else
+        storeNumber(bytes, static_cast<std::uint32_t>(word), coding.byteOrder);
+    header.append(bytes, isWide ? 8 : 4);
+}
+
+std::string encodeCompressed(std::string_view bytes, const VtkCoding& coding) {
+    const std::size_t blockCount = (bytes.size() + kBlockSize - 1) / kBlockSize;
+    std::string header;
+    std::string blocks;
+    appendWord(header, blockCount, coding);
+    appendWord(header, kBlockSize, coding);
+    appendWord(header, bytes.size() % kBlockSize, coding);
+    for (std::size_t block = 0; block < blockCount; ++block) {
+        const std::string_view plain = bytes.substr(block * kBlockSize, kBlockSize);
+        const std::size_t before = blocks.size();
+        uLongf size = ::compressBound(plain.size());
+        blocks.resize(before + size);
+        // For want of nothing but memory, as there is room for the worst case.
+        if (::compress(reinterpret_cast<Bytef*>(blocks.data() + before), &size,
+                       reinterpret_cast<const Bytef*>(plain.data()), plain.size()) != Z_OK)
+            throw std::bad_alloc();
+        blocks.resize(before + size);
+        appendWord(header, size, coding);
+    }
+    return encodeBase64(header) + encodeBase64(blocks);
+}
+
+}  // namespace
+
+std::uint64_t claimedSize(std::string_view text, PayloadForm form, const VtkCoding& coding) {
+    PayloadReader reader(text, form, coding);
+    const std::uint64_t first = reader.readWord();
+    if (!coding.isCompressed || first == 0) return first;
+    const std::uint64_t blockSize = reader.readWord();
+    const std::uint64_t lastSize = reader.readWord();
+    if (lastSize == 0) return saturatingProduct(first, blockSize);
+    const std::uint64_t whole = saturatingProduct(first - 1, blockSize);
+    constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
+    return whole > kMost - lastSize ? kMost : whole + lastSize;
+}
+
+std::string decodePayload(std::string_view text, PayloadForm form, const VtkCoding& coding) {
+    PayloadReader reader(text, form, coding);
+    if (coding.isCompressed) return decodeCompressed(reader);
+    return reader.read(reader.readWord());
+}
+
+std::string encodePayload(std::string_view bytes, const VtkCoding& coding) {
+    if (coding.isCompressed) return encodeCompressed(bytes, coding);
+    std::string payload;
+    appendWord(payload, bytes.size(), coding);
+    payload += bytes;
+    return encodeBase64(payload);
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vtu_model.h"
+#include <espalier/io/files/file.h>
+#include "../files/coding_error.h"
+#include "../models/coordinates.h"
+#include "point_arrays.h"
+#include "vtk_xml_writer.h"
+
+#include <algorithm>
+#include <ostream>
+
+namespace espalier::io {
+namespace {
+
+/// What stands before an element on its line, if that is white space only.
+std::string_view indentOf(std::string_view bytes, std::size_t begin) {
+    const std::size_t lineBegin = bytes.rfind('\n', begin) + 1;
+    const std::string_view before = bytes.substr(lineBegin, begin - lineBegin);
+    return before.find_first_not_of(" \t") == std::string_view::npos ? before : "";
+}
+
+Precision precisionOf(VtkNumber type) {
+    return type == VtkNumber::Float32 ? Precision::Float : Precision::Double;
+}
+
+/// What an array of this type holds of the points, or of directions there.
+std::vector<Point3> rounded(std::vector<Point3> values, VtkNumber type, std::size_t firstPoint) {
+    if (precisionOf(type) == Precision::Float)
+        for (std::size_t i = 0; i < values.size(); ++i)
+            for (double& number : values[i])
+                number = roundTo(Precision::Float, number, firstPoint + i);
+    return values;
+}
+
+std::string elementOf(const VtkXmlFile& file, const VtkDataArray& array, VtkNumber type,
+                      std::span<const Point3> points) {
+    const auto form =
+        array.format == VtkDataArray::Format::Ascii ? VtkArrayForm::Ascii : VtkArrayForm::Base64;
+    return dataArrayElement<double>({array.name, type, 3}, coordinatesOf(points), form,
+                                    file.coding(), indentOf(file.bytes(), array.begin));
+}
+
+/// How an array of PointData is carried; null if it does not hold directions.
+Carry carryOf(const VtkSection& pointData, const VtkDataArray& array) {
+    if (array.components != 3 || !array.type || isInteger(*array.type)) return nullptr;
+    const auto is = [&](const std::string& kind) {
+        const auto active = pointData.active.find(kind);
+        return array.name == kind ||
+               (active != pointData.active.end() && array.name == active->second);
+    };
+    return is("Normals") ? carryNormal : is("Tangents") ? carryTangent : nullptr;
+}
+
+std::vector<Point3> copyOf(std::span<const Point3> points) {
+    return {points.begin(), points.end()};
+}
+
+bool areSame(std::span<const Point3> a, std::span<const Point3> b) {
+    const auto isSamePoint = [](const Point3& p, const Point3& q) {
+        return std::equal(p.begin(), p.end(), q.begin(), isSame);
+    };
+    return std::equal(a.begin(), a.end(), b.begin(), isSamePoint);
+}
+
+}  // namespace
+
+VtuModel VtuModel::read(const std::filesystem::path& path) {
+    return read(path, readFile(path));
+}
+
+VtuModel VtuModel::read(const std::filesystem::path& path, std::string bytes) {
+    VtuModel model(VtkXmlFile::read(path, std::move(bytes), "UnstructuredGrid"));
+    for (const VtkPiece& piece : model.file_.pieces()) {
+        const std::size_t first = model.positions_.size();
+        const std::vector<Point3> points = readPoints(model.file_, piece);
+        if (points.empty()) continue;
+        model.positions_.insert(model.positions_.end(), points.begin(), points.end());
+        model.arrays_.push_back(
+            {pointArray(model.file_, piece), first, points.size(), nullptr, {}});
+        model.addDirections(piece, first, points.size());
+    }
+    checkFinite(path, model.positions_);
+    std::sort(
+        model.arrays_.begin(), model.arrays_.end(),
+        [](const PlacedArray& a, const PlacedArray& b) { return a.array.begin < b.array.begin; });
+    return model;
+}
+
+void VtuModel::addDirections(const VtkPiece& piece, std::size_t firstPoint,
+                             std::size_t pointCount) {
+    const auto pointData = piece.sections.find("PointData");
+    if (pointData == piece.sections.end()) return;
+    for (const VtkDataArray& array : pointData->second.arrays)
+        if (const Carry carry = carryOf(pointData->second, array))
+            arrays_.push_back(
+                {array, firstPoint, pointCount, carry, pointsOf(file_.reals(array, pointCount))});
+}
+
+bool VtuModel::hasDirections() const {
+    return std::any_of(arrays_.begin(), arrays_.end(),
+                       [](const PlacedArray& placed) { return placed.carry != nullptr; });
+}
+
+void VtuModel::write(const std::filesystem::path& path, std::span<const Point3> positions,
+                     std::span<const DeformationGradient> gradients) const {
+    if (positions.size() != positions_.size())
+        throw Error("got " + std::to_string(positions.size()) + " positions for a model of " +
+                    std::to_string(positions_.size()) + " points");
+    const std::string_view bytes = file_.bytes();
+    writeFile(path, [&](std::ostream& out) {
+        std::size_t done = 0;
+        for (const PlacedArray& placed : arrays_) {
+            if (placed.carry && gradients.empty()) continue;
+            const VtkDataArray& array = placed.array;
+            const VtkNumber type = isInteger(*array.type) ? VtkNumber::Float64 : *array.type;
+            const auto ofPiece = [&](auto values) {
+                return values.subspan(placed.firstPoint, placed.pointCount);
+            };
+            const std::vector<Point3> now =
+                rounded(placed.carry ? carried(placed.directions, ofPiece(gradients), placed.carry,
+                                               precisionOf(type))
+                                     : copyOf(ofPiece(positions)),
+                        type, placed.firstPoint);
+            const std::span<const Point3> before =
+                placed.carry ? placed.directions : ofPiece(std::span(positions_));
+            if (areSame(now, before)) continue;
+            out << bytes.substr(done, array.begin - done);
+            try {
+                out << elementOf(file_, array, type, now);
+            } catch (const CodingError& error) {
+                throw FileError(path, error.what());
+            }
+            done = array.end;
+        }
+        out << bytes.substr(done);
+    });
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/io/files/file.h>
+#include <espalier/io/vtk/vtu.h>
+#include "../lattices/lattice_parts.h"
+#include "point_arrays.h"
+#include "vtk_cells.h"
+#include "vtk_xml.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace espalier::io {
+namespace {
+
+constexpr std::string_view kOneACell = "one a cell";
+
+/// Rows of an array, each of which ends at one of the offsets. The offsets are read first: they say
+/// how many values there must be.
+class RowsOfFile {
+public:
+    /// \param values and `offsets` name the arrays
+    /// \param count of the rows, and the reason for it (VtkXmlFile::list())
+    /// \throws FileError if the number of offsets or values is another, or the offsets descend
+    RowsOfFile(const VtkXmlFile& file, const VtkSection& section, const char* values,
+               const char* offsets, std::size_t count, std::string_view reason)
+        : ends_(file.list(file.array(section, offsets), count, reason)) {
+        std::int64_t before = 0;
+        for (const std::int64_t end : ends_) {
+            if (end < before)
+                file.fail(file.array(section, offsets).line,
+                          "the array " + inQuotes(offsets) + " has " + std::to_string(end) +
+                              " after " + std::to_string(before) + "; expected ascending offsets");
+            before = end;
+        }
+        values_ = file.list(file.array(section, values), static_cast<std::size_t>(before),
+                            "the last of " + inQuotes(offsets));
+    }
+
+    std::span<const std::int64_t> operator[](std::size_t row) const {
+        const auto begin = static_cast<std::size_t>(row == 0 ? 0 : ends_[row - 1]);
+        return std::span(values_).subspan(begin, static_cast<std::size_t>(ends_[row]) - begin);
+    }
+
+private:
+    std::vector<std::int64_t> values_;
+    std::vector<std::int64_t> ends_;
+};
+
+class VtuReader {
+public:
+    VtuReader(const std::filesystem::path& path, std::string bytes)
+        : file_(VtkXmlFile::read(path, std::move(bytes), "UnstructuredGrid")) {}
+
+    Lattice read(ReadNotes* notes) {
+        for (const VtkPiece& piece : file_.pieces()) {
+            const std::vector<Point3> points = readPoints(file_, piece);
+            positions_.insert(positions_.end(), points.begin(), points.end());
+            readPointData(piece);
+        }
+        VtkCellReader cells(file_.path(), checkedIndex(file_.path(), positions_.size(), "points"));
+        Index firstVertex = 0;
+        for (const VtkPiece& piece : file_.pieces()) {
+            const auto count = static_cast<Index>(file_.count(piece, "NumberOfPoints"));
+            cells.beginPiece(firstVertex, count);
+            readCells(piece, cells);
+            firstVertex += count;
+        }
+        readEdgeMarks(cells.mostEdges());
+        marks_.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
+        return finishLattice(file_.path(), cells.takeBuilder(),
+                             {.complex = {},
+                              .positions = std::move(positions_),
+                              .marks = std::move(marks_),
+                              .attributes = std::move(attributes_),
+                              .integers = std::move(integers_)},
+                             notes);
+    }
+
+private:
+    /// Appends the attributes of a piece to those of the pieces before it, which must be the same.
+    void readPointData(const VtkPiece& piece) {
+        const std::size_t count = file_.count(piece, "NumberOfPoints");
+        if (count == 0) return;
+        const auto at = piece.sections.find("PointData");
+        std::size_t attributeCount = 0;
+        std::size_t integersCount = 0;
+        bool hasSharpness = false;
+        if (at != piece.sections.end())
+            for (const VtkDataArray& array : at->second.arrays) {
+                if (!array.type || array.name == kVtkGhosts) continue;
+                if (array.name == kVertexSharpness && array.components == 1) {
+                    hasSharpness = true;
+                    append(vertexSharpness_, file_.reals(array, count));
+                } else if (isInteger(*array.type)) {
+                    append(integersOf(array, integersCount++).values, file_.integers(array, count));
+                } else {
+                    append(attributeOf(array, attributeCount++).values, file_.reals(array, count));
+                }
+            }
+        if (!hasSharpness) vertexSharpness_.resize(positions_.size(), kUnmarkedInFile);
+        const std::size_t known = attributeCount + integersCount;
+        const std::size_t expected = attributes_.size() + integers_.size();
+        if (known != expected)
+            file_.fail(piece.line, "the piece has " + std::to_string(known) +
+                                       " arrays of PointData; the first one has " +
+                                       std::to_string(expected));
+        isFirstPiece_ = false;
+    }
+
+    VertexAttribute& attributeOf(const VtkDataArray& array, std::size_t number) {
+        if (isFirstPiece_) {
+            const auto components = checkedIndex(file_.path(), array.components, "components");
+            attributes_.push_back({array.name, components, {}});
+        }
+        requireSame(attributes_, array, number);
+        return attributes_[number];
+    }
+
+    VertexIntegers& integersOf(const VtkDataArray& array, std::size_t number) {
+        const IntegerType type = integerTypeOf(*array.type);
+        if (isFirstPiece_) {
+            const auto components = checkedIndex(file_.path(), array.components, "components");
+            integers_.push_back({array.name, components, type, {}});
+        }
+        requireSame(integers_, array, number);
+        if (integers_[number].type != type)
+            file_.fail(array.line, "the array " + inQuotes(array.name) + " holds " +
+                                       xmlName(*array.type) + "; in the first piece it holds " +
+                                       integerTypeName(integers_[number].type));
+        return integers_[number];
+    }
+
+    /// That the array is the one of this number in the first piece.
+    template <class Attribute>
+    void requireSame(const std::vector<Attribute>& attributes, const VtkDataArray& array,
+                     std::size_t number) {
+        if (number >= attributes.size() || attributes[number].name != array.name ||
+            static_cast<std::size_t>(attributes[number].components) != array.components)
+            file_.fail(array.line, "the array " + inQuotes(array.name) +
+                                       " is not in the PointData of the first piece");
+    }
+
+    template <class Value>
+    static void append(std::vector<Value>& values, const std::vector<Value>& more) {
+        values.insert(values.end(), more.begin(), more.end());
+    }
+
+    void readCells(const VtkPiece& piece, VtkCellReader& cells) {
+        const std::size_t count = file_.count(piece, "NumberOfCells");
+        if (count == 0) return;
+        const VtkSection& section = file_.section(piece, "Cells");
+        const auto types = file_.list(file_.array(section, "types"), count, kOneACell);
+        const RowsOfFile vertices(file_, section, "connectivity", "offsets", count, kOneACell);
+        const bool havePolyhedra =
+            std::find(types.begin(), types.end(), kVtkPolyhedron) != types.end();
+        const auto addStandard = [&](std::size_t cell) { cells.add(types[cell], vertices[cell]); };
+        if (!havePolyhedra)
+            for (std::size_t cell = 0; cell < count; ++cell) addStandard(cell);
+        else if (section.find("polyhedron_offsets"))
+            addWithFaceLists(section, types, addStandard, cells);
+        else
+            addWithFaceStreams(section, types, addStandard, cells);
+    }
+
+    /// The layout since VTK 9.4: faces are listed once, and polyhedra list faces.
+    template <class AddStandard>
+    void addWithFaceLists(const VtkSection& section, const std::vector<std::int64_t>& types,
+                          AddStandard addStandard, VtkCellReader& cells) {
+        const RowsOfFile faces(file_, section, "polyhedron_to_faces", "polyhedron_offsets",
+                               types.size(), kOneACell);
+        std::int64_t lastFace = -1;
+        for (std::size_t cell = 0; cell < types.size(); ++cell)
+            for (const std::int64_t face : faces[cell]) {
+                if (face < 0)
+                    file_.fail(section.line, "cell " + std::to_string(cell) +
+                                                 " of the piece names face " +
+                                                 std::to_string(face) + "; expected 0 or more");
+                lastFace = std::max(lastFace, face);
+            }
+        const RowsOfFile loops(
+            file_, section, "face_connectivity", "face_offsets",
+            static_cast<std::size_t>(lastFace) + 1,
+            "as the last face that a polyhedron names is " + std::to_string(lastFace));
+        std::vector<std::span<const std::int64_t>> cellLoops;
+        for (std::size_t cell = 0; cell < types.size(); ++cell) {
+            if (types[cell] != kVtkPolyhedron) {
+                addStandard(cell);
+                continue;
+            }
+            cellLoops.clear();
+            for (const std::int64_t face : faces[cell])
+                cellLoops.push_back(loops[static_cast<std::size_t>(face)]);
+            cells.addPolyhedron(cellLoops);
+        }
+    }
+
+    /// The layout before: a face stream a polyhedron; the offset of any other cell is −1.
+    template <class AddStandard>
+    void addWithFaceStreams(const VtkSection& section, const std::vector<std::int64_t>& types,
+                            AddStandard addStandard, VtkCellReader& cells) {
+        const VtkDataArray& offsets = file_.array(section, "faceoffsets");
+        const auto ends = file_.list(offsets, types.size(), kOneACell);
+        std::int64_t before = 0;
+        for (std::size_t cell = 0; cell < types.size(); ++cell) {
+            if (types[cell] != kVtkPolyhedron) continue;
+            if (ends[cell] < before)
+                file_.fail(offsets.line, "the faces of cell " + std::to_string(cell) +
+                                             " of the piece run from " + std::to_string(before) +
+                                             " to " + std::to_string(ends[cell]));
+            before = ends[cell];
+        }
+        const auto faces =
+            file_.list(file_.array(section, "faces"), static_cast<std::size_t>(before),
+                       "the last of 'faceoffsets'");
+        std::size_t begin = 0;
+        for (std::size_t cell = 0; cell < types.size(); ++cell) {
+            if (types[cell] != kVtkPolyhedron) {
+                addStandard(cell);
+                continue;
+            }
+            const auto end = static_cast<std::size_t>(ends[cell]);
+            cells.addPolyhedron(std::span(faces).subspan(begin, end - begin));
+            begin = end;
+        }
+    }
+
+    /// \param mostEdges an upper bound of the number of edges that can be marked
+    void readEdgeMarks(std::size_t mostEdges) {
+        const VtkDataArray* ends = file_.fieldData().find(kEdgeVertices);
+        const VtkDataArray* sharpness = file_.fieldData().find(kEdgeSharpness);
+        if (!ends && !sharpness) return;
+        if (!ends || !sharpness || ends->components != 2 || sharpness->components != 1)
+            file_.fail(file_.fieldData().line, std::string("marks need both arrays, ") +
+                                                   kEdgeVertices + " of 2 components and " +
+                                                   kEdgeSharpness + " of 1");
+        const auto vertices =
+            file_.integersUpTo(*ends, mostEdges, "as the cells have no more edges");
+        const auto values = file_.reals(*sharpness, vertices.size() / 2,
+                                        "one an edge of " + inQuotes(kEdgeVertices));
+        for (std::size_t mark = 0; mark < values.size(); ++mark) {
+            if (!isMarkInFile(file_.path(), kEdgeSharpness, mark, values[mark])) continue;
+            marks_.edges.push_back({{markedVertex(*ends, vertices[2 * mark]),
+                                     markedVertex(*ends, vertices[2 * mark + 1])},
+                                    sharpnessFromFile(values[mark])});
+        }
+    }
+
+    Index markedVertex(const VtkDataArray& array, std::int64_t vertex) {
+        if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= positions_.size())
+            file_.fail(array.line, "a mark names vertex " + std::to_string(vertex) +
+                                       "; there are " + std::to_string(positions_.size()));
+        return static_cast<Index>(vertex);
+    }
+
+    VtkXmlFile file_;
+    std::vector<Point3> positions_;
+    std::vector<VertexAttribute> attributes_;
+    std::vector<VertexIntegers> integers_;
+    std::vector<double> vertexSharpness_;
+    far::Marks marks_;
+    bool isFirstPiece_ = true;
+};
+
+}  // namespace
+
+Lattice readVtu(const std::filesystem::path& path, ReadNotes* notes) {
+    return VtuReader(path, readFile(path)).read(notes);
+}
+
+Lattice readVtu(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
+    return VtuReader(path, std::string(bytes)).read(notes);
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/limit/limit_binding.h>
+#include <espalier/limit/limit_table.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+
+#include <espalier/embed/bind_groups.h>
+#include <espalier/stencils/level_rows.h>
+#include <espalier/stencils/table_builder.h>
+#include "limit_search.h"
+
+namespace espalier::limit {
+
+// For bindGroups(), which finds them by the namespace of LimitTable.
+template <class Real>
+const stencils::StencilTable<Real>& pointRows(const LimitTable<Real>& table) {
+    return table.points;
+}
+
+template <class Real>
+void gatherRows(std::vector<embed::BoundPart<LimitTable<Real>>>& parts, Index rowCount,
+                Index columnCount, LimitTable<Real>& result) {
+    std::vector<embed::BoundPart<stencils::StencilTable<Real>>> rows(parts.size());
+    for (std::size_t p = 0; p < parts.size(); ++p) rows[p].points = std::move(parts[p].points);
+    const auto gather = [&](auto tableOf) {
+        for (std::size_t p = 0; p < parts.size(); ++p)
+            rows[p].table = std::move(tableOf(parts[p].table));
+        gatherRows(rows, rowCount, columnCount, tableOf(result));
+    };
+    using Rows = stencils::StencilTable<Real>;
+    gather([](LimitTable<Real>& table) -> Rows& { return table.points; });
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        gather([axis](LimitTable<Real>& table) -> Rows& { return table.gradients[axis]; });
+}
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Around irregular features gradients are those of the nearest vertex of a cell of this size.
+constexpr double kGradientTolerance = 1e-12;
+
+/// Options whose places serve gradients too, if these are asked for.
+LimitOptions forGradients(LimitOptions options) {
+    if (options.gradients) options.tolerance = std::min(options.tolerance, kGradientTolerance);
+    return options;
+}
+
+/// The rows of places over the vertices of their level.
+stencils::StencilTable<double> rowsOf(const PlaceRows& places, std::size_t placeCount,
+                                      Index vertexCount) {
+    return stencils::buildTable<double>(static_cast<Index>(placeCount), vertexCount,
+                                        [&](Index row, stencils::RowAccumulator& accumulator) {
+                                            const auto weights = places.weights(
+                                                static_cast<std::size_t>(row), kPosition);
+                                            for (const auto& [vertex, weight] : weights)
+                                                accumulator.add(vertex, weight);
+                                        });
+}
+
+/// (T X)⁻¹ for the directions T of one place, three rows from `first` on, and the rest pose X. Not
+/// a number where T X spans no volume.
+Matrix3d inverseAtRest(const stencils::StencilTable<double>& tangents, Index first,
+                       std::span<const Point3> positions) {
+    // Rounding of T X is some 1e-16 of the sums of its terms' sizes: of what is this flat, F would
+    // have six digits at best.
+    constexpr double kFlat = 1e-10;
+    Matrix3d atRest = Matrix3d::Zero();
+    Vector3d sizes = Vector3d::Zero();
+    for (Index row = 0; row < 3; ++row) {
+        const auto columns = tangents.columns(first + row);
+        const auto weights = tangents.weights(first + row);
+        if (columns.empty()) continue;
+        // Rows sum to 0: seen from a vertex near by, coordinates are small.
+        const Vector3d origin(positions[columns.front()].data());
+        for (std::size_t k = 0; k < columns.size(); ++k) {
+            const Vector3d term = weights[k] * (Vector3d(positions[columns[k]].data()) - origin);
+            atRest.row(row) += term.transpose();
+            sizes[row] += term.norm();
+        }
+    }
+    // Directions of any length: derivatives of deep levels are very small.
+    const Matrix3d unit = sizes.cwiseInverse().asDiagonal() * atRest;
+    if (!(std::abs(unit.determinant()) > kFlat))
+        return Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    return unit.inverse() * sizes.cwiseInverse().asDiagonal();
+}
+
+/// A row of F's column `axis` for each place. F maps the rest pose as the directions T do:
+/// Fᵀ = (T X)⁻¹ T x.
+/// \param tangents three rows a place, over the base
+/// \param positions of the base at rest
+/// \param scale what gradients by these positions are multiplied by
+std::array<stencils::StencilTable<double>, 3> gradientsOf(
+    const stencils::StencilTable<double>& tangents, std::span<const Point3> positions,
+    double scale) {
+    const Index placeCount = tangents.rowCount() / 3;
+    std::vector<Matrix3d> inverses(static_cast<std::size_t>(placeCount));
+    for (Index i = 0; i < placeCount; ++i)
+        inverses[i] = scale * inverseAtRest(tangents, 3 * i, positions);
+    std::array<stencils::StencilTable<double>, 3> gradients;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        gradients[axis] = stencils::buildTable<double>(
+            placeCount, tangents.columnCount(),
+            [&](Index place, stencils::RowAccumulator& accumulator) {
+                const Matrix3d& inverse = inverses[place];
+                if (!inverse.allFinite()) return;
+                for (Index row = 0; row < 3; ++row) {
+                    const double factor = inverse(static_cast<Eigen::Index>(axis), row);
+                    const auto columns = tangents.columns(3 * place + row);
+                    const auto weights = tangents.weights(3 * place + row);
+                    for (std::size_t k = 0; k < columns.size(); ++k)
+                        accumulator.add(columns[k], factor * weights[k]);
+                }
+                accumulator.makeSumZero();
+            });
+    return gradients;
+}
+
+std::vector<Point3> chosen(std::span<const Point3> points, const std::vector<Index>& numbers) {
+    std::vector<Point3> result;
+    for (const Index i : numbers) result.push_back(points[i]);
+    return result;
+}
+
+/// \throws Error naming a cell, a face or a vertex of so many sides that the levels around it would
+///         take all memory: each point near it needs some twenty levels, with as many cells as that
+void checkSides(const far::CellComplex& complex) {
+    constexpr std::ptrdiff_t kMaxSides = 1000;
+    const auto check = [&](int dimension, int other, const char* entity, const char* sides) {
+        const far::Incidence& relation = complex.relation(dimension, other);
+        for (Index i = 0; i < relation.rowCount(); ++i)
+            if (std::ssize(relation[i]) > kMaxSides)
+                throw Error(std::string(entity) + " " + std::to_string(i) + " has " +
+                            std::to_string(relation[i].size()) + " " + sides +
+                            "; points are bound to the limit around at most " +
+                            std::to_string(kMaxSides) +
+                            ": split it, or bind the points to a level");
+    };
+    check(3, 2, "cell", "faces");
+    check(2, 1, "face", "edges");
+    check(0, 1, "vertex", "edges");
+}
+
+/// Binds groups of points to the limit volume.
+template <class Real>
+class LimitBinder : public embed::GroupBinder<LimitTable<Real>> {
+public:
+    /// \param positions in units; must outlive this
+    LimitBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                const embed::LengthUnit& unit, stencils::Rules rules, const LimitOptions& options)
+        : rules_(rules),
+          positions_(positions),
+          perLength_(unit.toUnits(1.0)),
+          gradients_(options.gradients),
+          search_(base, positions, rules, forGradients(options)) {}
+
+    using Part = embed::BoundPart<LimitTable<Real>>;
+
+    std::vector<Part> bind(std::span<const Point3> points) const override {
+        std::vector<Part> parts;
+        std::vector<Index> left(points.size());
+        std::iota(left.begin(), left.end(), Index{0});
+        std::vector<Index> unsettled;
+        addParts(search_.findInside(points, unsettled), left, parts);
+        if (!unsettled.empty())
+            addParts(search_.findNearest(chosen(points, unsettled)), unsettled, parts);
+        return parts;
+    }
+
+private:
+    /// A part for the points of each level, and one for those without a place.
+    /// \param numbers of the points
+    void addParts(const FoundPlaces& found, const std::vector<Index>& numbers,
+                  std::vector<Part>& parts) const {
+        std::vector<Part> ofLevels(found.positions.size());
+        std::vector<std::vector<LimitPlace>> places(ofLevels.size());
+        Part without;
+        for (std::size_t i = 0; i < found.points.size(); ++i) {
+            const LocatedInLimit& located = found.points[i];
+            Part& part = located.place ? ofLevels[located.place->level] : without;
+            part.points.push_back(numbers[i]);
+            part.statuses.push_back(located.status);
+            if (!located.place) continue;
+            part.largestResidual = std::max(part.largestResidual, located.residual);
+            places[located.place->level].push_back(*located.place);
+        }
+        std::vector<stencils::StencilTable<double>> rows, directions;
+        for (std::size_t level = 0; level < ofLevels.size(); ++level) {
+            const PlaceRows weights(found.descent.refiner, static_cast<int>(level), rules_,
+                                    places[level]);
+            rows.push_back(rowsOf(weights, places[level].size(),
+                                  static_cast<Index>(found.positions[level].size())));
+            if (gradients_) directions.push_back(weights.tangents());
+        }
+        auto tables = stencils::composeRows<Real>(found.descent.tables, std::move(rows),
+                                                  stencils::compositionOf(found.descent.tables));
+        if (gradients_)
+            directions = stencils::composeDerivatives(found.descent.tables, std::move(directions),
+                                                      stencils::RowMeaning::Spans);
+        for (std::size_t level = 0; level < ofLevels.size(); ++level) {
+            if (places[level].empty()) continue;
+            LimitTable<Real>& table = ofLevels[level].table;
+            table.points = std::move(tables[level]);
+            if (gradients_) {
+                auto gradients = gradientsOf(directions[level], positions_, perLength_);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    table.gradients[axis] =
+                        stencils::convertTable<Real>(std::move(gradients[axis]));
+            }
+            parts.push_back(std::move(ofLevels[level]));
+        }
+        if (!without.points.empty()) parts.push_back(std::move(without));
+    }
+
+    stencils::Rules rules_;
+    std::span<const Point3> positions_;
+    double perLength_;  ///< units in a length of 1
+    bool gradients_;
+    LimitSearch search_;
+};
+
+}  // namespace
+
+template <class Real>
+embed::BoundModel<Real, LimitTable<Real>> bindLimit(const far::TopologyRefiner& base,
+                                                    std::span<const Point3> positions,
+                                                    stencils::Rules rules,
+                                                    std::span<const Point3> points,
+                                                    const LimitOptions& options,
+                                                    const std::function<void(Offset)>& progress) {
+    checkLimitTolerance(options.tolerance);
+    checkLimitRules(rules);
+    embed::checkBase(base, positions, 1);
+    checkSides(base.level(0).complex);
+    const embed::LengthUnit unit(positions);
+    const std::vector<Point3> inUnits = unit.toUnits(positions);
+    const LimitBinder<Real> binder(base, inUnits, unit, rules, options);
+    // As in a deep level: most points at irregular features share no cells with others.
+    constexpr Offset kGroupSize = 1 << 12;
+    auto model = bindGroups<Real, LimitTable<Real>>(binder, base, unit, points, kGroupSize,
+                                                    options.embedding.outside, progress);
+    if (!options.gradients) model.binding.table.gradients = {};
+    return model;
+}
+
+template embed::BoundModel<float, LimitTable<float>> bindLimit(
+    const far::TopologyRefiner&, std::span<const Point3>, stencils::Rules, std::span<const Point3>,
+    const LimitOptions&, const std::function<void(Offset)>&);
+template embed::BoundModel<double, LimitTable<double>> bindLimit(
+    const far::TopologyRefiner&, std::span<const Point3>, stencils::Rules, std::span<const Point3>,
+    const LimitOptions&, const std::function<void(Offset)>&);
+
+}  // namespace espalier::limit

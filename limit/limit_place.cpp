@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "limit_place.h"
+
+#include <espalier/base/error.h>
+#include <espalier/limit/limit_table.h>
+#include <espalier/stencils/composition.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include <espalier/base/sort_unique.h>
+#include <espalier/stencils/level_rows.h>
+#include <espalier/stencils/table_builder.h>
+
+namespace espalier::limit {
+namespace {
+
+/// Adds `scale` times some weights to others.
+void add(std::vector<embed::VertexWeight>& weights, double scale,
+         std::span<const embed::VertexWeight> more) {
+    for (const auto& [vertex, weight] : more) weights.push_back({vertex, scale * weight});
+}
+
+/// The weights of a cell's vertices in the first derivative along one axis: the place's weights are
+/// linear in its offset.
+std::vector<embed::VertexWeight> slope(const far::CellComplex& complex, embed::CellPlace place,
+                                       std::size_t axis) {
+    std::vector<embed::VertexWeight> weights;
+    place.offset = {};
+    add(weights, -1, embed::placeWeights(complex, place));
+    place.offset[axis] = 1;
+    add(weights, 1, embed::placeWeights(complex, place));
+    return weights;
+}
+
+/// The same of the position or a first derivative.
+std::vector<embed::VertexWeight> slope(const far::CellComplex& complex,
+                                       const embed::CellPlace& place, const Orders& orders) {
+    if (orders == kPosition) return embed::placeWeights(complex, place);
+    const auto axis = std::find(kFirst.begin(), kFirst.end(), orders) - kFirst.begin();
+    return slope(complex, place, static_cast<std::size_t>(axis));
+}
+
+}  // namespace
+
+stencils::StencilTable<double> blendedRows(const far::TopologyRefiner& refiner, int level,
+                                           stencils::Rules rules, std::span<const Index> vertices) {
+    auto limits = buildLimitTable(refiner, level, rules, vertices);
+    if (refiner.boundary() != far::Boundary::Open) return limits;
+    return stencils::buildTable<double>(
+        limits.rowCount(), limits.columnCount(),
+        [&](Index row, stencils::RowAccumulator& accumulator) {
+            for (std::size_t k = 0; k < limits.columns(row).size(); ++k)
+                accumulator.add(limits.columns(row)[k], limits.weights(row)[k]);
+            if (limits.columns(row).empty()) accumulator.add(vertices[row], 1);
+        });
+}
+
+namespace {
+
+/// Half the sum of the differences of two rows: how far apart they can put two points, as a
+/// fraction of the size of what they weigh.
+double spreadOf(const stencils::StencilTable<double>& rows, Index a, Index b) {
+    double sum = 0;
+    std::size_t i = 0, k = 0;
+    const auto first = rows.columns(a), second = rows.columns(b);
+    while (i < first.size() || k < second.size()) {
+        const bool isFirst = k == second.size() || (i < first.size() && first[i] <= second[k]);
+        const bool isSecond = i == first.size() || (k < second.size() && second[k] <= first[i]);
+        sum += std::abs((isFirst ? rows.weights(a)[i] : 0) - (isSecond ? rows.weights(b)[k] : 0));
+        i += isFirst;
+        k += isSecond;
+    }
+    return sum / 2;
+}
+
+/// The factor of a corner of the unit interval in a derivative of the blend along it.
+double blendFactor(std::size_t bit, double at, int order) {
+    if (order == 0) return bit != 0 ? at : 1 - at;
+    return order > 1 ? 0 : bit != 0 ? 1 : -1;
+}
+
+std::vector<embed::VertexWeight> blendWeights(const FramePlace& place, const Orders& orders) {
+    std::vector<embed::VertexWeight> weights;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        double weight = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            weight *= blendFactor(embed::bitOf(corner, axis), place.uvw[axis], orders[axis]);
+        if (weight != 0) weights.push_back({place.frame.corners[corner], weight});
+    }
+    return weights;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int level,
+                                   std::span<const stencils::StencilTable<double>> tables,
+                                   std::span<const Index> cells, double tolerance) {
+    const far::Incidence& vertices = refiner.level(level).complex.relation(3, 0);
+    std::vector<Index> corners;
+    for (const Index cell : cells)
+        corners.insert(corners.end(), vertices[cell].begin(), vertices[cell].end());
+    sortUnique(corners);
+    std::vector<stencils::StencilTable<double>> selections;
+    for (int k = 0; k <= level; ++k)
+        selections.push_back(stencils::buildTable<double>(
+            k < level ? 0 : static_cast<Index>(corners.size()), refiner.level(k).complex.count(0),
+            [&](Index row, stencils::RowAccumulator& accumulator) {
+                accumulator.add(corners[row], 1);
+            }));
+    const auto rows = stencils::composeRows<double>(tables, std::move(selections),
+                                                    stencils::compositionOf(tables))
+                          .back();
+    std::vector<std::uint8_t> result;
+    for (const Index cell : cells) {
+        double spread = 0;
+        for (const Index vertex : vertices[cell])
+            spread = std::max(spread, spreadOf(rows, placeIn(corners, vertices[cell][0]),
+                                               placeIn(corners, vertex)));
+        // No two are further apart than twice that.
+        result.push_back(2 * spread <= tolerance);
+    }
+    return result;
+}
+
+void checkLimitTolerance(double tolerance) {
+    if (tolerance >= 1e-14 && tolerance <= 0.1) return;
+    std::ostringstream text;
+    text << "the tolerance of the limit is " << tolerance << "; expected 1e-14 to 0.1";
+    throw Error(text.str());
+}
+
+int leastLevelOfSmall(double tolerance) {
+    return std::max(1, static_cast<int>(std::ceil(-std::log2(tolerance))));
+}
+
+PlaceRows::PlaceRows(const far::TopologyRefiner& refiner, int level, stencils::Rules rules,
+                     std::span<const LimitPlace> places)
+    : refiner_(refiner),
+      levelNumber_(level),
+      level_(refiner.level(level)),
+      rules_(rules),
+      places_(places),
+      patches_(places.size()) {
+    const auto blend = [&](std::span<const Index> corners) {
+        vertices_.insert(vertices_.end(), corners.begin(), corners.end());
+    };
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto* place = std::get_if<FramePlace>(&places[i].where);
+        if (!place) {
+            blend(level_.complex.relation(
+                3, 0)[std::get<embed::CellPlace>(places[i].where).cell.value]);
+        } else if (place->isBlended) {
+            blend(place->frame.corners);
+        } else {
+            // Points come along a curve: the one before is often in the same cell.
+            const auto* before = i > 0 ? std::get_if<FramePlace>(&places[i - 1].where) : nullptr;
+            if (before && patches_[i - 1] && before->frame.corners == place->frame.corners)
+                patches_[i] = patches_[i - 1];
+            else
+                patches_[i].emplace(level_, place->frame);
+        }
+    }
+    sortUnique(vertices_);
+    if (!vertices_.empty()) limits_ = blendedRows(refiner, level, rules, vertices_);
+}
+
+std::vector<embed::VertexWeight> PlaceRows::weights(std::size_t i, const Orders& orders) const {
+    const auto* place = std::get_if<FramePlace>(&places_[i].where);
+    if (!place)
+        return inLimits(
+            slope(level_.complex, std::get<embed::CellPlace>(places_[i].where), orders));
+    if (place->isBlended) return inLimits(blendWeights(*place, orders));
+    const Eigen::Vector3d uvw(place->uvw.data());
+    auto weights = patches_[i]->weights(uvw, orders);
+    if (orders == kPosition)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (place->offset[axis] != 0)
+                add(weights, place->offset[axis], patches_[i]->weights(uvw, kFirst[axis]));
+    return weights;
+}
+
+stencils::StencilTable<double> PlaceRows::tangents() const {
+    std::vector<CellCorner> corners;
+    std::vector<Index> cornerOf(places_.size());  // Read where there is no patch.
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+        if (patches_[i]) continue;
+        cornerOf[i] = static_cast<Index>(corners.size());
+        corners.push_back(nearestCorner(i));
+    }
+    stencils::StencilTable<double> atCorners;
+    if (!corners.empty()) atCorners = buildTangentTable(refiner_, levelNumber_, rules_, corners);
+    return stencils::buildTable<double>(
+        static_cast<Index>(3 * places_.size()), level_.complex.count(0),
+        [&](Index row, stencils::RowAccumulator& accumulator) {
+            const auto i = static_cast<std::size_t>(row / 3);
+            const auto axis = static_cast<std::size_t>(row % 3);
+            if (patches_[i]) {
+                for (const auto& [vertex, weight] : weights(i, kFirst[axis]))
+                    accumulator.add(vertex, weight);
+                accumulator.makeSumZero();
+                return;
+            }
+            const Index source = 3 * cornerOf[i] + row % 3;
+            for (std::size_t k = 0; k < atCorners.columns(source).size(); ++k)
+                accumulator.add(atCorners.columns(source)[k], atCorners.weights(source)[k]);
+        });
+}
+
+/// The vertex with the largest share in a place, of those that have a limit.
+CellCorner PlaceRows::nearestCorner(std::size_t i) const {
+    Index cell = 0;
+    std::vector<embed::VertexWeight> weights;
+    if (const auto* place = std::get_if<FramePlace>(&places_[i].where)) {
+        cell = place->frame.cell;
+        weights = blendWeights(*place, kPosition);
+    } else {
+        embed::CellPlace inCell = std::get<embed::CellPlace>(places_[i].where);
+        inCell.offset = {};
+        cell = inCell.cell.value;
+        weights = embed::placeWeights(level_.complex, inCell);
+    }
+    std::map<Index, double> shares;
+    for (const auto& [vertex, weight] : weights) shares[vertex] += weight;
+    CellCorner corner{cell, kMaxIndex};
+    for (const auto& [vertex, share] : shares)
+        if (!level_.strata.isOpen({0, vertex}) &&
+            (corner.vertex == kMaxIndex || share > shares.at(corner.vertex)))
+            corner.vertex = vertex;
+    return corner;
+}
+
+/// Weights of vertices, of those of their limits.
+std::vector<embed::VertexWeight> PlaceRows::inLimits(
+    std::span<const embed::VertexWeight> weights) const {
+    std::vector<embed::VertexWeight> result;
+    for (const auto& [vertex, weight] : weights) {
+        const Index row = placeIn(vertices_, vertex);
+        for (std::size_t k = 0; k < limits_.columns(row).size(); ++k)
+            result.push_back({limits_.columns(row)[k], weight * limits_.weights(row)[k]});
+    }
+    return result;
+}
+
+}  // namespace espalier::limit

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/embed/place_points.h>
+#include <espalier/embed/regular_cells.h>
+#include <espalier/limit/limit_stencils.h>
+#include <espalier/limit/limit_table.h>
+#include <espalier/stencils/composition.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <numeric>
+#include <sstream>
+#include <string>
+
+#include <espalier/base/sort_unique.h>
+#include <espalier/stencils/level_rows.h>
+#include <espalier/stencils/table_builder.h>
+#include "limit_place.h"
+
+namespace espalier::limit {
+namespace {
+
+/// The derivatives up to an order: 1, 4 or 10.
+std::vector<Orders> ordersUpTo(int derivatives) {
+    std::vector<Orders> orders = {kPosition};
+    if (derivatives > 0) orders.insert(orders.end(), kFirst.begin(), kFirst.end());
+    if (derivatives > 1) orders.insert(orders.end(), kSecond.begin(), kSecond.end());
+    return orders;
+}
+
+/// Refined no further than this, whatever the tolerance: cells of 1e-13 of the first ones.
+constexpr int kMostLevels = 43;
+
+/// A location on its way down: the cell that holds it on the level at hand.
+struct Walker {
+    std::size_t location;
+    embed::CellFrame frame;
+    std::array<double, 3> uvw;
+};
+
+/// Locations with their places, on the levels that go on from theirs.
+struct Walk {
+    far::TopologyRefiner refiner;  ///< level 0 is that of the locations
+    std::vector<stencils::StencilTable<double>> tables = {};
+    std::vector<std::vector<std::size_t>> locations = {};  ///< that end on each level
+    std::vector<std::vector<LimitPlace>> places = {};      ///< one for each of these
+};
+
+/// The half of a cell along each axis that holds a place, and the place there.
+std::size_t stepInto(std::array<double, 3>& uvw) {
+    std::size_t corner = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const bool isHigh = uvw[axis] > 0.5;
+        uvw[axis] = 2 * uvw[axis] - isHigh;
+        corner |= std::size_t{isHigh} << axis;
+    }
+    return corner;
+}
+
+std::vector<Index> cellsOf(const std::vector<Walker>& walkers) {
+    std::vector<Index> cells;
+    for (const Walker& walker : walkers) cells.push_back(walker.frame.cell);
+    sortUnique(cells);
+    return cells;
+}
+
+/// Ends the walkers that are in regular cells, or in small ones, and leaves the others.
+void settle(Walk& walk, std::vector<Walker>& walkers, double tolerance) {
+    const int level = walk.refiner.maxLevel();
+    const far::Level& here = walk.refiner.level(level);
+    const std::vector<Index> cells = cellsOf(walkers);
+    std::vector<std::uint8_t> isSmall(cells.size(), level >= kMostLevels);
+    if (level >= leastLevelOfSmall(tolerance) && level < kMostLevels && !cells.empty())
+        isSmall = areSmall(walk.refiner, level, walk.tables, cells, tolerance);
+    walk.locations.emplace_back();
+    walk.places.emplace_back();
+    std::erase_if(walkers, [&](const Walker& walker) {
+        const bool isRegular = embed::isRegularCell(here, walker.frame.cell);
+        const auto cell = std::lower_bound(cells.begin(), cells.end(), walker.frame.cell);
+        if (!isRegular && !isSmall[cell - cells.begin()]) return false;
+        walk.locations.back().push_back(walker.location);
+        walk.places.back().push_back({level, FramePlace{walker.frame, walker.uvw, {}, !isRegular}});
+        return true;
+    });
+}
+
+/// Goes down with all that have not ended.
+void refine(Walk& walk, std::vector<Walker>& walkers, stencils::Rules rules,
+            std::span<const LimitLocation> locations) {
+    const far::CellComplex parent = walk.refiner.level(walk.refiner.maxLevel()).complex;
+    walk.refiner.refineAround(cellsOf(walkers));
+    const int level = walk.refiner.maxLevel();
+    walk.tables.push_back(stencils::buildLevelTable(walk.refiner, level, rules));
+    for (Walker& walker : walkers) {
+        const std::size_t corner = stepInto(walker.uvw);
+        const auto child =
+            embed::childOf(parent, walk.refiner.refinement(level), walker.frame, corner);
+        if (!child)
+            throw Error("place " + std::to_string(walker.location) + ", in cell " +
+                        std::to_string(locations[walker.location].cell) +
+                        ", is on what shrinks away without boundary control");
+        walker.frame = *child;
+    }
+}
+
+/// The rows of the places of one level: a block for each derivative of `orders`.
+stencils::StencilTable<double> rowsOf(const Walk& walk, std::size_t level, const PlaceRows& rows,
+                                      std::span<const Orders> orders) {
+    const std::size_t placeCount = walk.places[level].size();
+    return stencils::buildTable<double>(
+        static_cast<Index>(placeCount * orders.size()),
+        walk.refiner.level(static_cast<int>(level)).complex.count(0),
+        [&](Index row, stencils::RowAccumulator& accumulator) {
+            const auto& order = orders[static_cast<std::size_t>(row) / placeCount];
+            // Coordinates are twice as fast on each level.
+            const double scale =
+                std::ldexp(1.0, static_cast<int>(level) * (order[0] + order[1] + order[2]));
+            for (const auto& [vertex, weight] :
+                 rows.weights(static_cast<std::size_t>(row) % placeCount, order))
+                accumulator.add(vertex, scale * weight);
+        });
+}
+
+/// A chunk of locations: their rows over the vertices of their level, a block for each derivative.
+stencils::StencilTable<double> rowsOf(const far::Level& level,
+                                      const far::RefinerOptions& refinerOptions,
+                                      stencils::Rules rules,
+                                      std::span<const LimitLocation> locations,
+                                      std::vector<Walker> walkers,
+                                      const std::vector<Orders>& orders, double tolerance) {
+    const std::size_t first = walkers.front().location, count = walkers.size();
+    Walk walk{far::TopologyRefiner(level, refinerOptions)};
+    for (;;) {
+        settle(walk, walkers, tolerance);
+        if (walkers.empty()) break;
+        refine(walk, walkers, rules, locations);
+    }
+    const std::span derivatives = std::span(orders).subspan(1);
+    std::vector<stencils::StencilTable<double>> rows, derivativeRows;
+    for (std::size_t k = 0; k < walk.places.size(); ++k) {
+        const PlaceRows ofPlaces(walk.refiner, static_cast<int>(k), rules, walk.places[k]);
+        rows.push_back(rowsOf(walk, k, ofPlaces, std::span(orders).first(1)));
+        if (!derivatives.empty()) derivativeRows.push_back(rowsOf(walk, k, ofPlaces, derivatives));
+    }
+    const auto tables = stencils::composeRows<double>(walk.tables, std::move(rows),
+                                                      stencils::compositionOf(walk.tables));
+    if (!derivatives.empty())
+        derivativeRows = stencils::composeDerivatives(walk.tables, std::move(derivativeRows),
+                                                      stencils::RowMeaning::Themselves);
+    // Where the row of each location and derivative is.
+    struct Source {
+        const stencils::StencilTable<double>* table;
+        Index row;
+    };
+    std::vector<Source> sources(count * orders.size());
+    for (std::size_t k = 0; k < walk.places.size(); ++k) {
+        const std::size_t here = walk.locations[k].size();
+        for (std::size_t i = 0; i < here; ++i) {
+            const std::size_t location = walk.locations[k][i] - first;
+            sources[location] = {&tables[k], static_cast<Index>(i)};
+            for (std::size_t o = 0; o < derivatives.size(); ++o)
+                sources[(o + 1) * count + location] = {&derivativeRows[k],
+                                                       static_cast<Index>(o * here + i)};
+        }
+    }
+    return stencils::buildTable<double>(static_cast<Index>(sources.size()), level.complex.count(0),
+                                        [&](Index row, stencils::RowAccumulator& accumulator) {
+                                            const auto& [table, source] = sources[row];
+                                            const auto columns = table->columns(source);
+                                            const auto weights = table->weights(source);
+                                            for (std::size_t e = 0; e < columns.size(); ++e)
+                                                accumulator.add(columns[e], weights[e]);
+                                        });
+}
+
+void checkOptions(const LimitStencilOptions& options) {
+    checkLimitTolerance(options.tolerance);
+    if (options.derivatives < 0 || options.derivatives > 2)
+        throw Error("there are no derivatives of order " + std::to_string(options.derivatives) +
+                    " of limits: 0, 1 or 2");
+}
+
+Walker walkerAt(const far::CellComplex& complex, std::size_t location, const LimitLocation& at) {
+    const std::string name = "place " + std::to_string(location);
+    if (at.cell < 0 || at.cell >= complex.count(3))
+        throw Error(name + " is in cell " + std::to_string(at.cell) + ", of " +
+                    std::to_string(complex.count(3)));
+    // Sums of coordinates may pass 1 by their rounding.
+    constexpr double kRounding = 1e-14;
+    std::array<double, 3> uvw;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        uvw[axis] = std::clamp(at.uvw[axis], 0.0, 1.0);
+        if (std::abs(at.uvw[axis] - uvw[axis]) <= kRounding) continue;
+        std::ostringstream text;
+        text << std::setprecision(std::numeric_limits<double>::max_digits10) << name << " is at "
+             << at.uvw[axis] << "; expected 0 to 1";
+        throw Error(text.str());
+    }
+    const auto frame = embed::frameOf(complex, at.cell);
+    if (!frame)
+        throw Error(name + " is in cell " + std::to_string(at.cell) + ", which is no hexahedron");
+    return {location, *frame, uvw};
+}
+
+/// Takes the blocks of a table apart.
+template <class Real>
+LimitStencils<Real> blocksOf(const stencils::StencilTable<Real>& table, std::size_t blockCount) {
+    const auto block = [&](std::size_t number) {
+        std::vector<Index> rows(static_cast<std::size_t>(table.rowCount()) / blockCount);
+        std::iota(rows.begin(), rows.end(), static_cast<Index>(number * rows.size()));
+        return stencils::selectRows(table, rows);
+    };
+    LimitStencils<Real> result;
+    result.position = block(0);
+    for (std::size_t i = 0; i < 3 && 1 + i < blockCount; ++i) result.first[i] = block(1 + i);
+    for (std::size_t i = 0; i < 6 && 4 + i < blockCount; ++i) result.second[i] = block(4 + i);
+    return result;
+}
+
+}  // namespace
+
+template <class Real>
+LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int level,
+                                       stencils::Rules rules,
+                                       std::span<const LimitLocation> locations,
+                                       const LimitStencilOptions& options) {
+    const far::Level& here = refiner.level(level);
+    if (here.complex.dimension() != 3)
+        throw Error("places in the limit are of lattices; vertices have limits on any complex");
+    checkOptions(options);
+    checkLimitRules(rules);
+    stencils::checkRules(refiner, rules);
+    const std::vector<Orders> orders = ordersUpTo(options.derivatives);
+    // Chunks share the cells that they refine; each has some of the work of a level to itself.
+    constexpr Offset kGrain = 1 << 13;
+    const Offset count = std::ssize(locations);
+    std::vector<stencils::StencilTable<double>> chunks(
+        static_cast<std::size_t>((count + kGrain - 1) / kGrain));
+    parallelFor(count, kGrain, [&](Offset first, Offset last) {
+        std::vector<Walker> walkers;
+        for (Offset i = first; i < last; ++i)
+            walkers.push_back(walkerAt(here.complex, static_cast<std::size_t>(i), locations[i]));
+        chunks[first / kGrain] = rowsOf(here, refiner.options(), rules, locations,
+                                        std::move(walkers), orders, options.tolerance);
+    });
+    const auto rows = stencils::buildTable<double>(
+        static_cast<Index>(count * std::ssize(orders)), here.complex.count(0),
+        [&](Index row, stencils::RowAccumulator& accumulator) {
+            const Offset i = row % count, chunk = i / kGrain;
+            const Offset size = std::min(kGrain, count - chunk * kGrain);
+            const auto source = static_cast<Index>(row / count * size + i % kGrain);
+            const auto& table = chunks[chunk];
+            for (std::size_t e = 0; e < table.columns(source).size(); ++e)
+                accumulator.add(table.columns(source)[e], table.weights(source)[e]);
+        });
+    const stencils::CompactTable compact = stencils::compactColumns(rows);
+    return blocksOf(
+        stencils::multiply<Real>(
+            compact.table, stencils::buildStencils<double>(refiner, level, rules, compact.columns)),
+        orders.size());
+}
+
+template <class Real>
+LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int level,
+                                       stencils::Rules rules, const LimitStencilOptions& options) {
+    checkOptions(options);
+    LimitStencils<Real> result;
+    if (options.derivatives > 0) {
+        const far::Level& here = refiner.level(level);
+        std::vector<LimitLocation> locations;
+        std::vector<Index> rowOf(static_cast<std::size_t>(here.complex.count(0)), kMaxIndex);
+        for (Index vertex = 0; vertex < here.complex.count(0); ++vertex) {
+            if (here.strata.isOpen({0, vertex})) continue;
+            for (const Index cell : here.complex.relation(0, 3)[vertex]) {
+                const auto frame = embed::frameOf(here.complex, cell);
+                if (!frame) continue;
+                const auto corner = static_cast<std::size_t>(
+                    std::find(frame->corners.begin(), frame->corners.end(), vertex) -
+                    frame->corners.begin());
+                rowOf[vertex] = static_cast<Index>(locations.size());
+                locations.push_back(
+                    {cell,
+                     {double(embed::bitOf(corner, 0)), double(embed::bitOf(corner, 1)),
+                      double(embed::bitOf(corner, 2))}});
+                break;
+            }
+        }
+        const auto found = buildLimitStencils<Real>(refiner, level, rules, locations, options);
+        const auto spread = [&](const stencils::StencilTable<Real>& table) {
+            return stencils::buildTable<Real>(
+                here.complex.count(0), table.columnCount(),
+                [&](Index vertex, stencils::RowAccumulator& accumulator) {
+                    const Index row = rowOf[vertex];
+                    if (row == kMaxIndex) return;
+                    for (std::size_t e = 0; e < table.columns(row).size(); ++e)
+                        accumulator.add(table.columns(row)[e], table.weights(row)[e]);
+                });
+        };
+        for (std::size_t i = 0; i < 3; ++i) result.first[i] = spread(found.first[i]);
+        for (std::size_t i = 0; options.derivatives > 1 && i < 6; ++i)
+            result.second[i] = spread(found.second[i]);
+    }
+    result.position = buildVertexLimits<Real>(refiner, level, rules);
+    return result;
+}
+
+template LimitStencils<float> buildLimitStencils(const far::TopologyRefiner&, int, stencils::Rules,
+                                                 std::span<const LimitLocation>,
+                                                 const LimitStencilOptions&);
+template LimitStencils<double> buildLimitStencils(const far::TopologyRefiner&, int, stencils::Rules,
+                                                  std::span<const LimitLocation>,
+                                                  const LimitStencilOptions&);
+template LimitStencils<float> buildLimitStencils(const far::TopologyRefiner&, int, stencils::Rules,
+                                                 const LimitStencilOptions&);
+template LimitStencils<double> buildLimitStencils(const far::TopologyRefiner&, int, stencils::Rules,
+                                                  const LimitStencilOptions&);
+
+}  // namespace espalier::limit

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/far/star.h>
+#include <espalier/limit/vertex_ring.h>
+#include <espalier/stencils/composition.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <string>
+
+#include <espalier/base/sort_unique.h>
+
+namespace espalier::limit {
+namespace {
+
+using Extent = far::TopologyRefiner::Extent;
+
+/// What contains a vertex, by dimension and number. Children [v, x] are numbered as the x are, so
+/// that this order is the same on the next level.
+std::vector<Entity> entitiesAt(const far::CellComplex& complex, Index vertex) {
+    std::vector<Entity> entities;
+    for (int d = 0; d <= complex.dimension(); ++d)
+        for (const Index index : complex.relation(0, d)[vertex]) entities.push_back({d, index});
+    return entities;
+}
+
+bool hasSemiSharp(const far::Level& level, Index vertex) {
+    const auto edges = level.complex.relation(0, 1)[vertex];
+    return far::isSemiSharp(level.strata.sharpness({0, vertex})) ||
+           std::any_of(edges.begin(), edges.end(), [&](Index edge) {
+               return far::isSemiSharp(level.strata.sharpness({1, edge}));
+           });
+}
+
+/// A star as it is refined about its vertex.
+struct Chain {
+    far::TopologyRefiner refiner;
+    Index vertex;  ///< the child of the first level's
+    std::vector<stencils::StencilTable<double>> tables = {};
+
+    const far::Level& level() const { return refiner.level(refiner.maxLevel()); }
+
+    void refine(stencils::Rules rules, Extent extent) {
+        const int dimension = refiner.dimension();
+        const auto cells = level().complex.relation(0, dimension)[vertex];
+        refiner.refineAround(std::vector<Index>(cells.begin(), cells.end()), extent);
+        const Entity parent{0, vertex};
+        vertex = refiner.refinement(refiner.maxLevel()).childOf({parent, parent})->index;
+        tables.push_back(stencils::buildLevelTable(refiner, refiner.maxLevel(), rules));
+    }
+
+    /// The ring about the vertex: the new points of what contained it a level before.
+    std::vector<Index> ring(const std::vector<Entity>& entities) const {
+        std::vector<Index> points;
+        for (const Entity& entity : entities)
+            points.push_back(
+                refiner.refinement(refiner.maxLevel()).childOf({entity, entity})->index);
+        return points;
+    }
+};
+
+/// A table as a matrix of `columnCount` columns: placeOf(column) is the place of a column there.
+template <class PlaceOf>
+Eigen::SparseMatrix<double> matrixOf(const stencils::StencilTable<double>& rows,
+                                     Eigen::Index columnCount, PlaceOf placeOf) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index row = 0; row < rows.rowCount(); ++row)
+        for (std::size_t k = 0; k < rows.columns(row).size(); ++k)
+            entries.emplace_back(row, placeOf(rows.columns(row)[k]), rows.weights(row)[k]);
+    Eigen::SparseMatrix<double> matrix(rows.rowCount(), columnCount);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+}
+
+/// A vertex in nothing: it stays.
+VertexRing loneRing(Index vertex) {
+    VertexRing ring{{{0, vertex}}, Eigen::SparseMatrix<double>(1, 1), {vertex}, {}};
+    ring.subdivision.insert(0, 0) = 1;
+    ring.start = ring.subdivision;
+    return ring;
+}
+
+}  // namespace
+
+std::vector<Index> verticesAround(const far::CellComplex& complex, Index vertex) {
+    std::vector<Index> vertices;
+    for (const Entity& entity : entitiesAt(complex, vertex)) {
+        const auto corners = complex.relation(entity.dimension, 0)[entity.index];
+        vertices.insert(vertices.end(), corners.begin(), corners.end());
+    }
+    sortUnique(vertices);
+    return vertices;
+}
+
+VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
+                  stencils::Rules rules, Index vertex) {
+    if (rules == stencils::Rules::Rats)
+        throw Error("the limits of RATS are not known by vertices' rings");
+    const bool looksFurther =
+        options.creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp();
+    const far::Star star = far::starOf(level, vertex, looksFurther ? 2 : 1);
+    if (level.strata.isOpen({0, vertex}))
+        throw Error("vertex " + std::to_string(vertex) +
+                    " is on the open boundary, and has no limit");
+    const int dimension = level.complex.dimension();
+    if (level.complex.relation(0, dimension)[vertex].empty()) return loneRing(vertex);
+
+    Chain chain{far::TopologyRefiner(star.level, options), star.vertex};
+    std::vector<Entity> entities;
+    do {
+        entities = entitiesAt(chain.level().complex, chain.vertex);
+        chain.refine(rules, Extent::Ring);
+    } while (hasSemiSharp(chain.level(), chain.vertex));
+    const std::vector<Index> first = chain.ring(entities);
+
+    VertexRing ring;
+    ring.entities = entitiesAt(level.complex, vertex);
+    ring.vertices = verticesAround(level.complex, vertex);
+    ring.levels = chain.refiner.maxLevel();
+    const auto rows = stencils::composeStencils<double>(chain.refiner, chain.tables, first);
+    ring.start = matrixOf(rows, std::ssize(ring.vertices), [&](Index column) {
+        return placeIn(ring.vertices, star.entities[0][column]);
+    });
+
+    entities = entitiesAt(chain.level().complex, chain.vertex);
+    chain.refine(rules, Extent::Cells);
+    const auto next = stencils::selectRows(chain.tables.back(), chain.ring(entities));
+    // A vertex is numbered by the dimension and number of what it is the new point of: the ring
+    // ascends.
+    ring.subdivision =
+        matrixOf(next, std::ssize(first), [&](Index column) { return placeIn(first, column); });
+    return ring;
+}
+
+Eigen::VectorXd limitMask(const VertexRing& ring) {
+    // The second eigenvalue is some 0.65 at most under the rules of Catmull-Clark: 90 steps to
+    // rounding. Many more say that it is 1.
+    constexpr int kMaxSteps = 4096;
+    constexpr double kNearlySettled = 1e-12;
+    const Eigen::SparseMatrix<double> transposed = ring.subdivision.transpose();
+    Eigen::VectorXd mask = Eigen::VectorXd::Unit(transposed.rows(), 0);
+    int last = kMaxSteps;
+    for (int step = 0; step < last; ++step) {
+        Eigen::VectorXd next = transposed * mask;
+        next /= next.sum();
+        // As many steps again square the part that is left.
+        if (last == kMaxSteps && (next - mask).lpNorm<Eigen::Infinity>() <= kNearlySettled)
+            last = std::min(2 * step + 1, kMaxSteps - 1);
+        mask = std::move(next);
+    }
+    // At a corner or an edge, the vertices beside it go to 0 and never get there.
+    constexpr double kNothing = 1e-20;
+    if (last < kMaxSteps) return (mask.array().abs() < kNothing).select(0, mask);
+    throw Error("the rules do not converge at vertex " +
+                std::to_string(ring.entities.front().index));
+}
+
+std::vector<std::complex<double>> eigenvalues(const VertexRing& ring) {
+    if (ring.subdivision.rows() > kMaxEigenvalues)
+        throw Error("the ring of vertex " + std::to_string(ring.entities.front().index) + " has " +
+                    std::to_string(ring.subdivision.rows()) +
+                    " points; eigenvalues are computed of at most " +
+                    std::to_string(kMaxEigenvalues));
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(ring.subdivision), false);
+    std::vector<std::complex<double>> values(solver.eigenvalues().begin(),
+                                             solver.eigenvalues().end());
+    std::stable_sort(values.begin(), values.end(),
+                     [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
+    return values;
+}
+
+}  // namespace espalier::limit

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/osd/compiled_table.h>
+#include "table_compiler.h"
+
+namespace espalier::osd {
+
+/// A compiled table, and how its parts are evaluated.
+template <class Real>
+struct CompiledTable<Real>::Data {
+    using Rows = CompiledRows<Real>;
+
+    Index rowCount, columnCount;
+    kernels::Kernels<Real> kernels;
+    Rows rows;
+    Index mostColumns;  ///< of a group
+
+    std::span<const Index> columnsOf(const typename Rows::Group& group) const {
+        return std::span(rows.groupColumns)
+            .subspan(static_cast<std::size_t>(group.firstColumn),
+                     static_cast<std::size_t>(group.columnCount));
+    }
+    std::span<const Index> rowsOf(const typename Rows::Group& group) const {
+        return std::span(rows.groupRows)
+            .subspan(static_cast<std::size_t>(group.firstRow),
+                     static_cast<std::size_t>(group.rowCount));
+    }
+
+    /// \param entries of its columns, in their order, so far apart
+    /// \param rowNumbers of its rows; those that are not in `to` are left out
+    void evaluateGroup(const typename Rows::Group& group, const Real* entries, Offset stride,
+                       const Index* rowNumbers, const kernels::Destination<Real>& to) const {
+        const Real* numbers = rows.groupNumbers.data() + group.firstNumber;
+        if (group.size[0] == 0)
+            kernels.panels(
+                {numbers, entries, stride, group.columnCount, rowNumbers, group.rowCount}, to);
+        else
+            kernels.products({numbers,
+                              entries,
+                              stride,
+                              {group.size[0], group.size[1], group.size[2]},
+                              rowNumbers,
+                              group.rowCount},
+                             to);
+    }
+
+    /// \param entries all of them, so far apart
+    void evaluateRun(const typename Rows::Run& run, const Real* entries, Offset stride,
+                     const kernels::Destination<Real>& to) const {
+        kernels.rows({rows.weights.data() + run.firstWeight, run.isShared,
+                      rows.columns.data() + run.firstColumn, run.length, entries, stride,
+                      rows.rows.data() + run.firstRow, run.rowCount},
+                     to);
+    }
+
+    /// Row i of a run, from the entries of its own columns.
+    /// \param ascending 0, 1, … : columns of these
+    void evaluateRow(const typename Rows::Run& run, Index i, const Real* entries, Offset stride,
+                     const Index* ascending, const kernels::Destination<Real>& to) const {
+        const Offset firstWeight = run.firstWeight + (run.isShared ? 0 : Offset{i} * run.length);
+        kernels.rows({rows.weights.data() + firstWeight, run.isShared, ascending, run.length,
+                      entries, stride, rows.rows.data() + run.firstRow + i, 1},
+                     to);
+    }
+};
+
+}  // namespace espalier::osd

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "outer_product.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace espalier::osd {
+namespace {
+
+/// Rows that are looked at: sums that are the same in so many by chance are not.
+constexpr std::size_t kSamples = 6;
+
+/// The logarithms of the sizes of a column's weights in several rows; before them a mean of these,
+/// by which columns are sorted. No two are alike in it by chance, as they may be in one row.
+constexpr std::size_t kCoordinates = kSamples + 1;
+using Logarithms = std::array<double, kCoordinates>;
+constexpr std::array<double, kSamples> kMean = {0.2371, 0.1193, 0.1689, 0.0971, 0.2137, 0.1639};
+
+Logarithms operator+(const Logarithms& a, const Logarithms& b) {
+    Logarithms sum;
+    for (std::size_t s = 0; s < kCoordinates; ++s) sum[s] = a[s] + b[s];
+    return sum;
+}
+
+/// Columns as points whose coordinates are logarithms, those of an outer product being all the sums
+/// of one point of each of three sets. The least of them, by the first coordinate, is at 0: so the
+/// sets contain 0, and their points are points themselves.
+class SumSet {
+public:
+    /// \param tolerance by which equal sums may differ
+    SumSet(std::vector<Logarithms> points, double tolerance)
+        : points_(std::move(points)), order_(points_.size()), tolerance_(tolerance) {
+        std::iota(order_.begin(), order_.end(), Index{0});
+        std::sort(order_.begin(), order_.end(),
+                  [&](Index a, Index b) { return points_[a][0] < points_[b][0]; });
+        const Logarithms least = points_[order_[0]];
+        for (Logarithms& point : points_)
+            for (std::size_t s = 0; s < kCoordinates; ++s) point[s] -= least[s];
+    }
+
+    std::size_t count() const { return points_.size(); }
+
+    /// The columns, the least one first.
+    const std::vector<Index>& ascending() const { return order_; }
+
+    /// The column at the sum of two.
+    std::optional<Index> sum(Index a, Index b) const { return find(points_[a] + points_[b]); }
+
+    /// Whether a column is the sum of two others, neither of them the least.
+    bool isSum(Index column) const {
+        Logarithms rest;
+        for (const Index other : order_) {
+            if (other == order_[0]) continue;
+            if (points_[other][0] > points_[column][0]) break;
+            for (std::size_t s = 0; s < kCoordinates; ++s)
+                rest[s] = points_[column][s] - points_[other][s];
+            const auto found = find(rest);
+            if (found && *found != order_[0] && other != column) return true;
+        }
+        return false;
+    }
+
+    /// Whether two columns are the same in all rows, so that nothing tells which is where.
+    bool hasTwins() const {
+        return std::adjacent_find(order_.begin(), order_.end(), [&](Index a, Index b) {
+                   return isNear(points_[a], points_[b]);
+               }) != order_.end();
+    }
+
+private:
+    bool isNear(const Logarithms& a, const Logarithms& b) const {
+        for (std::size_t s = 0; s < kCoordinates; ++s)
+            if (std::abs(a[s] - b[s]) > tolerance_) return false;
+        return true;
+    }
+
+    std::optional<Index> find(const Logarithms& point) const {
+        auto near = std::lower_bound(
+            order_.begin(), order_.end(), point[0] - tolerance_,
+            [&](Index column, double value) { return points_[column][0] < value; });
+        for (; near != order_.end() && points_[*near][0] <= point[0] + tolerance_; ++near) {
+            if (isNear(points_[*near], point)) return *near;
+        }
+        return std::nullopt;
+    }
+
+    std::vector<Logarithms> points_;
+    std::vector<Index> order_;
+    double tolerance_;
+};
+
+/// The sets, each without 0: two columns that are no sums belong to the same one if their own sum
+/// is no column.
+std::optional<std::vector<std::vector<Index>>> findAxes(const SumSet& set) {
+    std::vector<std::vector<Index>> axes;
+    for (const Index column : set.ascending()) {
+        if (column == set.ascending()[0] || set.isSum(column)) continue;
+        const auto own = std::find_if(axes.begin(), axes.end(), [&](const auto& axis) {
+            return !set.sum(axis.front(), column);
+        });
+        if (own != axes.end())
+            own->push_back(column);
+        else if (axes.size() < 3)
+            axes.push_back({column});
+        else
+            return std::nullopt;
+    }
+    std::sort(axes.begin(), axes.end(),
+              [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    return axes;
+}
+
+}  // namespace
+
+template <class Real>
+std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Real>> rows) {
+    // Of weights that are all but 0 the logarithm says nothing.
+    std::vector<std::span<const Real>> samples;
+    constexpr Real kLeast = std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
+    for (const auto& weights : rows)
+        if (std::all_of(weights.begin(), weights.end(),
+                        [](Real weight) { return std::abs(weight) >= kLeast; }))
+            samples.push_back(weights);
+    // More columns than splines have: the search would take long, and find nothing.
+    if (samples.empty() || samples[0].size() < 4 || samples[0].size() > kernels::kMaxProductColumns)
+        return std::nullopt;
+    std::vector<Logarithms> points(samples[0].size(), Logarithms{});
+    for (std::size_t s = 0; s < kSamples; ++s) {
+        // Spread over the rows; where there are few, some come twice.
+        const auto& weights = samples[s * (samples.size() - 1) / (kSamples - 1)];
+        for (std::size_t column = 0; column < weights.size(); ++column) {
+            const double logarithm = std::log(std::abs(static_cast<double>(weights[column])));
+            points[column][1 + s] = logarithm;
+            points[column][0] += kMean[s] * logarithm;
+        }
+    }
+    // Sums and differences of four logarithms, each off by the rounding of its weight and its own.
+    double largest = 0;
+    for (const Logarithms& point : points)
+        for (const double logarithm : point) largest = std::max(largest, std::abs(logarithm));
+    const double tolerance = 4.0 * std::numeric_limits<Real>::epsilon() +
+                             4 * largest * std::numeric_limits<double>::epsilon();
+    const SumSet set(std::move(points), tolerance);
+    if (set.hasTwins()) return std::nullopt;
+    auto axes = findAxes(set);
+    if (!axes || axes->size() < 2) return std::nullopt;
+    axes->resize(3);
+    OuterProduct product;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        auto& own = (*axes)[axis];
+        own.insert(own.begin(), set.ascending()[0]);
+        product.size[axis] = static_cast<Index>(own.size());
+    }
+    if (static_cast<std::size_t>(product.size[0]) * product.size[1] * product.size[2] !=
+        set.count())
+        return std::nullopt;
+    std::vector<bool> isUsed(set.count(), false);
+    for (const Index third : (*axes)[2])
+        for (const Index second : (*axes)[1])
+            for (const Index first : (*axes)[0]) {
+                const auto plane = set.sum(second, third);
+                const auto column = plane ? set.sum(first, *plane) : std::nullopt;
+                if (!column || isUsed[*column]) return std::nullopt;
+                isUsed[*column] = true;
+                product.order.push_back(*column);
+            }
+    return product;
+}
+
+template <class Real>
+bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
+               std::span<Real> factors) {
+    const Index n = product.size[0], m = product.size[1], l = product.size[2];
+    // Sums of sizes over the other axes. Each weight is rounded; of their sum, the sum of these
+    // errors is a smaller part, if it is not rounded on the way.
+    using Sums = std::vector<long double>;
+    std::array<Sums, 3> sums = {Sums(n), Sums(m), Sums(l)};
+    long double total = 0, largest = 0;
+    std::array<Index, 3> atLargest = {};
+    const Index* next = product.order.data();
+    for (Index k = 0; k < l; ++k)
+        for (Index j = 0; j < m; ++j)
+            for (Index i = 0; i < n; ++i) {
+                const long double size = std::abs(weights[*next++]);
+                sums[0][i] += size;
+                sums[1][j] += size;
+                sums[2][k] += size;
+                total += size;
+                if (size > largest) {
+                    largest = size;
+                    atLargest = {i, j, k};
+                }
+            }
+    // Weights that are tiny beside others have fewer digits, or are rounded to 0.
+    constexpr long double kTiny = std::numeric_limits<Real>::min();
+    if (largest * std::numeric_limits<Real>::epsilon() < kTiny) return false;
+    std::size_t place = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const long double sum : sums[axis])
+            factors[place++] = static_cast<Real>(axis == 0 ? sum : sum / total);
+    // Signs: those along the lines through the largest, whose own is the first factor's.
+    const auto isNegative = [&](Index i, Index j, Index k) {
+        return std::signbit(weights[product.order[(k * m + j) * n + i]]);
+    };
+    const Index i0 = atLargest[0], j0 = atLargest[1], k0 = atLargest[2];
+    const bool isLargestNegative = isNegative(i0, j0, k0);
+    for (Index i = 0; i < n; ++i)
+        if (isNegative(i, j0, k0)) factors[i] *= -1;
+    for (Index j = 0; j < m; ++j)
+        if (isNegative(i0, j, k0) != isLargestNegative) factors[n + j] *= -1;
+    for (Index k = 0; k < l; ++k)
+        if (isNegative(i0, j0, k) != isLargestNegative) factors[n + m + k] *= -1;
+    constexpr long double kBound = 3.0L * std::numeric_limits<Real>::epsilon();
+    next = product.order.data();
+    for (Index k = 0; k < l; ++k)
+        for (Index j = 0; j < m; ++j)
+            for (Index i = 0; i < n; ++i) {
+                const long double weight = weights[*next++];
+                const long double found =
+                    static_cast<long double>(factors[i]) * factors[n + j] * factors[n + m + k];
+                if (!(std::abs(found - weight) <= kBound * std::abs(weight) + kTiny)) return false;
+            }
+    return true;
+}
+
+template std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const float>>);
+template std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const double>>);
+template bool factorsOf(const OuterProduct&, std::span<const float>, std::span<float>);
+template bool factorsOf(const OuterProduct&, std::span<const double>, std::span<double>);
+
+}  // namespace espalier::osd

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "row_sets.h"
+#include <espalier/base/parallel.h>
+#include "number_hash.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <span>
+
+namespace espalier::osd {
+namespace {
+
+/// Bits of the columns: a set can only be in one that has all of its bits.
+std::uint64_t maskOf(std::span<const Index> columns) {
+    std::uint64_t mask = 0;
+    for (const Index column : columns)
+        mask |=
+            std::uint64_t{1} << ((static_cast<std::uint64_t>(column) * 0x9E3779B97F4A7C15U) >> 58);
+    return mask;
+}
+
+/// The sets, each its own host.
+template <class Real>
+std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
+    constexpr Offset kGrain = 4096;
+    std::vector<std::uint64_t> hashes(table.rowCount());
+    parallelFor(table.rowCount(), kGrain, [&](Offset first, Offset last) {
+        for (Offset row = first; row < last; ++row)
+            hashes[row] = hashOf(table.columns(static_cast<Index>(row)));
+    });
+    std::vector<Index> order(hashes.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+        return hashes[a] != hashes[b] ? hashes[a] < hashes[b] : a < b;
+    });
+    std::vector<RowSet> sets;
+    for (auto first = order.begin(); first != order.end();) {
+        const auto last = std::find_if(first, order.end(),
+                                       [&](Index row) { return hashes[row] != hashes[*first]; });
+        // All of one hash; once in a long while, of two sets.
+        while (first != last) {
+            const auto columns = table.columns(*first);
+            const auto others = std::stable_partition(first, last, [&](Index row) {
+                return std::ranges::equal(table.columns(row), columns);
+            });
+            sets.push_back({{first, others}});
+            first = others;
+        }
+    }
+    std::sort(sets.begin(), sets.end(),
+              [](const RowSet& a, const RowSet& b) { return a.rows.front() < b.rows.front(); });
+    for (std::size_t set = 0; set < sets.size(); ++set) sets[set].host = set;
+    return sets;
+}
+
+}  // namespace
+
+template <class Real>
+std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
+    std::vector<RowSet> sets = groupRows(table);
+    const auto columnsOf = [&](std::size_t set) { return table.columns(sets[set].rows.front()); };
+    // From the largest on: what is found to hold a set is then in none itself.
+    std::vector<std::size_t> order(sets.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return columnsOf(a).size() > columnsOf(b).size();
+    });
+    std::vector<std::uint64_t> masks;
+    for (std::size_t set = 0; set < sets.size(); ++set) masks.push_back(maskOf(columnsOf(set)));
+    std::vector<std::vector<std::size_t>> hostsWith(table.columnCount());
+    for (const std::size_t set : order) {
+        const auto columns = columnsOf(set);
+        if (columns.empty()) continue;
+        // Of the hosts with the column that is in fewest. In a pole of many edges these are many
+        // too, and a guest more or less is not worth the search.
+        constexpr std::size_t kMaxTried = 256, kMaxTimes = 3;
+        const auto& hosts =
+            hostsWith[*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {
+                return hostsWith[a].size() < hostsWith[b].size();
+            })];
+        const auto last =
+            hosts.begin() + static_cast<std::ptrdiff_t>(std::min(hosts.size(), kMaxTried));
+        const auto host = std::find_if(hosts.begin(), last, [&](std::size_t candidate) {
+            return (masks[set] & ~masks[candidate]) == 0 &&
+                   columnsOf(candidate).size() <= kMaxTimes * columns.size() &&
+                   std::ranges::includes(columnsOf(candidate), columns);
+        });
+        if (host != last) {
+            sets[set].host = *host;
+            continue;
+        }
+        for (const Index column : columns) hostsWith[column].push_back(set);
+    }
+    return sets;
+}
+
+template std::vector<RowSet> findRowSets(const stencils::StencilTable<float>&);
+template std::vector<RowSet> findRowSets(const stencils::StencilTable<double>&);
+
+}  // namespace espalier::osd

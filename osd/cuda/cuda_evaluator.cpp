@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/cuda/cuda_evaluator.h>
+#include "../kernels/room.h"
+#include "cuda_calls.h"
+#include "cuda_launch.h"
+#include "device_table.h"
+
+#include <optional>
+#include <utility>
+
+namespace espalier::osd {
+namespace {
+
+/// Bytes of a part of a workspace. Parts start at multiples of 256, as what CUDA allocates does.
+template <class Real>
+std::size_t deviceRoomOf(Offset count) {
+    return osd::roomOf<Real, 256>(count);
+}
+
+template <class Real>
+std::size_t bytesOf(Offset count) {
+    return static_cast<std::size_t>(count) * sizeof(Real);
+}
+
+/// Copies entries that lie one behind the other to where they lie as `layout` says.
+template <class Real>
+void copyToHost(const Real* entries, Offset count, Real* to, const BufferDescriptor& layout,
+                cudaStream_t stream) {
+    const std::size_t bytes = bytesOf<Real>(layout.length);
+    // A row alone may have any stride, also one that CUDA takes for too large.
+    if (layout.stride == layout.length || count == 1)
+        check(cudaMemcpyAsync(to, entries, bytesOf<Real>(count * layout.length),
+                              cudaMemcpyDeviceToHost, stream),
+              "cudaMemcpyAsync to the host");
+    else
+        check(cudaMemcpy2DAsync(to, bytesOf<Real>(layout.stride), entries, bytes, bytes,
+                                static_cast<std::size_t>(count), cudaMemcpyDeviceToHost, stream),
+              "cudaMemcpy2DAsync to the host");
+}
+
+/// Calls start(evaluation, places) for arguments that are checked, with what is on the host copied
+/// from and to there.
+/// \param placeCount numbers that the evaluation takes besides
+template <class Real, class Start>
+void runOnDevice(Index sourceCount, CudaSource<Real> source, const BufferDescriptor& sourceLayout,
+                 CudaDestination<Real> destination, const BufferDescriptor& destinationLayout,
+                 RowRange rows, Offset placeCount, CudaWorkspace& workspace, Start start) {
+    const cudaStream_t stream = workspace.stream();
+    const Offset length = sourceLayout.length, rowCount = rows.last - rows.first;
+    const Offset sourceNumbers =
+        source.isOnHost && sourceCount > 0 ? (sourceCount - 1) * sourceLayout.stride + length : 0;
+    const Offset destinationNumbers = destination.isOnHost ? rowCount * length : 0;
+    std::byte* const memory =
+        workspace.reserve(deviceRoomOf<Real>(placeCount) + deviceRoomOf<Real>(sourceNumbers) +
+                          deviceRoomOf<Real>(destinationNumbers));
+    Real* const places = reinterpret_cast<Real*>(memory);
+    Real* const sourceCopy = reinterpret_cast<Real*>(memory + deviceRoomOf<Real>(placeCount));
+    Real* const results = reinterpret_cast<Real*>(memory + deviceRoomOf<Real>(placeCount) +
+                                                  deviceRoomOf<Real>(sourceNumbers));
+    if (sourceNumbers > 0)
+        check(cudaMemcpyAsync(sourceCopy, source.data + sourceLayout.offset,
+                              bytesOf<Real>(sourceNumbers), cudaMemcpyHostToDevice, stream),
+              "cudaMemcpyAsync to the device");
+
+    device::Evaluation<Real> evaluation = {};
+    evaluation.source = source.isOnHost ? sourceCopy : source.data + sourceLayout.offset;
+    evaluation.sourceStride = sourceLayout.stride;
+    evaluation.length = length;
+    evaluation.first = rows.first;
+    evaluation.last = rows.last;
+    if (destination.isOnHost) {
+        evaluation.destination = results;
+        evaluation.destinationStride = length;
+        evaluation.destinationFirst = rows.first;
+    } else {
+        evaluation.destination = destination.data + destinationLayout.offset;
+        evaluation.destinationStride = destinationLayout.stride;
+    }
+    check(start(evaluation, places, stream), "cudaLaunchKernel");
+    if (destination.isOnHost)
+        copyToHost(
+            results, rowCount,
+            destination.data + destinationLayout.offset + rows.first * destinationLayout.stride,
+            destinationLayout, stream);
+}
+
+}  // namespace
+
+int cudaDeviceCount() {
+    int count = 0;
+    const cudaError_t error = cudaGetDeviceCount(&count);
+    if (error == cudaErrorNoDevice || error == cudaErrorInsufficientDriver) {
+        cudaGetLastError();
+        return 0;
+    }
+    check(error, "cudaGetDeviceCount");
+    return count;
+}
+
+template <class Real>
+CudaBuffer<Real>::CudaBuffer(std::size_t size)
+    : device_(currentDevice()),
+      data_(static_cast<Real*>(allocateOnDevice(roomOf<Real>(static_cast<Offset>(size))))),
+      size_(size) {}
+
+template <class Real>
+CudaBuffer<Real>::CudaBuffer(std::span<const Real> values) : CudaBuffer(values.size()) {
+    copyToDevice(data_, values.data(), values.size_bytes());
+}
+
+template <class Real>
+CudaBuffer<Real>::~CudaBuffer() {
+    // Null is no call for nothing: it makes a context.
+    if (data_ != nullptr) cudaFree(data_);
+}
+
+template <class Real>
+CudaBuffer<Real>::CudaBuffer(CudaBuffer&& other) noexcept
+    : device_(other.device_),
+      data_(std::exchange(other.data_, nullptr)),
+      size_(std::exchange(other.size_, 0)) {}
+
+template <class Real>
+CudaBuffer<Real>& CudaBuffer<Real>::operator=(CudaBuffer&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    return *this;
+}
+
+template <class Real>
+void CudaBuffer<Real>::upload(std::span<const Real> values, CudaStream stream) {
+    checkSize(values.size());
+    if (values.empty()) return;
+    const DeviceScope scope(device_);
+    check(
+        cudaMemcpyAsync(data_, values.data(), values.size_bytes(), cudaMemcpyHostToDevice, stream),
+        "cudaMemcpyAsync to the device");
+}
+
+template <class Real>
+void CudaBuffer<Real>::download(std::span<Real> values, CudaStream stream) const {
+    checkSize(values.size());
+    if (values.empty()) return;
+    const DeviceScope scope(device_);
+    check(
+        cudaMemcpyAsync(values.data(), data_, values.size_bytes(), cudaMemcpyDeviceToHost, stream),
+        "cudaMemcpyAsync to the host");
+}
+
+template <class Real>
+void CudaBuffer<Real>::checkSize(std::size_t size) const {
+    if (size > size_)
+        throw Error("the buffer on the device holds " + std::to_string(size_) + " numbers; " +
+                    std::to_string(size) + " were to be copied");
+}
+
+CudaWorkspace::CudaWorkspace(CudaStream stream) : stream_(stream), device_(currentDevice()) {}
+
+CudaWorkspace::~CudaWorkspace() {
+    release();
+}
+
+CudaWorkspace::CudaWorkspace(CudaWorkspace&& other) noexcept
+    : stream_(other.stream_),
+      device_(other.device_),
+      memory_(std::exchange(other.memory_, nullptr)),
+      byteCount_(std::exchange(other.byteCount_, 0)),
+      isInGraph_(std::exchange(other.isInGraph_, false)) {}
+
+CudaWorkspace& CudaWorkspace::operator=(CudaWorkspace&& other) noexcept {
+    std::swap(stream_, other.stream_);
+    std::swap(device_, other.device_);
+    std::swap(memory_, other.memory_);
+    std::swap(byteCount_, other.byteCount_);
+    std::swap(isInGraph_, other.isInGraph_);
+    return *this;
+}
+
+void CudaWorkspace::release() noexcept {
+    if (memory_ == nullptr) return;
+    // The default stream is the current device's.
+    int before = device_;
+    cudaGetDevice(&before);
+    if (before != device_) cudaSetDevice(device_);
+    cudaFreeAsync(memory_, stream_);
+    if (before != device_) cudaSetDevice(before);
+    memory_ = nullptr;
+    byteCount_ = 0;
+}
+
+void CudaWorkspace::synchronize() const {
+    const DeviceScope scope(device_);
+    check(cudaStreamSynchronize(stream_), "cudaStreamSynchronize");
+}
+
+std::byte* CudaWorkspace::reserve(std::size_t bytes) {
+    if (bytes == 0) return memory_;
+    const DeviceScope scope(device_);
+    cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
+    check(cudaStreamIsCapturing(stream_, &status), "cudaStreamIsCapturing");
+    isInGraph_ = isInGraph_ || status != cudaStreamCaptureStatusNone;
+    if (bytes <= byteCount_) return memory_;
+    if (isInGraph_)
+        throw Error("the workspace is used in a CUDA graph and holds " +
+                    std::to_string(byteCount_) + " bytes; " + std::to_string(bytes) +
+                    " are needed: CudaEvaluator::workspace() makes one that is large enough");
+    release();
+    void* memory = nullptr;
+    check(cudaMallocAsync(&memory, bytes, stream_),
+          "cudaMallocAsync of " + std::to_string(bytes) + " bytes");
+    memory_ = static_cast<std::byte*>(memory);
+    byteCount_ = bytes;
+    return memory_;
+}
+
+template <class Real>
+struct CudaEvaluator<Real>::Data {
+    int device = currentDevice();
+    DeviceArrays tableMemory = {}, adjointMemory = {};
+    device::TableView<Real> table = {};
+    std::vector<device::SumStep<Real>> steps = {};
+    std::optional<device::AdjointView<Real>> adjoint = {};
+
+    Data(const stencils::StencilTable<Real>& source, const CudaTableOptions& options) {
+        const auto placeIn = [](DeviceArrays& memory) {
+            return [&memory](const auto& values) { return memory.add(std::span(values)); };
+        };
+        const device::TableArrays<Real> arrays(source, options.isGrouped);
+        table = device::viewOf(arrays, placeIn(tableMemory));
+        if (options.hasAdjoint)
+            adjoint = device::viewOf(device::AdjointArrays<Real>(source, arrays), steps,
+                                     placeIn(adjointMemory));
+        check(device::loadKernels<Real>(), "cudaFuncGetAttributes");
+    }
+
+    /// The device, where a workspace is of that.
+    /// \throws Error otherwise
+    DeviceScope scopeFor(const CudaWorkspace& workspace) const {
+        if (workspace.device() != device)
+            throw Error("the workspace is of CUDA device " + std::to_string(workspace.device()) +
+                        ", the table of device " + std::to_string(device));
+        return DeviceScope(device);
+    }
+};
+
+template <class Real>
+CudaEvaluator<Real>::CudaEvaluator(const stencils::StencilTable<Real>& table,
+                                   const CudaTableOptions& options)
+    : data_(std::make_unique<const Data>(table, options)) {}
+
+template <class Real>
+CudaEvaluator<Real>::~CudaEvaluator() = default;
+template <class Real>
+CudaEvaluator<Real>::CudaEvaluator(CudaEvaluator&&) noexcept = default;
+template <class Real>
+CudaEvaluator<Real>& CudaEvaluator<Real>::operator=(CudaEvaluator&&) noexcept = default;
+
+template <class Real>
+Index CudaEvaluator<Real>::rowCount() const {
+    return data_->table.rowCount;
+}
+
+template <class Real>
+Index CudaEvaluator<Real>::columnCount() const {
+    return data_->table.columnCount;
+}
+
+template <class Real>
+int CudaEvaluator<Real>::device() const {
+    return data_->device;
+}
+
+template <class Real>
+std::size_t CudaEvaluator<Real>::byteCount() const {
+    return data_->tableMemory.byteCount() + data_->adjointMemory.byteCount();
+}
+
+template <class Real>
+std::size_t CudaEvaluator<Real>::tableByteCount() const {
+    return data_->tableMemory.byteCount();
+}
+
+template <class Real>
+CudaWorkspace CudaEvaluator<Real>::workspace(Offset length, CudaStream stream) const {
+    checkLength(length);
+    const DeviceScope scope(data_->device);
+    CudaWorkspace workspace(stream);
+    if (data_->adjoint) workspace.reserve(deviceRoomOf<Real>(data_->adjoint->placeCount * length));
+    return workspace;
+}
+
+template <class Real>
+void CudaEvaluator<Real>::evaluate(CudaSource<Real> source, const BufferDescriptor& sourceLayout,
+                                   CudaDestination<Real> destination,
+                                   const BufferDescriptor& destinationLayout, RowRange rows,
+                                   CudaWorkspace& workspace) const {
+    checkEvaluation(rowCount(), columnCount(), source.size, sourceLayout, destination.size,
+                    destinationLayout, rows);
+    if (rows.first == rows.last) return;
+    const DeviceScope scope = data_->scopeFor(workspace);
+    runOnDevice(columnCount(), source, sourceLayout, destination, destinationLayout, rows, 0,
+                workspace, [&](const auto& evaluation, Real*, cudaStream_t stream) {
+                    return device::startTable(data_->table, evaluation, stream);
+                });
+}
+
+template <class Real>
+void CudaEvaluator<Real>::evaluateAdjoint(CudaSource<Real> source,
+                                          const BufferDescriptor& sourceLayout,
+                                          CudaDestination<Real> destination,
+                                          const BufferDescriptor& destinationLayout,
+                                          RowRange columns, CudaWorkspace& workspace) const {
+    if (!data_->adjoint)
+        throw Error(
+            "the table was copied to the device without its adjoint: "
+            "CudaTableOptions::hasAdjoint");
+    checkEvaluation(columnCount(), rowCount(), source.size, sourceLayout, destination.size,
+                    destinationLayout, columns);
+    if (columns.first == columns.last) return;
+    const DeviceScope scope = data_->scopeFor(workspace);
+    runOnDevice(rowCount(), source, sourceLayout, destination, destinationLayout, columns,
+                data_->adjoint->placeCount * sourceLayout.length, workspace,
+                [&](const auto& evaluation, Real* places, cudaStream_t stream) {
+                    return device::startAdjoint(data_->table, *data_->adjoint, evaluation, places,
+                                                stream);
+                });
+}
+
+template <class Real>
+struct CudaKeptPoints<Real>::Data {
+    int device = currentDevice();
+    Index pointCount;
+    DeviceArrays memory = {};
+    Index count = 0;
+    const Index* points = nullptr;
+    const Real* positions = nullptr;
+};
+
+template <class Real>
+CudaKeptPoints<Real>::CudaKeptPoints(Index pointCount, std::span<const Index> kept,
+                                     std::span<const Point3> keptAt) {
+    if (kept.size() != keptAt.size())
+        throw Error(std::to_string(kept.size()) + " points are kept, at " +
+                    std::to_string(keptAt.size()) + " positions");
+    for (const Index point : kept)
+        if (point < 0 || point >= pointCount)
+            throw Error("the kept point " + std::to_string(point) + " is not one of " +
+                        std::to_string(pointCount));
+    std::vector<Real> positions;
+    for (const Point3& position : keptAt)
+        for (const double coordinate : position) positions.push_back(static_cast<Real>(coordinate));
+    auto data = std::make_unique<Data>();
+    data->pointCount = pointCount;
+    data->count = static_cast<Index>(kept.size());
+    data->points = data->memory.add(kept);
+    data->positions = data->memory.add(std::span<const Real>(positions));
+    data_ = std::move(data);
+}
+
+template <class Real>
+CudaKeptPoints<Real>::~CudaKeptPoints() = default;
+template <class Real>
+CudaKeptPoints<Real>::CudaKeptPoints(CudaKeptPoints&&) noexcept = default;
+template <class Real>
+CudaKeptPoints<Real>& CudaKeptPoints<Real>::operator=(CudaKeptPoints&&) noexcept = default;
+
+template <class Real>
+void CudaKeptPoints<Real>::write(DeviceSpan<Real> destination, const BufferDescriptor& layout,
+                                 CudaStream stream) const {
+    checkEvaluation(data_->pointCount, 0, 0, BufferDescriptor::packed(3), destination.size, layout,
+                    {0, data_->pointCount});
+    const DeviceScope scope(data_->device);
+    device::Evaluation<Real> evaluation = {};
+    evaluation.destination = destination.data + layout.offset;
+    evaluation.destinationStride = layout.stride;
+    evaluation.length = 3;
+    check(device::startScatter(data_->points, data_->count, data_->positions, evaluation, stream),
+          "cudaLaunchKernel");
+}
+
+template class CudaBuffer<float>;
+template class CudaBuffer<double>;
+template class CudaEvaluator<float>;
+template class CudaEvaluator<double>;
+template class CudaKeptPoints<float>;
+template class CudaKeptPoints<double>;
+
+}  // namespace espalier::osd

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "device_kernels.h"
+
+// Which kernels evaluate a table on a device, in which order. A Launch is called with a kernel, as
+// those of device_kernels.h, and starts it behind those before it: on the device in cuda_launch.cu,
+// in tests on the host.
+namespace espalier::osd::device {
+
+/// Warps of a block, at most: they share nothing but its memory.
+inline constexpr unsigned kWarpsOfBlock = 4;
+
+/// Shared memory that any block may have on any device.
+inline constexpr unsigned kMaxShared = 48 * 1024;
+
+struct Blocks {
+    unsigned count;
+    unsigned warps;  ///< of each
+};
+
+/// How warps go into blocks; each warp has so many bytes of shared memory, no more than
+/// kMaxShared.
+constexpr Blocks blocksOf(Index warpCount, unsigned sharedBytes) {
+    const unsigned fit = sharedBytes == 0 ? kWarpsOfBlock : kMaxShared / sharedBytes;
+    const unsigned warps = fit < kWarpsOfBlock ? fit : kWarpsOfBlock;
+    return {(static_cast<unsigned>(warpCount) + warps - 1) / warps, warps};
+}
+
+// The largest outer products that are looked for, in the widest numbers.
+static_assert(Entries<4, double>::bytes(kernels::kMaxProductColumns) + Results<4, double>::kBytes <=
+              kMaxShared);
+
+/// Calls f.operator()<width>(components) for parts of `length` components, the widths being 1 to 4,
+/// or `most`, so that the same kernel takes as many as can be.
+template <int most, class F>
+void forComponents(Offset length, F f) {
+    Offset from = 0;
+    const auto take = [&]<int width>(Offset count) {
+        if (count > 0) f.template operator()<width>(Components{from, count});
+        from += count * width;
+    };
+    if constexpr (most > 4) take.template operator()<most>(length / most);
+    if ((length - from) % 3 == 0) return take.template operator()<3>((length - from) / 3);
+    take.template operator()<4>((length - from) / 4);
+    const Offset left = length - from;
+    take.template operator()<3>(left == 3);
+    take.template operator()<2>(left == 2);
+    take.template operator()<1>(left == 1);
+}
+
+/// Components of rows that are read for each of them anew where there are more.
+inline constexpr int kMaxComponents = 12;
+
+template <class Real, class Launch>
+void launchSparse(const SparseRows<Real>& rows, Index first, Index last,
+                  const Evaluation<Real>& evaluation, Launch& launch) {
+    forComponents<kMaxComponents>(evaluation.length, [&]<int width>(const Components& components) {
+        launch(SparseKernel<width, Real>{rows, first, last, evaluation, components});
+    });
+}
+
+template <int n, class Real, class Launch>
+void launchProducts(const TableView<Real>& table, const TaskList& tasks,
+                    const Evaluation<Real>& evaluation, Launch& launch) {
+    forComponents<4>(evaluation.length, [&]<int width>(const Components& components) {
+        launch(ProductKernel<n, width, Real>{table.groups, tasks, table.mostProductColumns,
+                                             evaluation, components});
+    });
+}
+
+/// destination = table · source, for the rows of the evaluation.
+template <class Real, class Launch>
+void launchTable(const TableView<Real>& table, const Evaluation<Real>& evaluation,
+                 Launch&& launch) {
+    launchProducts<kSizes[0]>(table, table.products[0], evaluation, launch);
+    launchProducts<kSizes[1]>(table, table.products[1], evaluation, launch);
+    launchProducts<kSizes[2]>(table, table.products[2], evaluation, launch);
+    launchProducts<kSizes[3]>(table, table.products[3], evaluation, launch);
+    forComponents<kMaxComponents>(evaluation.length, [&]<int width>(const Components& components) {
+        launch(PanelKernel<width, Real>{table.groups, table.panels, evaluation, components});
+    });
+    const SparseRows<Real>& alone = table.alone;
+    if (alone.rows == nullptr)
+        launchSparse(alone, evaluation.first,
+                     evaluation.last < alone.count ? evaluation.last : alone.count, evaluation,
+                     launch);
+    else
+        launchSparse(alone, 0, alone.count, evaluation, launch);
+}
+
+/// destination = tableᵀ · source, for the columns of the table that are rows of the evaluation.
+/// \param places room for placeCount · length numbers
+template <class Real, class Launch>
+void launchAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoint,
+                   const Evaluation<Real>& evaluation, Real* places, Launch&& launch) {
+    // To the places from one on, as if they were rows.
+    const Offset length = evaluation.length;
+    const auto toPlaces = [&](const Evaluation<Real>& from, Offset first, Index count) {
+        return Evaluation<Real>{
+            from.source, from.sourceStride, places + first * length, length, 0, length, 0, count};
+    };
+    const auto all = toPlaces(evaluation, 0, 0);
+    forComponents<4>(length, [&]<int width>(const Components& components) {
+        launch(AdjointProductKernel<width, Real>{table.groups, adjoint.products, all, components});
+    });
+    forComponents<4>(length, [&]<int width>(const Components& components) {
+        launch(AdjointPanelKernel<width, Real>{table.groups, adjoint.panels, all, components});
+    });
+    const Index segments = adjoint.segments.count;
+    launchSparse(adjoint.segments, 0, segments,
+                 toPlaces(evaluation, adjoint.firstSegment, segments), launch);
+
+    // Sums of sums.
+    Evaluation<Real> last = evaluation;
+    last.source = places;
+    last.sourceStride = length;
+    for (int i = 0; i + 1 < adjoint.stepCount; ++i) {
+        const SumStep<Real>& step = adjoint.steps[i];
+        launchSparse(step.rows, 0, step.rows.count,
+                     toPlaces(last, step.firstPlace, step.rows.count), launch);
+    }
+    launchSparse(adjoint.steps[adjoint.stepCount - 1].rows, last.first, last.last, last, launch);
+}
+
+}  // namespace espalier::osd::device

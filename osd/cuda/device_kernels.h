@@ -1,0 +1,632 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/osd/kernels/kernels.h>
+#include <math.h>
+#include "device_data.h"
+
+// The kernels of GPUs, as functions of one warp. Compiled for the device by cuda_launch.cu, and for
+// the host by tests, where they give the same results to the last bit: every product is added by
+// fma(), and every sum over lanes is made in one order.
+//
+// A Warp has
+//
+//     each(f)            calls f(lane) for all lanes, which are together again after it
+//     PerLane<T>         a T for each lane: value[lane]
+//     sumOver(v, lanes)  v: PerLane<Values<Real, n>>; each lane has then the sums over its `lanes`
+//                        neighbours
+//     sumAll(v)          n a multiple of kWarp: v[lane].of[t] is then the sum of of[32 t + lane]
+//                        over all lanes
+//     load<T>(address)   a T of 16 bytes, aligned to that, which is not soon read again
+//     prefetch(address)
+//
+// What one lane writes to memory others may read in the next each().
+#if defined(__CUDACC__)
+#define ESPALIER_DEVICE __host__ __device__
+#define ESPALIER_UNROLL _Pragma("unroll")
+#else
+#define ESPALIER_DEVICE
+#define ESPALIER_UNROLL
+#endif
+
+namespace espalier::osd::device {
+
+using kernels::kLanes;
+
+ESPALIER_DEVICE inline float addProduct(float sum, float a, float b) {
+    return fmaf(a, b, sum);
+}
+ESPALIER_DEVICE inline double addProduct(double sum, double a, double b) {
+    return fma(a, b, sum);
+}
+
+template <class Real, int count>
+struct Values {
+    Real of[count];
+};
+
+/// A number of each of the rows of a lane.
+template <class Real>
+struct alignas(16) RowNumbers {
+    Real of[kRowsOfLane<Real>];
+};
+
+/// Four components, which are loaded at once.
+template <class Real>
+struct alignas(16) Quad {
+    Real of[4];
+};
+
+/// The entries of some columns, in memory that the lanes of a warp share.
+template <int width, class Real>
+class Entries {
+public:
+    static constexpr int kQuads = (width + 3) / 4;
+
+    ESPALIER_DEVICE explicit Entries(unsigned char* shared)
+        : quads_(reinterpret_cast<Quad<Real>*>(shared)) {}
+
+    static constexpr unsigned bytes(Index columnCount) {
+        return static_cast<unsigned>(columnCount) * kQuads * sizeof(Quad<Real>);
+    }
+
+    template <class Warp>
+    ESPALIER_DEVICE void gather(Warp& warp, const Index* columns, Index columnCount,
+                                const Evaluation<Real>& e, Offset from) const {
+        warp.each([&](int lane) {
+            for (Index i = lane; i < columnCount * width; i += kWarp) {
+                const Index k = i / width, c = i % width;
+                quads_[k * kQuads + c / 4].of[c % 4] =
+                    e.source[columns[k] * e.sourceStride + from + c];
+            }
+        });
+    }
+
+    ESPALIER_DEVICE Values<Real, width> operator[](Index k) const {
+        Values<Real, width> entry;
+        ESPALIER_UNROLL
+        for (int q = 0; q < kQuads; ++q) {
+            const Quad<Real> quad = quads_[k * kQuads + q];
+            ESPALIER_UNROLL
+            for (int c = 4 * q; c < width && c < 4 * q + 4; ++c) entry.of[c] = quad.of[c % 4];
+        }
+        return entry;
+    }
+
+private:
+    Quad<Real>* quads_;
+};
+
+/// Results of the rows of a warp, on their way: lanes hold four rows each, and write one number
+/// after the other as they lie in memory.
+template <int width, class Real>
+class Results {
+public:
+    static constexpr int kRows = kWarp * kRowsOfLane<Real>;
+    static constexpr unsigned kBytes = kRows * (width | 1) * sizeof(Real);
+
+    ESPALIER_DEVICE explicit Results(unsigned char* shared)
+        : numbers_(reinterpret_cast<Real*>(shared)) {}
+
+    ESPALIER_DEVICE void set(int lane, const Values<RowNumbers<Real>, width>& sums) const {
+        ESPALIER_UNROLL
+        for (int q = 0; q < kRowsOfLane<Real>; ++q) {
+            ESPALIER_UNROLL
+            for (int c = 0; c < width; ++c)
+                numbers_[(lane * kRowsOfLane<Real> + q) * kPitch + c] = sums.of[c].of[q];
+        }
+    }
+
+    /// \param count of the rows that there are
+    template <class Warp>
+    ESPALIER_DEVICE void store(Warp& warp, const Index* rows, Index count,
+                               const Evaluation<Real>& e, Offset from) const {
+        warp.each([&](int lane) {
+            for (Index i = lane; i < count * width; i += kWarp) {
+                const Index r = i / width, c = i % width, row = rows[r];
+                if (row >= e.first && row < e.last)
+                    e.destination[(row - e.destinationFirst) * e.destinationStride + from + c] =
+                        numbers_[r * kPitch + c];
+            }
+        });
+    }
+
+private:
+    static constexpr int kPitch = width | 1;  ///< odd, for fewer conflicts of banks
+
+    Real* numbers_;
+};
+
+template <class Real>
+ESPALIER_DEVICE bool isAnyWanted(const Group& group, const Evaluation<Real>& e) {
+    return group.highest >= e.first && group.lowest < e.last;
+}
+
+/// Number k of a row of a group, where each row has `length`; those of the next rows lie behind it,
+/// up to the end of the panel.
+template <class Real>
+ESPALIER_DEVICE const Real* numberOf(const Groups<Real>& table, const Group& group, Index row,
+                                     Index length, Index k) {
+    constexpr Index lanes = kLanes<Real>;
+    return table.numbers + group.firstNumber + Offset{row / lanes} * lanes * length + k * lanes +
+           row % lanes;
+}
+
+/// Adds the products of numbers of each row and the components of an entry.
+template <int width, class Real>
+ESPALIER_DEVICE void addEntry(Values<RowNumbers<Real>, width>& sums, const RowNumbers<Real>& number,
+                              const Values<Real, width>& entry) {
+    ESPALIER_UNROLL
+    for (int c = 0; c < width; ++c) {
+        ESPALIER_UNROLL
+        for (int q = 0; q < kRowsOfLane<Real>; ++q)
+            sums.of[c].of[q] = addProduct(sums.of[c].of[q], number.of[q], entry.of[c]);
+    }
+}
+
+/// The same of numbers of each row and sums of it.
+template <int width, class Real>
+ESPALIER_DEVICE void addSums(Values<RowNumbers<Real>, width>& sums, const RowNumbers<Real>& number,
+                             const Values<RowNumbers<Real>, width>& others) {
+    ESPALIER_UNROLL
+    for (int c = 0; c < width; ++c) {
+        ESPALIER_UNROLL
+        for (int q = 0; q < kRowsOfLane<Real>; ++q)
+            sums.of[c].of[q] = addProduct(sums.of[c].of[q], number.of[q], others.of[c].of[q]);
+    }
+}
+
+/// Rows that share their columns, a task a warp: one weight of each of a lane's rows at a time.
+template <int width, class Real>
+struct PanelKernel {
+    static constexpr Index kColumns = 64;  ///< whose entries are at hand at a time
+
+    Groups<Real> table;
+    TaskList tasks;
+    Evaluation<Real> evaluation;
+    Components components;
+
+    Index warpCount() const { return tasks.count; }
+    unsigned sharedBytes() const {
+        return Entries<width, Real>::bytes(kColumns) + Results<width, Real>::kBytes;
+    }
+
+    template <class Warp>
+    ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char* shared) const {
+        const Task task = tasks.tasks[index];
+        const Group group = table.groups[task.group];
+        if (!isAnyWanted(group, evaluation)) return;
+        for (Offset i = 0; i < components.count; ++i)
+            evaluate(warp, group, task.part, components.from + i * width, shared);
+    }
+
+private:
+    using Sums = Values<RowNumbers<Real>, width>;
+
+    template <class Warp>
+    ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index firstRow, Offset from,
+                                  unsigned char* shared) const {
+        const Entries<width, Real> entries(shared + Results<width, Real>::kBytes);
+        const Results<width, Real> results(shared);
+        typename Warp::template PerLane<Sums> sums;
+        warp.each([&](int lane) { sums[lane] = {}; });
+        for (Index first = 0; first < group.columnCount; first += kColumns) {
+            const Index left = group.columnCount - first, count = left < kColumns ? left : kColumns;
+            entries.gather(warp, table.columns + group.firstColumn + first, count, evaluation,
+                           from);
+            warp.each([&](int lane) {
+                const Index row = firstRow + lane * kRowsOfLane<Real>;
+                if (row >= group.rowCount) return;
+                const Real* number = numberOf(table, group, row, group.columnCount, first);
+                Sums own = sums[lane];
+#if defined(__CUDACC__)
+#pragma unroll 4
+#endif
+                for (Index k = 0; k < count; ++k, number += kLanes<Real>)
+                    addEntry(own, warp.template load<RowNumbers<Real>>(number), entries[k]);
+                sums[lane] = own;
+            });
+        }
+        warp.each([&](int lane) { results.set(lane, sums[lane]); });
+        const Index rowsLeft = group.rowCount - firstRow;
+        results.store(warp, table.rows + group.firstRow + firstRow,
+                      rowsLeft < results.kRows ? rowsLeft : results.kRows, evaluation, from);
+    }
+};
+
+/// The factors of a lane's rows, of a product of up to 4 a side.
+template <int n, class Real>
+struct Factors {
+    RowNumbers<Real> a[n], b[4], c[4];
+};
+
+/// Rows that are outer products, a task a warp: along axis 0, then what that gives along axis 1,
+/// then 2.
+///
+/// Bound by memory: of 1,800 instructions that sm_90 has for 128 rows of three floats, 1,008 are
+/// the products, which take 460 cycles of a multiprocessor; the 8 KB that they read and write take
+/// it 630 on an H100.
+///
+/// \tparam n the size along axis 0, the others being at most 4: factors are loaded once, all at a
+///         time, for any number of components. 0: any sizes
+template <int n, int width, class Real>
+struct ProductKernel {
+    Groups<Real> table;
+    TaskList tasks;
+    Index mostColumns;  ///< of a product, if n is 0
+    Evaluation<Real> evaluation;
+    Components components;
+
+    Index warpCount() const { return tasks.count; }
+    unsigned sharedBytes() const {
+        // Sizes descend.
+        return Entries<width, Real>::bytes(n > 0 ? n * n * n : mostColumns) +
+               Results<width, Real>::kBytes;
+    }
+
+    template <class Warp>
+    ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char* shared) const {
+        const Task task = tasks.tasks[index];
+        const Group group = table.groups[task.group];
+        if (!isAnyWanted(group, evaluation)) return;
+        const Results<width, Real> results(shared);
+        const Entries<width, Real> entries(shared + Results<width, Real>::kBytes);
+        const Index rowsLeft = group.rowCount - task.part;
+        const Index rowCount = rowsLeft < results.kRows ? rowsLeft : results.kRows;
+        typename Warp::template PerLane<Factors<(n > 0 ? n : 1), Real>> factors;
+        if constexpr (n > 0)
+            warp.each([&](int lane) { load(warp, group, task.part, lane, factors[lane]); });
+        for (Offset i = 0; i < components.count; ++i) {
+            const Offset from = components.from + i * width;
+            entries.gather(warp, table.columns + group.firstColumn, group.columnCount, evaluation,
+                           from);
+            warp.each([&](int lane) {
+                if (lane * kRowsOfLane<Real> >= rowCount) return;
+                if constexpr (n > 0)
+                    results.set(lane, multiply(group, factors[lane], entries));
+                else
+                    results.set(lane, multiplyAny(group, task.part, lane, entries));
+            });
+            results.store(warp, table.rows + group.firstRow + task.part, rowCount, evaluation,
+                          from);
+        }
+    }
+
+private:
+    using Sums = Values<RowNumbers<Real>, width>;
+
+    template <class Warp>
+    ESPALIER_DEVICE void load(Warp& warp, const Group& group, Index firstRow, int lane,
+                              Factors<(n > 0 ? n : 1), Real>& factors) const {
+        const Index row = firstRow + lane * kRowsOfLane<Real>;
+        if (row >= group.rowCount) return;
+        const Index m = group.size[1], l = group.size[2];
+        const Real* number = numberOf(table, group, row, n + m + l, 0);
+        const auto next = [&](RowNumbers<Real>& to) {
+            to = warp.template load<RowNumbers<Real>>(number);
+            number += kLanes<Real>;
+        };
+        ESPALIER_UNROLL
+        for (int i = 0; i < n; ++i) next(factors.a[i]);
+        ESPALIER_UNROLL
+        for (int j = 0; j < 4; ++j)
+            if (j < m) next(factors.b[j]);
+        ESPALIER_UNROLL
+        for (int k = 0; k < 4; ++k)
+            if (k < l) next(factors.c[k]);
+    }
+
+    ESPALIER_DEVICE static Sums multiply(const Group& group,
+                                         const Factors<(n > 0 ? n : 1), Real>& factors,
+                                         const Entries<width, Real>& entries) {
+        Sums all = {};
+        Index place = 0;
+        ESPALIER_UNROLL
+        for (int k = 0; k < 4; ++k) {
+            if (k >= group.size[2]) continue;
+            Sums plane = {};
+            ESPALIER_UNROLL
+            for (int j = 0; j < 4; ++j) {
+                if (j >= group.size[1]) continue;
+                Sums line = {};
+                ESPALIER_UNROLL
+                for (int i = 0; i < n; ++i) addEntry(line, factors.a[i], entries[place + i]);
+                place += n;
+                addSums(plane, factors.b[j], line);
+            }
+            addSums(all, factors.c[k], plane);
+        }
+        return all;
+    }
+
+    ESPALIER_DEVICE Sums multiplyAny(const Group& group, Index firstRow, int lane,
+                                     const Entries<width, Real>& entries) const {
+        const Index sizeA = group.size[0], sizeB = group.size[1], sizeC = group.size[2];
+        const Real* numbers =
+            numberOf(table, group, firstRow + lane * kRowsOfLane<Real>, sizeA + sizeB + sizeC, 0);
+        // Not Warp::load(): those of the first axis are read again for each line.
+        const auto factor = [&](Index which) -> const RowNumbers<Real>& {
+            return *reinterpret_cast<const RowNumbers<Real>*>(numbers + which * kLanes<Real>);
+        };
+        Sums all = {};
+        for (Index k = 0; k < sizeC; ++k) {
+            Sums plane = {};
+            for (Index j = 0; j < sizeB; ++j) {
+                Sums line = {};
+                for (Index i = 0; i < sizeA; ++i)
+                    addEntry(line, factor(i), entries[(k * sizeB + j) * sizeA + i]);
+                addSums(plane, factor(sizeA + j), line);
+            }
+            addSums(all, factor(sizeA + sizeB + k), plane);
+        }
+        return all;
+    }
+};
+
+/// Rows with columns of their own: some lanes a row, which go through it side by side.
+template <int width, class Real>
+struct SparseKernel {
+    SparseRows<Real> rows;
+    Index first, last;  ///< of the rows that are looked at
+    Evaluation<Real> evaluation;
+    Components components;
+
+    Index warpCount() const {
+        const Index rowsOfWarp = kWarp >> rows.lanesLog2;
+        return (last - first + rowsOfWarp - 1) / rowsOfWarp;
+    }
+    unsigned sharedBytes() const { return 0; }
+
+    template <class Warp>
+    ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char*) const {
+        for (Offset i = 0; i < components.count; ++i)
+            evaluate(warp, index, components.from + i * width);
+    }
+
+private:
+    using Sums = Values<Real, width>;
+
+    /// The row of a lane, in `rows`; at least `last` if it has none.
+    ESPALIER_DEVICE Offset rowOf(Index index, int lane) const {
+        return first + Offset{index} * (kWarp >> rows.lanesLog2) + (lane >> rows.lanesLog2);
+    }
+
+    /// In the table.
+    ESPALIER_DEVICE Index numberOfRow(Offset row) const {
+        return rows.rows == nullptr ? static_cast<Index>(row) : rows.rows[row];
+    }
+
+    ESPALIER_DEVICE bool isWanted(Offset row) const {
+        if (row >= last) return false;
+        const Index number = numberOfRow(row);
+        return number >= evaluation.first && number < evaluation.last;
+    }
+
+    template <class Warp>
+    ESPALIER_DEVICE void evaluate(Warp& warp, Index index, Offset from) const {
+        const Evaluation<Real>& e = evaluation;
+        const int lanes = 1 << rows.lanesLog2;
+        typename Warp::template PerLane<Sums> sums;
+        warp.each([&](int lane) {
+            Sums own = {};
+            const Offset row = rowOf(index, lane);
+            const bool isHere = isWanted(row);
+            const Offset end = isHere ? rows.offsets[row + 1] : 0;
+            Offset entry = isHere ? rows.offsets[row] + (lane & (lanes - 1)) : 0;
+#if defined(__CUDACC__)
+#pragma unroll 4
+#endif
+            for (; entry < end; entry += lanes) {
+                const Real* values = e.source + rows.columns[entry] * e.sourceStride + from;
+                const Real weight = rows.weights == nullptr ? Real{1} : rows.weights[entry];
+                ESPALIER_UNROLL
+                for (int c = 0; c < width; ++c)
+                    own.of[c] = addProduct(own.of[c], weight, values[c]);
+            }
+            sums[lane] = own;
+        });
+        warp.sumOver(sums, lanes);
+        warp.each([&](int lane) {
+            const Offset row = rowOf(index, lane);
+            if (!isWanted(row)) return;
+            Real* to = e.destination +
+                       (numberOfRow(row) - e.destinationFirst) * e.destinationStride + from;
+            ESPALIER_UNROLL
+            for (int c = 0; c < width; ++c)
+                if (((c ^ lane) & (lanes - 1)) == 0) to[c] = sums[lane].of[c];
+        });
+    }
+};
+
+/// The next multiple of kWarp, for Warp::sumAll().
+template <int count>
+inline constexpr int kWholeWarps = (count + kWarp - 1) / kWarp* kWarp;
+
+/// Σ over the rows of a group of weight times value, for 16 of its columns at a time; each task is
+/// such a tile. The results lie by columns, as evaluation.destination says of rows.
+template <int width, class Real>
+struct AdjointPanelKernel {
+    static constexpr Index kTile = 16;
+
+    Groups<Real> table;
+    TaskList tasks;
+    Evaluation<Real> evaluation;
+    Components components;
+
+    static Index tileCount(const Group& group) { return (group.columnCount + kTile - 1) / kTile; }
+
+    Index warpCount() const { return tasks.count; }
+    unsigned sharedBytes() const { return 0; }
+
+    template <class Warp>
+    ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char*) const {
+        const Task task = tasks.tasks[index];
+        const Group group = table.groups[task.group];
+        for (Offset i = 0; i < components.count; ++i)
+            evaluate(warp, group, task.part * kTile, components.from + i * width);
+    }
+
+private:
+    template <class Warp>
+    ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index firstColumn,
+                                  Offset from) const {
+        const Evaluation<Real>& e = evaluation;
+        constexpr int kSums = kWholeWarps<kTile * width>;
+        using Sums = Values<Real, kSums>;
+        typename Warp::template PerLane<Sums> sums;
+        const Index columns = group.columnCount - firstColumn;
+        warp.each([&](int lane) {
+            Sums own = {};
+            for (Index r = lane; r < group.rowCount; r += kWarp) {
+                const Real* values =
+                    e.source + table.rows[group.firstRow + r] * e.sourceStride + from;
+                Values<Real, width> value;
+                ESPALIER_UNROLL
+                for (int c = 0; c < width; ++c) value.of[c] = values[c];
+                const Real* weight = numberOf(table, group, r, group.columnCount, firstColumn);
+                ESPALIER_UNROLL
+                for (int k = 0; k < kTile; ++k) {
+                    const Real own_k = k < columns ? weight[k * kLanes<Real>] : Real{0};
+                    ESPALIER_UNROLL
+                    for (int c = 0; c < width; ++c)
+                        own.of[k * width + c] =
+                            addProduct(own.of[k * width + c], own_k, value.of[c]);
+                }
+            }
+            sums[lane] = own;
+        });
+        warp.sumAll(sums);
+        warp.each([&](int lane) {
+            ESPALIER_UNROLL
+            for (int t = 0; t < kSums / kWarp; ++t) {
+                const int i = t * kWarp + lane, k = i / width;
+                if (k < kTile && k < columns)
+                    e.destination[(group.firstColumn + firstColumn + k) * e.destinationStride +
+                                  from + i % width] = sums[lane].of[t];
+            }
+        });
+    }
+};
+
+/// The same of outer products: tiles of 4 × 4 columns of one plane of their box.
+template <int width, class Real>
+struct AdjointProductKernel {
+    Groups<Real> table;
+    TaskList tasks;
+    Evaluation<Real> evaluation;
+    Components components;
+
+    static Index tileCount(const Group& group) {
+        return (group.size[0] + 3) / 4 * ((group.size[1] + 3) / 4) * group.size[2];
+    }
+
+    Index warpCount() const { return tasks.count; }
+    unsigned sharedBytes() const { return 0; }
+
+    template <class Warp>
+    ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char*) const {
+        const Task task = tasks.tasks[index];
+        const Group group = table.groups[task.group];
+        for (Offset i = 0; i < components.count; ++i)
+            evaluate(warp, group, task.part, components.from + i * width);
+    }
+
+private:
+    /// Rows ahead that are asked for. The tiles of a group go side by side and read the same
+    /// factors, so that few bytes are on their way unless they ask early.
+    static constexpr Index kAhead = 4 * kWarp;
+
+    template <class Warp>
+    ESPALIER_DEVICE void prefetch(Warp& warp, const Group& group, Index row, Index length) const {
+        constexpr Index lanes = kLanes<Real>, bytesOfLine = 128;
+        // Each of the lanes a line of the numbers of the rows of a warp.
+        constexpr Index numbersOfLine = bytesOfLine / static_cast<Index>(sizeof(Real));
+        const Index first = row / kWarp * kWarp;
+        const Index panels = (group.rowCount - first + lanes - 1) / lanes;
+        const Index wanted = panels < kWarp / lanes ? panels : kWarp / lanes;
+        for (Index i = (row - first) * numbersOfLine; i < wanted * lanes * length;
+             i += kWarp * numbersOfLine)
+            warp.prefetch(numberOf(table, group, first, length, 0) + i);
+    }
+
+    template <class Warp>
+    ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index tile, Offset from) const {
+        const Evaluation<Real>& e = evaluation;
+        constexpr int kSums = kWholeWarps<16 * width>;
+        using Sums = Values<Real, kSums>;
+        typename Warp::template PerLane<Sums> sums;
+        const Index n = group.size[0], m = group.size[1], l = group.size[2];
+        const Index tilesOfLine = (n + 3) / 4, tilesOfPlane = tilesOfLine * ((m + 3) / 4);
+        const Index firstI = tile % tilesOfLine * 4, firstJ = tile % tilesOfPlane / tilesOfLine * 4;
+        const Index plane = tile / tilesOfPlane;
+        warp.each([&](int lane) {
+            Sums own = {};
+            for (Index r = lane; r < group.rowCount; r += kWarp) {
+                if (r + kAhead < group.rowCount) prefetch(warp, group, r + kAhead, n + m + l);
+                const Real* values =
+                    e.source + table.rows[group.firstRow + r] * e.sourceStride + from;
+                const Real* factor = numberOf(table, group, r, n + m + l, 0);
+                const Real c = factor[(n + m + plane) * kLanes<Real>];
+                Values<Real, width> value;
+                ESPALIER_UNROLL
+                for (int d = 0; d < width; ++d) value.of[d] = c * values[d];
+                Real a[4];
+                ESPALIER_UNROLL
+                for (int i = 0; i < 4; ++i)
+                    a[i] = firstI + i < n ? factor[(firstI + i) * kLanes<Real>] : Real{0};
+                ESPALIER_UNROLL
+                for (int j = 0; j < 4; ++j) {
+                    if (firstJ + j >= m) continue;
+                    const Real b = factor[(n + firstJ + j) * kLanes<Real>];
+                    ESPALIER_UNROLL
+                    for (int d = 0; d < width; ++d) {
+                        const Real ofLine = b * value.of[d];
+                        ESPALIER_UNROLL
+                        for (int i = 0; i < 4; ++i) {
+                            Real& sum = own.of[(j * 4 + i) * width + d];
+                            sum = addProduct(sum, a[i], ofLine);
+                        }
+                    }
+                }
+            }
+            sums[lane] = own;
+        });
+        warp.sumAll(sums);
+        warp.each([&](int lane) {
+            ESPALIER_UNROLL
+            for (int t = 0; t < kSums / kWarp; ++t) {
+                const int at = t * kWarp + lane, k = at / width;
+                const Index i = firstI + k % 4, j = firstJ + k / 4;
+                if (k < 16 && i < n && j < m)
+                    e.destination[(group.firstColumn + (plane * m + j) * n + i) *
+                                      e.destinationStride +
+                                  from + at % width] = sums[lane].of[t];
+            }
+        });
+    }
+};
+
+/// Writes the values of some entries: component c of entry rows[i] is values[i · length + c].
+template <class Real>
+struct ScatterKernel {
+    const Index* rows;
+    Index count;
+    const Real* values;
+    Evaluation<Real> evaluation;
+
+    Index warpCount() const { return (count + kWarp - 1) / kWarp; }
+    unsigned sharedBytes() const { return 0; }
+
+    template <class Warp>
+    ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char*) const {
+        const Evaluation<Real>& e = evaluation;
+        warp.each([&](int lane) {
+            const Offset i = Offset{index} * kWarp + lane;
+            if (i >= count) return;
+            for (Offset c = 0; c < e.length; ++c)
+                e.destination[rows[i] * e.destinationStride + c] = values[i * e.length + c];
+        });
+    }
+};
+
+}  // namespace espalier::osd::device

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device_table.h"
+#include <espalier/base/error.h>
+#include "../compile/places_of_columns.h"
+#include "../compile/table_compiler.h"
+#include "device_kernels.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace espalier::osd::device {
+namespace {
+
+using stencils::StencilTable;
+
+/// Entries of a segment, and places of a sum: a longer one would be at work when all others are
+/// done.
+constexpr Offset kMaxEntries = 1024;
+
+/// The rows of a table that lives longer.
+template <class Real>
+SparseArrays<Real> viewedRows(const StencilTable<Real>& table) {
+    SparseArrays<Real> rows;
+    rows.offsets = table.offsets();
+    rows.columns = table.columns();
+    rows.weights = table.weights();
+    return rows;
+}
+
+template <class Real>
+SparseArrays<Real> ownRows(StencilTable<Real> table) {
+    SparseArrays<Real> rows = viewedRows(table);
+    rows.table = std::move(table);  // which leaves its arrays where they are
+    return rows;
+}
+
+/// Rows cut into segments of no more than kMaxEntries entries.
+struct Cut {
+    std::vector<Offset> offsets = {0};       ///< of the segments in the entries
+    std::vector<Offset> firstSegments = {};  ///< of each row, and one behind the last
+};
+
+Cut cutRows(std::span<const Offset> offsets) {
+    Cut cut;
+    for (std::size_t row = 0; row + 1 < offsets.size(); ++row) {
+        cut.firstSegments.push_back(std::ssize(cut.offsets) - 1);
+        for (Offset first = offsets[row]; first < offsets[row + 1]; first += kMaxEntries)
+            cut.offsets.push_back(std::min(first + kMaxEntries, offsets[row + 1]));
+    }
+    cut.firstSegments.push_back(std::ssize(cut.offsets) - 1);
+    return cut;
+}
+
+}  // namespace
+
+template <class Real>
+TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
+    : rowCount(table.rowCount()), columnCount(table.columnCount()) {
+    if (!isGrouped) {
+        alone = viewedRows(table);
+        return;
+    }
+    CompiledRows<Real> compiled = compileRows(table);
+    groupColumns = std::move(compiled.groupColumns);
+    groupNumbers = std::move(compiled.groupNumbers);
+    groupRows = std::move(compiled.groupRows);
+    for (const auto& group : compiled.groups) {
+        const auto& size = group.size;
+        const auto number = static_cast<Index>(groups.size());
+        groups.push_back({group.firstColumn,
+                          group.firstNumber,
+                          group.firstRow,
+                          group.columnCount,
+                          group.rowCount,
+                          group.lowest,
+                          group.highest,
+                          {size[0], size[1], size[2]}});
+        std::vector<Task>* tasks = &panels;
+        if (size[0] > 0) {
+            const auto* kind = std::find(std::begin(kSizes), std::end(kSizes) - 1, size[0]);
+            if (*kind == 0) mostProductColumns = std::max(mostProductColumns, group.columnCount);
+            tasks = &products[kind - std::begin(kSizes)];
+        }
+        for (Index first = 0; first < group.rowCount; first += kWarp * kRowsOfLane<Real>)
+            tasks->push_back({number, first});
+    }
+    std::sort(compiled.rows.begin(), compiled.rows.end());
+    alone = ownRows(stencils::selectRows<Real>(table, compiled.rows));
+    alone.ownRows = std::move(compiled.rows);
+    alone.rows = alone.ownRows;
+}
+
+template <class Real>
+AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
+                                   const TableArrays<Real>& arrays) {
+    for (Index number = 0; number < std::ssize(arrays.groups); ++number) {
+        const Group& group = arrays.groups[number];
+        const bool isProduct = group.size[0] > 0;
+        const Index tiles = isProduct ? AdjointProductKernel<1, Real>::tileCount(group)
+                                      : AdjointPanelKernel<1, Real>::tileCount(group);
+        for (Index tile = 0; tile < tiles; ++tile)
+            (isProduct ? products : panels).push_back({number, tile});
+    }
+
+    // The columns of the rows that are in no group.
+    segments = ownRows(arrays.groups.empty()
+                           ? stencils::transposeTable(table)
+                           : stencils::transposeTable(rowsOnly<Real>(table, arrays.alone.rows)));
+    Cut cut = cutRows(segments.offsets);
+    segments.ownOffsets = std::move(cut.offsets);
+    segments.offsets = segments.ownOffsets;
+    firstSegment = std::ssize(arrays.groupColumns);
+    placeCount = firstSegment + segments.count();
+
+    // Of each column the places of what is to be added up.
+    const PlacesOfColumns<Offset> places(table.columnCount(), [&](auto found) {
+        for (Offset place = 0; place < firstSegment; ++place)
+            found(arrays.groupColumns[place], place);
+        for (Index column = 0; column < table.columnCount(); ++column)
+            for (Offset i = cut.firstSegments[column]; i < cut.firstSegments[column + 1]; ++i)
+                found(column, firstSegment + i);
+    });
+    std::vector<Offset> offsets = {0}, summands;
+    for (Index column = 0; column < table.columnCount(); ++column) {
+        const auto own = places.of(column);
+        summands.insert(summands.end(), own.begin(), own.end());
+        offsets.push_back(std::ssize(summands));
+    }
+    const auto addStep = [&](std::vector<Offset> stepOffsets) {
+        if (placeCount > std::numeric_limits<Index>::max())
+            throw Error("the adjoint of this table has " + std::to_string(placeCount) +
+                        " sums on the way, which are too many");
+        SparseArrays<Real> rows;
+        rows.ownOffsets = std::move(stepOffsets);
+        rows.ownColumns.assign(summands.begin(), summands.end());
+        rows.offsets = rows.ownOffsets;
+        rows.columns = rows.ownColumns;
+        steps.push_back({std::move(rows), placeCount});
+    };
+    const auto longest = [&] {
+        Offset most = 0;
+        for (std::size_t i = 0; i + 1 < offsets.size(); ++i)
+            most = std::max(most, offsets[i + 1] - offsets[i]);
+        return most;
+    };
+    while (longest() > kMaxEntries) {
+        Cut parts = cutRows(offsets);
+        addStep(std::move(parts.offsets));
+        summands.resize(steps.back().rows.count());
+        std::iota(summands.begin(), summands.end(), placeCount);
+        placeCount += steps.back().rows.count();
+        offsets = std::move(parts.firstSegments);
+    }
+    addStep(std::move(offsets));
+}
+
+template <class Real>
+int lanesLog2Of(const SparseArrays<Real>& rows) {
+    const Offset count = std::max(rows.count(), Index{1});
+    int log2 = 0;
+    while (1 << log2 < kWarp && (8 << log2) * count <= std::ssize(rows.columns)) ++log2;
+    return log2;
+}
+
+template struct TableArrays<float>;
+template struct TableArrays<double>;
+template struct AdjointArrays<float>;
+template struct AdjointArrays<double>;
+template int lanesLog2Of(const SparseArrays<float>&);
+template int lanesLog2Of(const SparseArrays<double>&);
+
+}  // namespace espalier::osd::device

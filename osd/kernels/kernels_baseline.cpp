@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernel_sets.h"
+
+#define ESPALIER_REGISTER_BYTES 16
+
+namespace espalier::osd::kernels {
+namespace {
+#include "kernels_body.h"
+}  // namespace
+
+namespace baseline {
+extern const Kernels<float> kFloatKernels = kFloat;
+extern const Kernels<double> kDoubleKernels = kDouble;
+}  // namespace baseline
+}  // namespace espalier::osd::kernels

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/embed/box_tree.h>
+#include <espalier/solve/design_variables.h>
+#include <espalier/stencils/table_builder.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace espalier::solve {
+namespace {
+
+void checkAxis(int axis) {
+    if (axis < 0 || axis > 2)
+        throw Error("there is no axis " + std::to_string(axis) + "; expected 0 to 2");
+}
+
+/// The mirror images of points among themselves.
+class Images {
+public:
+    Images(std::span<const Point3> positions, int axis, double plane, double tolerance)
+        : positions_(positions), axis_(axis), plane_(plane), tolerance_(tolerance), tree_([&] {
+              std::vector<embed::BoxTree::Box> boxes;
+              for (const Point3& position : positions) {
+                  const Eigen::Vector3d p(position.data());
+                  boxes.emplace_back(p.array() - tolerance, p.array() + tolerance);
+              }
+              return boxes;
+          }()) {}
+
+    /// \throws Error if a point has none, or several
+    Index of(Index vertex) const {
+        Eigen::Vector3d image(positions_[vertex].data());
+        image[axis_] = 2 * plane_ - image[axis_];
+        std::vector<Index> found;
+        tree_.findContaining(image, found);
+        std::erase_if(found, [&](Index candidate) {
+            return (Eigen::Vector3d(positions_[candidate].data()) - image).norm() > tolerance_;
+        });
+        if (found.size() == 1) return found.front();
+        throw Error("vertex " + std::to_string(vertex) + " has " +
+                    (found.empty() ? std::string("no mirror image")
+                                   : std::to_string(found.size()) + " mirror images") +
+                    " within " + std::to_string(tolerance_));
+    }
+
+private:
+    std::span<const Point3> positions_;
+    int axis_;
+    double plane_, tolerance_;
+    embed::BoxTree tree_;  ///< over the points, each with the tolerance around it
+};
+
+}  // namespace
+
+DesignVariables::DesignVariables(Index vertexCount) {
+    if (vertexCount < 0 || vertexCount > kMaxIndex / 3)
+        throw Error("cannot number the coordinates of " + std::to_string(vertexCount) +
+                    " vertices");
+    for (Index i = 0; i < 3 * vertexCount; ++i) links_.push_back({i, 1});
+    isFrozen_.assign(links_.size(), 0);
+    units_.assign(links_.size(), 1);
+}
+
+Index DesignVariables::coordinate(Index vertex, int axis) const {
+    checkAxis(axis);
+    if (vertex < 0 || vertex >= static_cast<Index>(links_.size() / 3))
+        throw Error("there is no vertex " + std::to_string(vertex) + "; the lattice has " +
+                    std::to_string(links_.size() / 3));
+    return 3 * vertex + axis;
+}
+
+/// The coordinate that a coordinate is linked to in the end; from now on directly, as are those
+/// between.
+DesignVariables::Link DesignVariables::rootOf(Index coordinate) {
+    std::vector<Index> path = {coordinate};
+    while (links_[path.back()].to != path.back()) path.push_back(links_[path.back()].to);
+    Link root = {path.back(), 1};
+    for (auto each = path.rbegin() + 1; each < path.rend(); ++each) {
+        root.factor *= links_[*each].factor;
+        links_[*each] = root;
+    }
+    return root;
+}
+
+void DesignVariables::freeze(Index vertex, int axis) {
+    isFrozen_[rootOf(coordinate(vertex, axis)).to] = 1;
+}
+
+void DesignVariables::freeze(Index vertex) {
+    for (int axis = 0; axis < 3; ++axis) freeze(vertex, axis);
+}
+
+void DesignVariables::scale(Index vertex, int axis, double unit) {
+    const Link root = rootOf(coordinate(vertex, axis));
+    const double ofRoot = unit / root.factor;
+    if (!std::isnormal(ofRoot))
+        throw Error("vertex " + std::to_string(vertex) + " cannot be scaled by " +
+                    std::to_string(unit));
+    units_[root.to] = ofRoot;
+}
+
+void DesignVariables::scale(Index vertex, double unit) {
+    for (int axis = 0; axis < 3; ++axis) scale(vertex, axis, unit);
+}
+
+/// The factor between the roots of two coordinates, when one is to be `factor` times the other.
+double DesignVariables::joinedFactor(Index coordinate, Index to, double factor) {
+    const double joined = factor * rootOf(to).factor / rootOf(coordinate).factor;
+    if (!std::isnormal(joined) || !std::isnormal(1 / joined))
+        throw Error("vertices " + std::to_string(coordinate / 3) + " and " +
+                    std::to_string(to / 3) +
+                    " cannot be linked: with the links that they have, the factor between is " +
+                    std::to_string(joined));
+    return joined;
+}
+
+void DesignVariables::join(Index coordinate, Index to, double factor) {
+    const Link own = rootOf(coordinate), other = rootOf(to);
+    if (own.to == other.to) {
+        // x = own · root and x = factor · other · root: unless these are one, but for the rounding
+        // of a few products, only 0 is both.
+        constexpr double kRounding = 1e-12;
+        if (!(std::abs(own.factor - factor * other.factor) <= kRounding * std::abs(own.factor)))
+            isFrozen_[own.to] = 1;
+        return;
+    }
+    // The lower number stays a root, so that variables come in the order of coordinates.
+    Link link = {other.to, joinedFactor(coordinate, to, factor)};
+    Index from = own.to;
+    if (from < link.to) {
+        std::swap(from, link.to);
+        link.factor = 1 / link.factor;
+    }
+    links_[from] = link;
+    isFrozen_[link.to] = isFrozen_[link.to] || isFrozen_[from];
+}
+
+void DesignVariables::link(Index vertex, Index to, const std::array<double, 3>& factors) {
+    for (const double factor : factors)
+        if (!std::isfinite(factor) || factor == 0)
+            throw Error("vertex " + std::to_string(vertex) + " cannot be linked by the factor " +
+                        std::to_string(factor));
+    for (int axis = 0; axis < 3; ++axis)
+        joinedFactor(coordinate(vertex, axis), coordinate(to, axis), factors[axis]);
+    for (int axis = 0; axis < 3; ++axis)
+        join(coordinate(vertex, axis), coordinate(to, axis), factors[axis]);
+}
+
+void DesignVariables::mirror(std::span<const Point3> positions, int axis, double at,
+                             double tolerance) {
+    checkAxis(axis);
+    if (3 * positions.size() != links_.size())
+        throw Error("got " + std::to_string(positions.size()) + " positions for " +
+                    std::to_string(links_.size() / 3) + " vertices");
+    for (std::size_t vertex = 0; vertex < positions.size(); ++vertex)
+        for (const double coordinate : positions[vertex])
+            if (!std::isfinite(coordinate))
+                throw Error("the position of vertex " + std::to_string(vertex) + " is not finite");
+    const Images images(positions, axis, at, tolerance);
+    std::vector<Index> found;
+    for (Index vertex = 0; vertex < static_cast<Index>(positions.size()); ++vertex)
+        found.push_back(images.of(vertex));
+    std::array<double, 3> factors = {1, 1, 1};
+    factors[axis] = -1;
+    for (std::size_t vertex = 0; vertex < found.size(); ++vertex)
+        link(static_cast<Index>(vertex), found[vertex], factors);
+}
+
+stencils::StencilTable<double> DesignVariables::matrix() const {
+    // Links lead to lower numbers, and so to what has been resolved.
+    std::vector<Link> roots(links_.size());
+    std::vector<Index> variables(links_.size(), 0);
+    Index count = 0;
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<double> weights;
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+        const Link& link = links_[i];
+        const bool isRoot = link.to == static_cast<Index>(i);
+        const Link& next = roots[link.to];
+        roots[i] = isRoot ? link : Link{next.to, link.factor * next.factor};
+        if (isRoot && !isFrozen_[i]) variables[i] = count++;
+        if (!isFrozen_[roots[i].to]) {
+            columns.push_back(variables[roots[i].to]);
+            weights.push_back(roots[i].factor * units_[roots[i].to]);
+        }
+        offsets.push_back(static_cast<Offset>(columns.size()));
+    }
+    return {count, std::move(offsets), std::move(columns), std::move(weights)};
+}
+
+stencils::StencilTable<double> buildJacobian(const stencils::StencilTable<double>& deformation,
+                                             const stencils::StencilTable<double>& design) {
+    if (Offset{design.rowCount()} != 3 * Offset{deformation.columnCount()})
+        throw Error("the design is of " + std::to_string(design.rowCount()) +
+                    " coordinates; expected three for each of " +
+                    std::to_string(deformation.columnCount()) + " vertices");
+    if (deformation.rowCount() > kMaxIndex / 3)
+        throw Error("cannot number the coordinates of " + std::to_string(deformation.rowCount()) +
+                    " points");
+    return stencils::buildTable<double>(
+        3 * deformation.rowCount(), design.columnCount(),
+        [&](Index row, stencils::RowAccumulator& sums) {
+            const auto vertices = deformation.columns(row / 3);
+            for (std::size_t k = 0; k < vertices.size(); ++k) {
+                const double weight = deformation.weights(row / 3)[k];
+                const Index coordinate = 3 * vertices[k] + row % 3;
+                const auto variables = design.columns(coordinate);
+                for (std::size_t j = 0; j < variables.size(); ++j)
+                    sums.add(variables[j], weight * design.weights(coordinate)[j]);
+            }
+        });
+}
+
+}  // namespace espalier::solve

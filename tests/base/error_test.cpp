@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <gtest/gtest.h>
+
+namespace espalier {
+namespace {
+
+TEST(InQuotes, ShowsATextAsItIs) {
+    EXPECT_EQ(inQuotes(""), "''");
+    EXPECT_EQ(inQuotes("a b"), "'a b'");
+    EXPECT_EQ(inQuotes("größe"), "'größe'");
+}
+
+// A file must not be able to move the cursor, or to forge a second line of a log.
+TEST(InQuotes, SpellsOutWhatATerminalWouldObey) {
+    EXPECT_EQ(inQuotes(std::string_view("\x1B[2J\r\n\0\x7F", 8)), "'\\x1B[2J\\x0D\\x0A\\x00\\x7F'");
+}
+
+TEST(InQuotes, CutsLongTexts) {
+    EXPECT_EQ(inQuotes(std::string(40, 'x')), "'" + std::string(40, 'x') + "'");
+    const std::string half(20, 'x');
+    EXPECT_EQ(inQuotes(half + "y" + half), "'" + half + "..." + half + "'");
+}
+
+}  // namespace
+}  // namespace espalier

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
+#include <espalier/base/parallel.h>
+#include <espalier/far/topology_error.h>
+#include <espalier/far/topology_refiner.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "support/complexes.h"
+
+namespace espalier::far {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+using testing::ThrowsMessage;
+
+constexpr std::uint64_t kGigabyte = 1'000'000'000;
+
+TEST(MemoryLimit, NoneIsNoLimit) {
+    EXPECT_NO_THROW(requireMemory(kGigabyte * kGigabyte, "everything"));
+}
+
+TEST(MemoryLimit, RefusesWhatIsBeyondAndNamesIt) {
+    const MemoryLimit limit(residentMemory() + kGigabyte);
+    EXPECT_NO_THROW(requireMemory(kGigabyte / 2, "a part"));
+    EXPECT_THAT([] { requireMemory(2 * kGigabyte, "level 15"); },
+                ThrowsMessage<MemoryError>(AllOf(StartsWith("level 15 takes some 2.0 GB of memory"),
+                                                 HasSubstr("the limit is"))));
+    EXPECT_THROW(requireMemory(~std::uint64_t{0}, "everything"), MemoryError);
+}
+
+TEST(MemoryLimit, OfSeveralTheLowestCounts) {
+    const std::uint64_t held = residentMemory();
+    std::optional<MemoryLimit> low(std::in_place, held + kGigabyte);
+    const MemoryLimit high(held + 3 * kGigabyte);
+    EXPECT_THROW(requireMemory(2 * kGigabyte, "this"), MemoryError);
+    low.reset();
+    EXPECT_NO_THROW(requireMemory(2 * kGigabyte, "this"));
+}
+
+TEST(MemoryLimit, StopsLoopsOnceThatMuchIsHeld) {
+    std::vector<std::vector<char>> taken(200);
+    const auto takeMemory = [&](Offset first, Offset) {
+        taken[static_cast<std::size_t>(first)].assign(1 << 20, 1);
+        // The memory is looked at every few milliseconds.
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    };
+    {
+        const MemoryLimit limit(residentMemory() + 50'000'000);
+        EXPECT_THAT([&] { parallelFor(200, 1, takeMemory); },
+                    ThrowsMessage<MemoryError>(StartsWith("out of memory: ")));
+    }
+    EXPECT_TRUE(taken.back().empty()) << "went on to the end";
+    EXPECT_NO_THROW(parallelFor(200, 1, takeMemory));
+    EXPECT_FALSE(taken.back().empty());
+}
+
+TEST(MemoryLimit, RefusesALevelBeforeThoseBelowItAreMade) {
+    TopologyRefiner refiner(test::grid({4, 4, 4}));
+    refiner.refineUniform(1);
+    const MemoryLimit limit(residentMemory() + kGigabyte);
+    EXPECT_THAT([&] { refiner.refineUniform(7); },
+                ThrowsMessage<MemoryError>(StartsWith("level 7 takes some ")));
+    EXPECT_EQ(refiner.maxLevel(), 1);
+    refiner.refineUniform(2);
+    EXPECT_EQ(refiner.maxLevel(), 2);
+}
+
+TEST(TopologyRefiner, RefusesALevelOfTooManyEntities) {
+    TopologyRefiner refiner(test::grid({1, 1, 1}));
+    for (const int level : {11, 15, 1000}) {
+        try {
+            refiner.refineUniform(level);
+            FAIL() << level;
+        } catch (const TopologyError& error) {
+            EXPECT_EQ(error.cause(), TopologyCause::TooManyEntities);
+            EXPECT_THAT(error.what(), StartsWith("level " + std::to_string(level) + " would have"));
+        }
+        EXPECT_EQ(refiner.maxLevel(), 0);
+    }
+}
+
+TEST(ResidentMemory, GrowsWithWhatIsHeld) {
+    const std::uint64_t before = residentMemory();
+    const std::vector<char> block(100'000'000, 1);
+    EXPECT_GE(residentMemory(), before + block.size() / 2);
+}
+
+TEST(FormatBytes, HasOneDecimal) {
+    EXPECT_EQ(formatBytes(0), "0 B");
+    EXPECT_EQ(formatBytes(999), "999 B");
+    EXPECT_EQ(formatBytes(1536), "1.5 kB");
+    EXPECT_EQ(formatBytes(12'345'678'901), "12.3 GB");
+    EXPECT_EQ(formatBytes(~std::uint64_t{0}), "18.4 EB");
+}
+
+}  // namespace
+}  // namespace espalier::far

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/parallel.h>
+#include <gtest/gtest.h>
+
+#include "support/parallel_contract.h"
+#include "support/threads.h"
+
+namespace espalier::far {
+namespace {
+
+TEST(ParallelFor, CoversEachItemOnceInFixedRanges) {
+    for (const int threads : {1, 3, 8})
+        test::withThreads(threads, [] { test::expectEachItemOnceInFixedRanges(); });
+    parallelFor(0, 10, [](Offset, Offset) { FAIL() << "called for nothing"; });
+}
+
+TEST(ParallelFor, RethrowsTheErrorOfTheLowestRange) {
+    test::expectTheErrorOfTheLowestRange(50);
+}
+
+TEST(ParallelFor, WaitingThreadTakesUpNoOtherWork) {
+    // More threads than the machine has cores: some must be free to help with the inner loop, so
+    // that the one that began it has to wait for them.
+    test::withThreads(8, [] { test::expectNoOtherWorkWhileWaiting(300); });
+}
+
+}  // namespace
+}  // namespace espalier::far

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/basis_functions.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace espalier::embed {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+double sumOf(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+// (1 − t, t) at t = 1/4; ((1 − t)², 2t(1 − t), t²) at t = 1/2, with the derivatives
+// (−2(1 − t), 2 − 4t, 2t) by t, which is half the place.
+TEST(BasisFunctions, BernsteinPolynomialsByHand) {
+    const AxisFunctions linear = axisFunctions(Basis::Bezier, 1, 0.25);
+    EXPECT_EQ(linear.first, 0);
+    EXPECT_THAT(linear.values, ElementsAre(0.75, 0.25));
+    EXPECT_THAT(linear.derivatives, ElementsAre(-1, 1));
+    const AxisFunctions quadratic = axisFunctions(Basis::Bezier, 2, 1);
+    EXPECT_THAT(quadratic.values, ElementsAre(0.25, 0.5, 0.25));
+    EXPECT_THAT(quadratic.derivatives, ElementsAre(-0.5, 0, 0.5));
+}
+
+/// C(n, i) tⁱ (1 − t)ⁿ⁻ⁱ as it is written.
+long double bernstein(Index degree, Index i, long double t) {
+    if (i < 0 || i > degree) return 0;
+    long double value = 1;
+    for (Index k = 1; k <= i; ++k)
+        value *= static_cast<long double>(degree - i + k) / static_cast<long double>(k) * t;
+    for (Index k = i; k < degree; ++k) value *= 1 - t;
+    return value;
+}
+
+TEST(BasisFunctions, BernsteinPolynomialsAreTheDirectOnesAtAnyDegree) {
+    for (const Index degree : {1, 2, 3, 7, 20, 100})
+        for (const double t : {0.0, 1e-3, 0.25, 0.3, 0.5, 0.77, 0.999, 1.0}) {
+            const double at = t * degree;
+            const AxisFunctions functions = axisFunctions(Basis::Bezier, degree, at);
+            ASSERT_EQ(functions.values.size(), static_cast<std::size_t>(degree) + 1);
+            for (Index i = 0; i <= degree; ++i) {
+                const long double exact = static_cast<long double>(at) / degree;
+                const double value = functions.values[i];
+                const auto expected = static_cast<double>(bernstein(degree, i, exact));
+                // Nothing cancels: each degree rounds two products and their sum, besides t and
+                // 1 − t, by half an epsilon each. Numbers that have no full precision left are
+                // those below 1e-290.
+                EXPECT_NEAR(value, expected, 2.5 * degree * kEpsilon * expected + 1e-290);
+                const auto slope = static_cast<double>(bernstein(degree - 1, i - 1, exact) -
+                                                       bernstein(degree - 1, i, exact));
+                // A difference of two such values, both under 1.
+                EXPECT_NEAR(functions.derivatives[i], slope, 5 * degree * kEpsilon);
+            }
+            // t and 1 − t are rounded once a degree.
+            EXPECT_NEAR(sumOf(functions.values), 1, degree * kEpsilon);
+            EXPECT_NEAR(sumOf(functions.derivatives), 0, degree * kEpsilon);
+        }
+}
+
+/// 6 M (Joy, bicubic refinement): rows belong to 1, u, u² and u³, columns to control points.
+constexpr std::array<std::array<double, 4>, 4> kSixM = {
+    {{1, 4, 1, 0}, {-3, 0, 3, 0}, {3, -6, 3, 0}, {-1, 3, -3, 1}}};
+
+TEST(BasisFunctions, BSplinesAreThoseOfTheMatrixM) {
+    const Index cells = 5;
+    for (Index span = 1; span <= 3; ++span)
+        for (const double u : {0.0, 0.125, 0.5, 0.9, 1.0}) {
+            // The end of a span is the start of the next, but for the last.
+            if (u == 1 && span < 3) continue;
+            const AxisFunctions functions = axisFunctions(Basis::BSpline, cells, span + u);
+            EXPECT_EQ(functions.first, span - 1);
+            ASSERT_EQ(functions.values.size(), 4u);
+            for (std::size_t i = 0; i < 4; ++i) {
+                const double value =
+                    kSixM[0][i] + u * (kSixM[1][i] + u * (kSixM[2][i] + u * kSixM[3][i]));
+                const double slope = kSixM[1][i] + u * (2 * kSixM[2][i] + u * 3 * kSixM[3][i]);
+                // span + u is rounded by 2e-16, and the terms are under 12.
+                EXPECT_NEAR(functions.values[i], value / 6, 1e-15);
+                EXPECT_NEAR(functions.derivatives[i], slope / 6, 1e-15);
+            }
+            EXPECT_NEAR(sumOf(functions.values), 1, 4 * kEpsilon);
+            EXPECT_NEAR(sumOf(functions.derivatives), 0, 4 * kEpsilon);
+        }
+}
+
+TEST(BasisFunctions, RangesAreWhereTheFunctionsAddUp) {
+    EXPECT_EQ(axisRange(Basis::Bezier, 4).low, 0);
+    EXPECT_EQ(axisRange(Basis::Bezier, 4).high, 4);
+    EXPECT_EQ(axisRange(Basis::BSpline, 4).low, 1);
+    EXPECT_EQ(axisRange(Basis::BSpline, 4).high, 3);
+}
+
+}  // namespace
+}  // namespace espalier::embed

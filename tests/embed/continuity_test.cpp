@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/embed/continuity.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "support/refined_lattice.h"
+#include "support/sanitizers.h"
+#include "support/threads.h"
+#include "support/zoo.h"
+
+namespace espalier::embed {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// The faces of a lattice all of whose vertices satisfy a condition.
+template <class Condition>
+std::vector<Index> facesWhere(const Lattice& lattice, Condition condition) {
+    std::vector<Index> faces;
+    for (Index face = 0; face < lattice.complex.count(2); ++face) {
+        const auto vertices = lattice.complex.relation(2, 0)[face];
+        if (std::all_of(vertices.begin(), vertices.end(),
+                        [&](Index v) { return condition(lattice.positions[v]); }))
+            faces.push_back(face);
+    }
+    return faces;
+}
+
+template <class Condition>
+std::vector<Index> verticesWhere(const Lattice& lattice, Condition condition) {
+    std::vector<Index> vertices;
+    for (std::size_t v = 0; v < lattice.positions.size(); ++v)
+        if (condition(lattice.positions[v])) vertices.push_back(static_cast<Index>(v));
+    return vertices;
+}
+
+// A box is the tricubic B-spline with a layer 2P₀ − P₁ around it, whose first derivative on a side
+// is P₁ − P₀, and whose second is 0.
+TEST(Continuity, OfASideOfABoxIsALayerOrTwo) {
+    const Lattice box = shapes::box({.cells = {4, 3, 3}, .max = {4, 3, 3}});
+    const far::TopologyRefiner base(box.complex);
+    const auto side = facesWhere(box, [](const Point3& p) { return p[0] == 0; });
+    ASSERT_EQ(side.size(), 9U);
+    EXPECT_EQ(verticesHoldingFaces(base, stencils::Rules::Siggraph96, side, Continuity::C0),
+              verticesWhere(box, [](const Point3& p) { return p[0] == 0; }));
+    for (const auto continuity : {Continuity::C1, Continuity::C2})
+        EXPECT_EQ(verticesHoldingFaces(base, stencils::Rules::Siggraph96, side, continuity),
+                  verticesWhere(box, [](const Point3& p) { return p[0] <= 1; }));
+}
+
+// Inside, the place of a knot of the cubic B-spline is made by (1, 4, 1)/6, its first derivative by
+// (−1, 0, 1)/2, its second by (1, −2, 1): the same three layers.
+TEST(Continuity, OfAPlaneInsideABoxIsThreeLayers) {
+    const Lattice box = shapes::box({.cells = {6, 2, 2}, .max = {6, 2, 2}});
+    const far::TopologyRefiner base(box.complex);
+    const auto plane = facesWhere(box, [](const Point3& p) { return p[0] == 3; });
+    ASSERT_EQ(plane.size(), 4U);
+    for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2})
+        EXPECT_EQ(verticesHoldingFaces(base, stencils::Rules::Siggraph96, plane, continuity),
+                  verticesWhere(box, [](const Point3& p) { return p[0] >= 2 && p[0] <= 4; }));
+}
+
+/// The slow way: a whole level, the vertices of it that lie on the faces, and what they depend on.
+struct FacesOnLevel {
+    far::TopologyRefiner refiner;
+    int level;
+    stencils::Rules rules;
+    ByEntity<std::uint8_t> isHeld;
+
+    FacesOnLevel(const far::TopologyRefiner& base, int levels, stencils::Rules by,
+                 const std::vector<Index>& faces)
+        : refiner(base), level(levels), rules(by) {
+        refiner.refineUniform(levels);
+        const far::CellComplex& complex = base.level(0).complex;
+        for (int d = 0; d <= 3; ++d) isHeld[d].resize(static_cast<std::size_t>(complex.count(d)));
+        for (const Index face : faces)
+            for (int d = 0; d <= 2; ++d)
+                for (const Index part : complex.relation(2, d)[face]) isHeld[d][part] = 1;
+        for (int k = 1; k <= level; ++k) isHeld = refiner.refinement(k).inherit(isHeld);
+    }
+
+    const far::CellComplex& complex() const { return refiner.level(level).complex; }
+
+    std::set<Index> held() const {
+        std::set<Index> vertices;
+        for (std::size_t v = 0; v < isHeld[0].size(); ++v)
+            if (isHeld[0][v]) vertices.insert(static_cast<Index>(v));
+        return vertices;
+    }
+    /// The vertices of the cells that have one of some vertices.
+    std::set<Index> around(const std::set<Index>& vertices) const {
+        std::set<Index> result;
+        for (const Index v : vertices)
+            for (const Index cell : complex().relation(0, 3)[v])
+                for (const Index w : complex().relation(3, 0)[cell]) result.insert(w);
+        return result;
+    }
+    stencils::StencilTable<double> rows(const std::set<Index>& vertices) const {
+        return stencils::buildStencils<double>(
+            refiner, level, rules, std::vector<Index>(vertices.begin(), vertices.end()));
+    }
+    std::vector<Index> columns(const std::set<Index>& vertices) const {
+        const auto table = rows(vertices);
+        std::set<Index> result;
+        for (Index row = 0; row < table.rowCount(); ++row)
+            for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                if (std::abs(table.weights(row)[k]) > 1e-11) result.insert(table.columns(row)[k]);
+        return {result.begin(), result.end()};
+    }
+};
+
+/// Some faces of a lattice to hold: its boundary, a corner of that, and one face inside.
+std::vector<std::vector<Index>> partsOf(const far::CellComplex& complex) {
+    std::vector<std::vector<Index>> parts(2);
+    std::optional<Index> inside;
+    for (Index face = 0; face < complex.count(2); ++face)
+        if (complex.relation(2, 3)[face].size() == 1)
+            parts[0].push_back(face);
+        else
+            inside = face;
+    const Index corner = complex.relation(2, 0)[parts[0].front()][0];
+    for (const Index face : parts[0]) {
+        const auto vertices = complex.relation(2, 0)[face];
+        if (std::find(vertices.begin(), vertices.end(), corner) != vertices.end())
+            parts[1].push_back(face);
+    }
+    if (inside) parts.push_back({*inside});
+    return parts;
+}
+
+// In lattices of every kind: whatever level is looked at, from the second on, the faces depend on
+// the same vertices, and so do the cells beside them.
+TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
+    for (const auto& [name, lattice] : test::someOf(test::zoo()))
+        for (const auto boundary : {far::Boundary::Sharp, far::Boundary::EdgeOnly}) {
+            const far::TopologyRefiner base(lattice.complex,
+                                            {.boundary = boundary, .marks = lattice.marks});
+            for (const auto& faces : partsOf(lattice.complex))
+                for (const int level : {2, 3})
+                    for (const stencils::Rules rules :
+                         {stencils::Rules::Siggraph96, stencils::Rules::Mlca}) {
+                        if (level == 3 && lattice.complex.count(3) > 12) continue;
+                        SCOPED_TRACE(name + ", level " + std::to_string(level));
+                        const FacesOnLevel whole(base, level, rules, faces);
+                        EXPECT_EQ(verticesHoldingFaces(base, rules, faces, Continuity::C0),
+                                  whole.columns(whole.held()));
+                        for (const auto continuity : {Continuity::C1, Continuity::C2})
+                            EXPECT_EQ(verticesHoldingFaces(base, rules, faces, continuity),
+                                      whole.columns(whole.around(whole.held())));
+                    }
+        }
+}
+
+// With the vertices of C1 frozen, all that moves near the faces does so as h³ or so: from one level
+// to the next, where distances are halved, the vertices just beyond those that stay move less than
+// a quarter as far. So first and second differences vanish.
+TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
+    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
+        if (lattice.complex.count(3) > 12) continue;
+        const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
+        for (const auto& faces : partsOf(lattice.complex))
+            for (const stencils::Rules rules :
+                 {stencils::Rules::Siggraph96, stencils::Rules::Mlca}) {
+                SCOPED_TRACE(name);
+                const auto frozen = verticesHoldingFaces(base, rules, faces, Continuity::C1);
+                double before = 0;
+                for (const int level : {2, 3}) {
+                    const FacesOnLevel whole(base, level, rules, faces);
+                    const auto table = whole.rows(whole.around(whole.around(whole.held())));
+                    double farthest = 0;
+                    for (Index row = 0; row < table.rowCount(); ++row) {
+                        double sum = 0;
+                        for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+                            if (!std::binary_search(frozen.begin(), frozen.end(),
+                                                    table.columns(row)[k]))
+                                sum += std::abs(table.weights(row)[k]);
+                        farthest = std::max(farthest, sum);
+                    }
+                    if (level == 3) {
+                        EXPECT_LT(farthest, 0.25 * before + 1e-12);
+                    }
+                    before = farthest;
+                }
+            }
+    }
+}
+
+/// A model in a lattice, and a part of it to hold.
+struct Held {
+    Lattice lattice = shapes::box({.cells = {6, 4, 4}, .max = {6, 4, 4}});
+    far::TopologyRefiner base{lattice.complex};
+    std::vector<Point3> part;
+
+    explicit Held(unsigned seed = 5) {
+        for (const Point3& p : test::pointsIn(test::Refined(lattice, 1), 400, seed))
+            if (p[0] < 1.8) part.push_back(p);
+    }
+    std::vector<Index> freeze(Continuity continuity, int level = 2,
+                              const EmbeddingOptions& options = {}) const {
+        return verticesHoldingPoints(base, lattice.positions, level, stencils::Rules::Siggraph96,
+                                     part, continuity, options);
+    }
+    /// Positions with all vertices moved but the frozen ones.
+    std::vector<Point3> pose(const std::vector<Index>& frozen) const {
+        auto positions = lattice.positions;
+        const auto random = test::randomValues(3 * positions.size(), 7);
+        for (std::size_t i = 0; i < random.size(); ++i)
+            if (!std::binary_search(frozen.begin(), frozen.end(), static_cast<Index>(i / 3)))
+                positions[i / 3][i % 3] += random[i];
+        return positions;
+    }
+    /// How far points go when all that is not frozen moves.
+    double largestMove(const std::vector<Index>& frozen, const std::vector<Point3>& points,
+                       const EmbeddingOptions& options = {}) const {
+        const auto table = bindPoints<double>(base, lattice.positions, 2,
+                                              stencils::Rules::Siggraph96, points, options)
+                               .binding.table;
+        const auto moved = stencils::applyLevelTable(table, pose(frozen));
+        const auto atRest = stencils::applyLevelTable(table, lattice.positions);
+        double largest = 0;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            largest = std::max(largest, (test::vec(moved[i]) - test::vec(atRest[i])).lpNorm<1>());
+        return largest;
+    }
+};
+
+TEST(Continuity, HeldPointsStay) {
+    const Held held;
+    const auto frozen = held.freeze(Continuity::C0);
+    // Sums of at most 64 products of numbers below 10, in double.
+    EXPECT_LT(held.largestMove(frozen, held.part), 1e-13);
+    // None is frozen in vain.
+    for (std::size_t i = 0; i < frozen.size(); ++i) {
+        auto fewer = frozen;
+        fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+        EXPECT_GT(held.largestMove(fewer, held.part), 1e-9) << frozen[i];
+    }
+    EXPECT_LT(frozen.size(), held.lattice.positions.size());
+}
+
+// The points beside, by half a cell of the level in each direction, stay as well.
+TEST(Continuity, WhatIsBesideHeldPointsStaysToo) {
+    const Held held;
+    for (const auto continuity : {Continuity::C1, Continuity::C2}) {
+        const auto frozen = held.freeze(continuity);
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double step : {-0.125, 0.125}) {
+                auto moved = held.part;
+                for (Point3& p : moved) p[axis] = std::clamp(p[axis] + step, 0.0, axis ? 4.0 : 6.0);
+                EXPECT_LT(held.largestMove(frozen, moved), 1e-13);
+            }
+        const auto least = held.freeze(Continuity::C0);
+        EXPECT_TRUE(std::includes(frozen.begin(), frozen.end(), least.begin(), least.end()));
+    }
+}
+
+// What happens in the middle of a base cell is made by all 4³ vertices around. A point on a corner
+// of the lattice is made by that alone; its cell of level 2 and those around reach as far as 1/2,
+// and the point there, of level 1, depends on that of vertex 1, which depends on 0 to 2.
+TEST(Continuity, OfPointsInTheMiddleAndInACorner) {
+    Held held;
+    const auto block = [&](double low, double high) {
+        return verticesWhere(held.lattice, [&](const Point3& p) {
+            return std::all_of(p.begin(), p.end(), [&](double c) { return c >= low && c <= high; });
+        });
+    };
+    held.part = {{1.4, 1.4, 1.4}};
+    EXPECT_EQ(held.freeze(Continuity::C2), block(0, 3));
+    held.part = {{0, 0, 0}};
+    EXPECT_EQ(held.freeze(Continuity::C0), block(0, 0));
+    EXPECT_EQ(held.freeze(Continuity::C1), block(0, 2));
+}
+
+// With h = 2^-n of a base cell, the vertices of level n beside the cell that starts at 3 are from
+// 3 - h to 3 + 2h. In the last of them vertex 5, whose B-spline is (x - 3)³/6 from there on, weighs
+// h · 2h · 3h / 6 (its blossom at the three knots around): at level 13 that is 2e-12, but 4^13
+// times as much in a second derivative. Vertex 1 weighs 0 in the first, as its own B-spline ends
+// at 3.
+TEST(Continuity, HoldsByTheLastLayerAtFineLevels) {
+    const int level = 13;
+    const double cell = std::ldexp(1, -level);
+    const Lattice box = shapes::box({.cells = {6, 6, 6}, .max = {6, 6, 6}});
+    const far::TopologyRefiner base(box.complex);
+    const Point3 point = {3 + cell / 2, 3 + cell / 2, 3 + cell / 2};
+    const auto frozen = verticesHoldingPoints(
+        base, box.positions, level, stencils::Rules::Siggraph96, {{point}}, Continuity::C2);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (double x = 0; x <= 6; ++x) {
+            Point3 at = {3, 3, 3};
+            at[axis] = x;
+            const auto vertex = verticesWhere(box, [&](const Point3& p) { return p == at; });
+            ASSERT_EQ(vertex.size(), 1U);
+            EXPECT_EQ(std::binary_search(frozen.begin(), frozen.end(), vertex[0]), x >= 2 && x <= 5)
+                << x;
+        }
+    // What is so little along each of three axes, 6e-36 in all, is nothing.
+    const auto corner = verticesWhere(box, [](const Point3& p) { return p == Point3{5, 5, 5}; });
+    ASSERT_EQ(corner.size(), 1U);
+    EXPECT_FALSE(std::binary_search(frozen.begin(), frozen.end(), corner[0]));
+}
+
+TEST(Continuity, PointsOutsideAskForNothing) {
+    Held held;
+    held.part = {{-1, 0, 0}, {1e9, 0, 0}, {-1e-3, 2, 2}};
+    for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2})
+        EXPECT_TRUE(held.freeze(continuity).empty());
+}
+
+// Unless the nearest cell carries them: then it is held.
+TEST(Continuity, PointsOutsideThatAreCarriedStay) {
+    Held held;
+    const EmbeddingOptions nearest = {.outside = OutsidePolicy::Nearest};
+    // With a point inside and without one.
+    for (const auto& part :
+         {std::vector<Point3>{{-1, 0, 0}, {-1e-3, 2, 2}}, {{-0.5, 1.3, 1.2}, {0.7, 2.2, 2.3}}}) {
+        held.part = part;
+        const auto least = held.freeze(Continuity::C0, 2, nearest);
+        EXPECT_FALSE(least.empty());
+        for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2}) {
+            const auto frozen = held.freeze(continuity, 2, nearest);
+            EXPECT_TRUE(std::includes(frozen.begin(), frozen.end(), least.begin(), least.end()));
+            EXPECT_LT(frozen.size(), held.lattice.positions.size());
+            // As in HeldPointsStay.
+            EXPECT_LT(held.largestMove(frozen, held.part, nearest), 1e-13);
+        }
+        EXPECT_GT(held.largestMove({}, held.part, nearest), 1e-3);
+        // What is beside, by less than a cell of the level, stays as well.
+        auto beside = held.part;
+        for (Point3& p : beside) p[1] += 0.2;
+        EXPECT_LT(held.largestMove(held.freeze(Continuity::C1, 2, nearest), beside, nearest),
+                  1e-13);
+    }
+}
+
+TEST(Continuity, OfPointsThatHaveBeenBound) {
+    const Held held;
+    const auto bound = bindPoints<double>(held.base, held.lattice.positions, 2,
+                                          stencils::Rules::Siggraph96, held.part)
+                           .binding;
+    EXPECT_EQ(verticesHoldingRows(bound.table), held.freeze(Continuity::C0));
+    EXPECT_TRUE(verticesHoldingRows(stencils::selectRows<double>(bound.table, {})).empty());
+}
+
+TEST(Continuity, DoesNotDependOnThreads) {
+    const Held held(9);
+    const auto expected = held.freeze(Continuity::C2);
+    for (const int threads : {1, 5})
+        test::withThreads(threads, [&] { EXPECT_EQ(held.freeze(Continuity::C2), expected); });
+}
+
+TEST(Continuity, RefusesWhatCannotBeHeld) {
+    Held held;
+    const auto hold = [&](const far::TopologyRefiner& base, std::vector<Index> faces) {
+        return [&base, faces] {
+            verticesHoldingFaces(base, stencils::Rules::Siggraph96, faces, Continuity::C0);
+        };
+    };
+    EXPECT_THAT(hold(held.base, {}), ThrowsMessage<Error>(HasSubstr("there are no faces to hold")));
+    EXPECT_THAT(hold(held.base, {0, 9999}),
+                ThrowsMessage<Error>(HasSubstr("there is no face 9999 to hold; the lattice has ")));
+    EXPECT_THAT(hold(held.base, {-1}), ThrowsMessage<Error>(HasSubstr("there is no face -1")));
+    const far::TopologyRefiner open(held.lattice.complex, {.boundary = far::Boundary::Open});
+    EXPECT_THAT(hold(open, {0}), ThrowsMessage<Error>(HasSubstr("without boundary control")));
+    far::TopologyRefiner refined(held.lattice.complex);
+    refined.refineUniform(1);
+    EXPECT_THAT(hold(refined, {0}), ThrowsMessage<Error>(HasSubstr("has not been refined")));
+    held.part.clear();
+    EXPECT_THAT([&] { held.freeze(Continuity::C1); },
+                ThrowsMessage<Error>(HasSubstr("there are no points to hold")));
+    held.part = {{1, 1, 1}};
+    EXPECT_THAT([&] { held.freeze(Continuity::C1, 0); },
+                ThrowsMessage<Error>(HasSubstr("level 1 or above")));
+    for (const auto continuity : {Continuity::C0, Continuity::C1}) {
+        held.part = {{1, 1, 1}, {2, 2, 2}, {1, 9, 1}};
+        EXPECT_THAT([&] { held.freeze(continuity, 2, {.outside = OutsidePolicy::Error}); },
+                    ThrowsMessage<Error>(HasSubstr("point 2 at (1, 9, 1) is outside the lattice")));
+        for (const double bad :
+             {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+            held.part[1][2] = bad;
+            EXPECT_THAT([&] { held.freeze(continuity); },
+                        ThrowsMessage<Error>(HasSubstr("point 1 to hold is not finite")));
+        }
+    }
+}
+
+}  // namespace
+}  // namespace espalier::embed

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/limit/limit_binding.h>
+#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_ring.h>
+#include <espalier/shapes/refiner_options.h>
+#include <espalier/stencils/composition.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+#include <numeric>
+
+#include "support/random_lattices.h"
+#include "support/refined_lattice.h"
+#include "support/sanitizers.h"
+#include "support/tables.h"
+#include "support/zoo.h"
+
+// The gradients of bindLimit(), at the features where no polynomial gives them.
+namespace espalier::limit {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using far::TopologyRefiner;
+using test::times;
+using test::toPoint;
+using test::vec;
+
+using Bound = embed::BoundModel<double, LimitTable<double>>;
+
+/// The limits of the vertices of a level at rest: at features of each kind that the lattice has.
+std::vector<Point3> limitsOfLevel(const Lattice& lattice, int level) {
+    TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+    refiner.refineUniform(level);
+    return stencils::applyLevelTable(buildVertexLimits<double>(refiner, level), lattice.positions);
+}
+
+/// F at point i for a pose.
+Matrix3d gradientAt(const Bound& result, Index i, const std::vector<Point3>& pose) {
+    Matrix3d f;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        f.col(Eigen::Index(axis)) =
+            times(result.binding.table.gradients[axis], pose).row(i).transpose();
+    return f;
+}
+
+// Of an affine pose F is the map's matrix, however small the cells are that the tolerance asks for.
+TEST(LimitGradients, AffinePosesAreExactAtAnyTolerance) {
+    Matrix3d map;
+    map << 1.2, 0.3, -0.1, 0.2, 0.8, 0.4, -0.3, 0.1, 1.1;
+    std::vector<test::NamedLattice> lattices = {
+        {"seven sectors", shapes::cylinder({.sectors = 7, .layers = 2})}};
+    if (!test::kIsSlow)
+        for (auto& named : test::someOf(test::zoo())) lattices.push_back(std::move(named));
+    for (const auto& [name, lattice] : lattices) {
+        auto points = limitsOfLevel(lattice, 1);
+        points.resize(std::min<std::size_t>(points.size(), 12));
+        auto pose = lattice.positions;
+        for (Point3& p : pose) p = toPoint(map * vec(p) + Vector3d(0.3, -0.7, 0.2));
+        const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+        for (const double tolerance : {1e-2, 1e-6, 1e-8, 1e-9, 1e-12, 1e-14}) {
+            const Bound result =
+                bindLimit<double>(base, lattice.positions, stencils::Rules::Siggraph96, points,
+                                  {.tolerance = tolerance, .gradients = true});
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto& rows = result.binding.table.gradients[axis];
+                const auto column = times(rows, pose);
+                for (Index i = 0; i < rows.rowCount(); ++i) {
+                    if (rows.columns(i).empty()) continue;  // The lattice has no volume there.
+                    // Rounding of the directions' rows at rest, over how thin the cells are that
+                    // they span: 1 to some 10,000 here.
+                    EXPECT_LT((column.row(i).transpose() - map.col(Eigen::Index(axis))).norm(),
+                              1e-11)
+                        << name << " point " << i << " tolerance " << tolerance;
+                }
+            }
+        }
+    }
+}
+
+/// F at the middle vertex of the axis of a cylinder, by its eigenvectors: two for the plane, of the
+/// second eigenvalue; and along the axis, where the ring is the plane's times a line's, the
+/// difference of the points above and below, which each level halves.
+Matrix3d gradientOnAxis(const Lattice& lattice, Index vertex, const std::vector<Point3>& pose) {
+    TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+    const far::Level& level = refiner.level(0);
+    const VertexRing ring = ringOf(level, refiner.options(), stencils::Rules::Siggraph96, vertex);
+    const Eigen::MatrixXd m = Eigen::MatrixXd(ring.subdivision).transpose();
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(m);
+    std::vector<Eigen::Index> order(std::size_t(m.rows()));
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+        return std::abs(solver.eigenvalues()[a]) > std::abs(solver.eigenvalues()[b]);
+    });
+    EXPECT_NEAR(std::abs(solver.eigenvalues()[order[1]] - solver.eigenvalues()[order[2]]), 0,
+                1e-12);
+    Eigen::MatrixXd functionals(m.rows(), 3);
+    // The two may come as a pair of conjugates.
+    const Eigen::VectorXcd first = solver.eigenvectors().col(order[1]);
+    const bool isPair = first.imag().norm() > 1e-6;
+    functionals.col(0) = first.real();
+    functionals.col(1) = isPair ? Eigen::VectorXd(first.imag())
+                                : Eigen::VectorXd(solver.eigenvectors().col(order[2]).real());
+    Eigen::VectorXd along = Eigen::VectorXd::Zero(m.rows());
+    const auto heightOf = [&](Index v) { return lattice.positions[v][2]; };
+    for (std::size_t i = 0; i < ring.entities.size(); ++i) {
+        if (ring.entities[i].dimension != 1) continue;
+        const auto ends = level.complex.relation(1, 0)[ring.entities[i].index];
+        const Index other = ends[0] == vertex ? ends[1] : ends[0];
+        const double rise = heightOf(other) - heightOf(vertex);
+        if (std::abs(rise) > 1e-6) along[Eigen::Index(i)] = rise > 0 ? 1 : -1;
+    }
+    EXPECT_EQ(along.cwiseAbs().sum(), 2);
+    for (int k = 0; k < 50; ++k) {
+        along = 2 * (m * along);
+        along[0] -= along.sum();  // Rounding of the sum would double each time.
+    }
+    functionals.col(2) = along;
+    const Eigen::MatrixXd start(ring.start);
+    const auto at = [&](const std::vector<Point3>& positions) -> Matrix3d {
+        return functionals.transpose() * start *
+               test::asMatrix(positions)(ring.vertices, Eigen::all);
+    };
+    return (at(lattice.positions).inverse() * at(pose)).transpose();
+}
+
+// Around edges of many cells the plane has modes that shrink more slowly than the axis does (0.611
+// for 16 cells, against 0.5), and hardly faster than the tangents (0.643).
+TEST(LimitGradients, AreTheEigenvectorsOnIrregularEdges) {
+    for (const int sectors : {5, 7, 9, 12, 16}) {
+        const Lattice lattice = shapes::cylinder({.sectors = sectors, .layers = 2});
+        Index middle = kMaxIndex;
+        for (Index v = 0; v < lattice.complex.count(0); ++v)
+            if (std::ssize(lattice.complex.relation(0, 3)[v]) == 2 * sectors) middle = v;
+        ASSERT_NE(middle, kMaxIndex);
+        const auto pose = test::shaken(lattice.positions, 3);
+        const Matrix3d expected = gradientOnAxis(lattice, middle, pose);
+        const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+        const std::vector<Index> vertices = {middle};
+        const auto point = stencils::applyLevelTable(
+            buildVertexLimits<double>(base, 0, stencils::Rules::Siggraph96, vertices),
+            lattice.positions);
+        for (const double tolerance : {1e-6, 1e-12}) {
+            const Bound result =
+                bindLimit<double>(base, lattice.positions, stencils::Rules::Siggraph96, point,
+                                  {.tolerance = tolerance, .gradients = true});
+            // For 16 cells both are so good: eigenvalues are 0.03 apart, and rounding of the axis
+            // grows by 1.22 a level while the axis settles.
+            EXPECT_LT((gradientAt(result, 0, pose) - expected).norm(), 1e-8)
+                << sectors << " sectors, tolerance " << tolerance;
+        }
+    }
+}
+
+// F goes on smoothly from a feature to the points beside it, where patches give it.
+TEST(LimitGradients, GoOnFromFeatures) {
+    const Lattice lattice = shapes::cylinder({.sectors = 7, .layers = 2});
+    auto pose = lattice.positions;
+    for (Point3& p : pose) p = {p[0] + 0.3 * p[2] * p[2], p[1] - 0.2 * p[0] * p[2], p[2]};
+    const TopologyRefiner base(lattice.complex);
+    double before = 0;
+    for (const double step : {1e-2, 1e-4, 1e-6, 1e-8}) {
+        const std::vector<Point3> points = {{0, 0, 0.2}, {step, 0.3 * step, 0.2 + 0.5 * step}};
+        const Bound result = bindLimit<double>(base, lattice.positions, stencils::Rules::Siggraph96,
+                                               points, {.gradients = true});
+        ASSERT_EQ(result.count(embed::PointStatus::Inside), 2);
+        const double change = (gradientAt(result, 1, pose) - gradientAt(result, 0, pose)).norm();
+        // As a power of the distance: each level takes that to 0.5985, and the change to
+        // 0.4619/0.5985. So a hundredth of the distance makes it a tenth.
+        if (before > 0) {
+            EXPECT_LT(change, before / 9) << step;
+        }
+        before = change;
+    }
+}
+
+}  // namespace
+}  // namespace espalier::limit

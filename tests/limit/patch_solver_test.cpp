@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "limit/patch_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "support/complexes.h"
+
+namespace espalier::limit {
+namespace {
+
+using Eigen::Vector3d;
+using Answer = PatchSolver::Answer;
+
+/// The patch of the cell in the middle of 3 × 3 × 3, whose vertices are off the grid by up to
+/// `bend`.
+TricubicPatch::ControlPoints bentPatch(double bend, std::mt19937& random) {
+    const std::array<Index, 3> n = {3, 3, 3};
+    const far::TopologyRefiner refiner(test::grid(n));
+    std::uniform_real_distribution<double> off(-bend, bend);
+    std::vector<Point3> positions;
+    for (Index k = 0; k <= 3; ++k)
+        for (Index j = 0; j <= 3; ++j)
+            for (Index i = 0; i <= 3; ++i) {
+                const double x = off(random), y = off(random), z = off(random);
+                positions.push_back({i + x, j + y, k + z});
+            }
+    const auto frame = embed::frameOf(refiner.level(0).complex, 13);
+    return TricubicPatch(refiner.level(0), *frame).controlPoints(positions);
+}
+
+// What is proved not to be in a patch is not: no point of it ever is, however it is bent.
+TEST(PatchSolver, NeverExcludesWhatIsInside) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (const double bend : {0.0, 0.2, 0.5, 1.0, 3.0}) {
+        int found = 0;
+        for (int patch = 0; patch < 40; ++patch) {
+            const PatchSolver solver(bentPatch(bend, random));
+            for (int i = 0; i < 25; ++i) {
+                Vector3d uvw(unit(random), unit(random), unit(random));
+                if (i % 5 == 0) uvw[i % 3] = i % 2;  // On a side.
+                const Vector3d point = solver.map().position(uvw);
+                const auto result = solver.find(point);
+                ASSERT_NE(result.answer, Answer::NotHere) << bend;
+                if (result.answer != Answer::Here) continue;
+                ++found;
+                // Newton's method has settled: rounding of coordinates up to 6.
+                ASSERT_LT((solver.map().position(result.uvw) - point).norm(), 1e-14);
+            }
+        }
+        if (bend <= 0.2) {
+            EXPECT_EQ(found, 1000);
+        }
+    }
+}
+
+// Where the map is nearly linear, every point outside is proved to be so.
+TEST(PatchSolver, ExcludesWhatIsOutside) {
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int patch = 0; patch < 40; ++patch) {
+        const PatchSolver solver(bentPatch(0.05, random));
+        ASSERT_TRUE(solver.isNearlyLinear());
+        for (int i = 0; i < 25; ++i) {
+            Vector3d uvw(unit(random), unit(random), unit(random));
+            // The polynomial goes on, and is one to one a little further.
+            uvw[i % 3] = i % 2 == 0 ? -0.2 * unit(random) - 1e-6 : 1 + 0.2 * unit(random) + 1e-6;
+            ASSERT_EQ(solver.find(solver.map().position(uvw)).answer, Answer::NotHere);
+        }
+    }
+}
+
+TEST(PatchSolver, NearestPlace) {
+    std::mt19937 random(3);
+    const PatchSolver solver(bentPatch(0, random));
+    // A unit cube from (1, 1, 1).
+    const Vector3d nearest = solver.map().position(solver.nearest({5, 1.5, 0}));
+    EXPECT_LT((nearest - Vector3d(2, 1.5, 1)).norm(), 1e-12);
+}
+
+TEST(PatchSolver, FindsPointsOfFlatPatches) {
+    std::mt19937 random(4);
+    auto points = bentPatch(0, random);
+    for (Vector3d& point : points) point[2] = 0;
+    const PatchSolver solver(points);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int i = 0; i < 20; ++i) {
+        const Vector3d point = solver.map().position({unit(random), unit(random), unit(random)});
+        const auto found = solver.find(point);
+        ASSERT_EQ(found.answer, Answer::Here);
+        // Some ten units in the last place of coordinates of 3.
+        EXPECT_LT((solver.map().position(found.uvw) - point).norm(), 2e-14);
+        EXPECT_EQ(solver.find(point + Vector3d(0, 0, 1e-9)).answer, Answer::NotHere);
+    }
+}
+
+// The weights and the control points tell of the same map, phantoms included.
+TEST(TricubicPatch, WeightsAndControlPointsAgree) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const std::array<Index, 3> n = {3, 1, 2};
+    const far::TopologyRefiner refiner(test::grid(n));
+    const far::Level& level = refiner.level(0);
+    std::vector<Point3> positions;
+    for (Index v = 0; v < level.complex.count(0); ++v)
+        positions.push_back({unit(random), unit(random), unit(random)});
+    for (Index cell = 0; cell < level.complex.count(3); ++cell) {
+        const TricubicPatch patch(level, *embed::frameOf(level.complex, cell));
+        const TricubicMap map(patch.controlPoints(positions));
+        const Vector3d uvw(unit(random), unit(random), unit(random));
+        const auto tangent = map.tangent(uvw);
+        const auto sum = [&](const std::array<int, 3>& orders) {
+            Vector3d result = Vector3d::Zero();
+            for (const auto& [vertex, weight] : patch.weights(uvw, orders))
+                result += weight * Vector3d(positions[vertex].data());
+            return result;
+        };
+        EXPECT_LT((sum({0, 0, 0}) - tangent.position).norm(), 1e-14);
+        EXPECT_LT((sum({1, 0, 0}) - tangent.jacobian.col(0)).norm(), 1e-14);
+        EXPECT_LT((sum({0, 1, 0}) - tangent.jacobian.col(1)).norm(), 1e-14);
+        EXPECT_LT((sum({0, 0, 1}) - tangent.jacobian.col(2)).norm(), 1e-14);
+    }
+}
+
+// The axes of a cell go on into its neighbours and its children.
+TEST(embed::CellFrame, NeighboursAndChildrenKeepTheAxes) {
+    const std::array<Index, 3> n = {2, 2, 2};
+    far::TopologyRefiner refiner(test::grid(n));
+    refiner.refineUniform(1);
+    const far::CellComplex& complex = refiner.level(0).complex;
+    const auto frame = *embed::frameOf(complex, 0);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const std::size_t side : {0U, 1U}) {
+            const auto neighbour = embed::neighbourOf(complex, frame, axis, side);
+            if (!neighbour) continue;
+            const std::size_t step = std::size_t{1} << axis;
+            for (std::size_t corner = 0; corner < 8; ++corner)
+                if (embed::bitOf(corner, axis) == side) {
+                    EXPECT_EQ(neighbour->corners[corner ^ step], frame.corners[corner]);
+                }
+            // And back.
+            EXPECT_EQ(embed::neighbourOf(complex, *neighbour, axis, 1 - side)->corners,
+                      frame.corners);
+        }
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        const auto child = embed::childOf(complex, refiner.refinement(1), frame, corner);
+        ASSERT_TRUE(child);
+        // Corner v stays; the opposite one is the cell's point.
+        const auto point = [&](Entity entity) {
+            return refiner.refinement(1).childOf({entity, entity})->index;
+        };
+        EXPECT_EQ(child->corners[corner], point({0, frame.corners[corner]}));
+        EXPECT_EQ(child->corners[7 - corner], point({3, 0}));
+    }
+}
+
+}  // namespace
+}  // namespace espalier::limit

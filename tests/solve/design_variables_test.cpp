@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/shapes/inventory.h>
+#include <espalier/solve/design_variables.h>
+#include <espalier/stencils/composition.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <complex>
+#include <limits>
+
+#include "support/refined_lattice.h"
+#include "support/zoo.h"
+
+namespace espalier::stencils {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// A matrix times numbers, real or complex.
+template <class Number>
+std::vector<Number> times(const StencilTable<double>& table, const std::vector<Number>& values) {
+    std::vector<Number> result(static_cast<std::size_t>(table.rowCount()), Number{0});
+    for (Index row = 0; row < table.rowCount(); ++row)
+        for (std::size_t k = 0; k < table.columns(row).size(); ++k)
+            result[row] += table.weights(row)[k] * values[table.columns(row)[k]];
+    return result;
+}
+
+TEST(solve::DesignVariables, AreAllCoordinatesAtFirst) {
+    const auto matrix = solve::DesignVariables(2).matrix();
+    EXPECT_EQ(matrix, StencilTable<double>(6, {0, 1, 2, 3, 4, 5, 6}, {0, 1, 2, 3, 4, 5},
+                                           {1, 1, 1, 1, 1, 1}));
+}
+
+TEST(solve::DesignVariables, FrozenCoordinatesHaveNone) {
+    solve::DesignVariables design(2);
+    design.freeze(0);
+    design.freeze(1, 1);
+    EXPECT_EQ(design.matrix(), StencilTable<double>(2, {0, 0, 0, 0, 1, 1, 2}, {0, 1}, {1, 1}));
+}
+
+// x₁ = 2 x₀ and x₂ = 3 x₁, so x₂ = 6 x₀: one variable, whatever the order of the links.
+TEST(solve::DesignVariables, LinksJoinWithTheProductsOfTheirFactors) {
+    for (const bool isReversed : {false, true}) {
+        solve::DesignVariables design(3);
+        if (!isReversed) design.link(1, 0, {2, 2, 2});
+        design.link(2, 1, {3, 3, 3});
+        if (isReversed) design.link(1, 0, {2, 2, 2});
+        EXPECT_EQ(design.matrix(),
+                  StencilTable<double>(3, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
+                                       {0, 1, 2, 0, 1, 2, 0, 1, 2}, {1, 1, 1, 2, 2, 2, 6, 6, 6}));
+        // Frozen by any of them, all are.
+        design.freeze(1);
+        EXPECT_EQ(design.matrix().entryCount(), 0);
+    }
+}
+
+// x₁ = 2 x₀: a variable that moves x₁ by 6 moves x₀ by 3.
+TEST(solve::DesignVariables, AreScaled) {
+    solve::DesignVariables design(2);
+    design.link(1, 0, {2, 2, 2});
+    design.scale(0, 0.5);
+    design.scale(1, 1, 6);
+    EXPECT_EQ(design.matrix(), StencilTable<double>(3, {0, 1, 2, 3, 4, 5, 6}, {0, 1, 2, 0, 1, 2},
+                                                    {0.5, 3, 0.5, 1, 6, 1}));
+    for (const double unit : {0.0, std::numeric_limits<double>::infinity()})
+        EXPECT_THAT([&] { design.scale(1, unit); },
+                    ThrowsMessage<Error>(HasSubstr("vertex 1 cannot be scaled by")));
+    EXPECT_THAT([&] { design.scale(2, 1); }, ThrowsMessage<Error>(HasSubstr("no vertex 2")));
+}
+
+TEST(solve::DesignVariables, LinksThatContradictLeaveNothingBut0) {
+    solve::DesignVariables design(2);
+    design.link(0, 1);
+    design.link(1, 0, {1, -1, 1});
+    EXPECT_EQ(design.matrix(),
+              StencilTable<double>(2, {0, 1, 1, 2, 3, 3, 4}, {0, 1, 0, 1}, {1, 1, 1, 1}));
+}
+
+// Each factor is a number, but their product is none: in either order.
+TEST(solve::DesignVariables, RefusesLinksWhoseProductsAreNoNumbers) {
+    for (const double factor : {1e-200, 1e200}) {
+        solve::DesignVariables design(3);
+        design.link(1, 0, {factor, 1, 1});
+        EXPECT_THAT(
+            [&] {
+                design.link(2, 1, {factor, 1, 1});
+            },
+            ThrowsMessage<Error>(HasSubstr("vertices 2 and 1 cannot be linked")));
+        EXPECT_EQ(design.matrix().columnCount(), 6) << "nothing more is linked";
+    }
+}
+
+// Long chains of links, whichever end they begin at, lead to one variable.
+TEST(solve::DesignVariables, ChainsLeadToTheirEnd) {
+    constexpr Index kCount = 20'000;
+    for (const bool isDescending : {false, true}) {
+        solve::DesignVariables design(kCount);
+        for (Index i = 0; i + 1 < kCount; ++i) {
+            const Index v = isDescending ? kCount - 2 - i : i;
+            design.link(v, v + 1);
+        }
+        EXPECT_EQ(design.matrix().columnCount(), 3);
+    }
+}
+
+// 0.7 · (1 / 0.7) is not 1 in double precision: still no contradiction.
+TEST(solve::DesignVariables, LinksThatAgreeButForRoundingAgree) {
+    for (const double factor : {0.7, 1.0 / 3, 49.0, 1e-3}) {
+        solve::DesignVariables design(2);
+        design.link(0, 1, {factor, factor, factor});
+        design.link(1, 0, {1 / factor, 1 / factor, 1 / factor});
+        EXPECT_EQ(design.matrix().columnCount(), 3) << factor;
+    }
+}
+
+// Opposite corners of a box mirror each other across x = 1/2; those on the plane stay on it.
+TEST(solve::DesignVariables, MirroredVerticesMoveAsImages) {
+    const Lattice box = shapes::box({.cells = {2, 1, 1}});
+    solve::DesignVariables design(static_cast<Index>(box.positions.size()));
+    design.mirror(box.positions, 0, 0.5, 1e-12);
+    const auto matrix = design.matrix();
+    // Four vertices on one side with three each, four on the plane with two.
+    EXPECT_EQ(matrix.columnCount(), 4 * 3 + 4 * 2);
+    std::vector<double> variables(static_cast<std::size_t>(matrix.columnCount()));
+    const auto random = test::randomValues(variables.size(), 3);
+    std::copy(random.begin(), random.end(), variables.begin());
+    const auto moved = times(matrix, variables);
+    for (std::size_t v = 0; v < box.positions.size(); ++v)
+        for (std::size_t w = 0; w < box.positions.size(); ++w) {
+            const Point3 &p = box.positions[v], &q = box.positions[w];
+            if (p[0] + q[0] != 1 || p[1] != q[1] || p[2] != q[2]) continue;
+            EXPECT_EQ(moved[3 * v], -moved[3 * w]);
+            EXPECT_EQ(moved[3 * v + 1], moved[3 * w + 1]);
+            EXPECT_EQ(moved[3 * v + 2], moved[3 * w + 2]);
+        }
+}
+
+TEST(solve::DesignVariables, RefusesWhatIsNotThere) {
+    solve::DesignVariables design(2);
+    EXPECT_THAT([&] { design.freeze(2); },
+                ThrowsMessage<Error>(HasSubstr("there is no vertex 2; the lattice has 2")));
+    EXPECT_THAT([&] { design.freeze(0, 3); }, ThrowsMessage<Error>(HasSubstr("no axis 3")));
+    EXPECT_THAT([&] { design.link(0, -1); }, ThrowsMessage<Error>(HasSubstr("no vertex -1")));
+    for (const double factor : {0.0, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_THAT(
+            [&] {
+                design.link(0, 1, {1, factor, 1});
+            },
+            ThrowsMessage<Error>(HasSubstr("vertex 0 cannot be linked by the factor")));
+    const std::vector<Point3> apart = {{0, 0, 0}, {2, 0, 0}};
+    EXPECT_THAT([&] { design.mirror(apart, 0, 0.5, 0.1); },
+                ThrowsMessage<Error>(HasSubstr("vertex 0 has no mirror image within 0.1")));
+    EXPECT_THAT([&] { design.mirror(apart, 0, 1, 5); },
+                ThrowsMessage<Error>(HasSubstr("vertex 0 has 2 mirror images")));
+    EXPECT_EQ(design.matrix().columnCount(), 6) << "nothing is linked";
+    const std::vector<Point3> nowhere = {{0, 0, 0},
+                                         {std::numeric_limits<double>::quiet_NaN(), 0, 0}};
+    EXPECT_THAT([&] { design.mirror(nowhere, 0, 0.5, 0.1); },
+                ThrowsMessage<Error>(HasSubstr("the position of vertex 1 is not finite")));
+    EXPECT_THAT([&] { design.mirror({}, 0, 1, 5); }, ThrowsMessage<Error>(HasSubstr("positions")));
+    EXPECT_THAT(
+        [&] { solve::buildJacobian(StencilTable<double>(3, {0}, {}, {}), design.matrix()); },
+        ThrowsMessage<Error>(HasSubstr("of 6 coordinates; expected three for each of 3")));
+}
+
+/// A model in a cylinder, and a design of it: some vertices linked, some frozen.
+struct Designed {
+    Lattice lattice = shapes::cylinder({.sectors = 5});
+    StencilTable<double> deformation;
+    StencilTable<double> design;
+
+    Designed() {
+        const test::Refined refined(lattice, 2);
+        deformation =
+            embed::bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions, 2,
+                                      Rules::Siggraph96, test::pointsIn(refined, 200, 4))
+                .binding.table;
+        solve::DesignVariables variables(lattice.complex.count(0));
+        variables.link(3, 1, {0.5, -1, 2});
+        variables.freeze(2);
+        variables.freeze(5, 1);
+        design = variables.matrix();
+    }
+
+    /// The points' coordinates for variables, the slow way: lattice first, then the model.
+    template <class Number>
+    std::vector<Number> points(const std::vector<Number>& variables) const {
+        const std::vector<Number> moved = times(design, variables);
+        std::vector<Number> result(3 * static_cast<std::size_t>(deformation.rowCount()));
+        for (std::size_t c = 0; c < 3; ++c) {
+            std::vector<Number> coordinates;
+            for (std::size_t v = 0; v < lattice.positions.size(); ++v)
+                coordinates.push_back(lattice.positions[v][c] + moved[3 * v + c]);
+            const auto values = times(deformation, coordinates);
+            for (std::size_t i = 0; i < values.size(); ++i) result[3 * i + c] = values[i];
+        }
+        return result;
+    }
+};
+
+// By a complex step there is no difference that cancels: the derivative is exact to rounding. By a
+// difference the points lose half of a step's digits; but they are linear, and so a step may be 1.
+TEST(Jacobian, IsTheDerivativeByDifferencesAndByAComplexStep) {
+    const Designed model;
+    const auto jacobian = solve::buildJacobian(model.deformation, model.design);
+    ASSERT_EQ(jacobian.rowCount(), 3 * model.deformation.rowCount());
+    ASSERT_EQ(jacobian.columnCount(), model.design.columnCount());
+    const auto count = static_cast<std::size_t>(jacobian.columnCount());
+    const auto rest = model.points(std::vector<double>(count, 0));
+    constexpr double kStep = 1e-200;
+    for (std::size_t variable = 0; variable < count; ++variable) {
+        std::vector<double> unit(count, 0);
+        unit[variable] = 1;
+        std::vector<std::complex<double>> step(count, 0);
+        step[variable] = {0, kStep};
+        const auto column = times(jacobian, unit);
+        const auto moved = model.points(unit);
+        const auto complex = model.points(step);
+        for (std::size_t i = 0; i < column.size(); ++i) {
+            ASSERT_NEAR(column[i], moved[i] - rest[i], 1e-14);
+            ASSERT_NEAR(column[i], complex[i].imag() / kStep, 1e-15);
+        }
+    }
+}
+
+// ⟨J v, g⟩ = ⟨v, Jᵀ g⟩.
+TEST(Jacobian, TransposeCarriesGradientsBack) {
+    const Designed model;
+    const auto jacobian = solve::buildJacobian(model.deformation, model.design);
+    const auto v = test::randomValues(static_cast<std::size_t>(jacobian.columnCount()), 1);
+    const auto g = test::randomValues(static_cast<std::size_t>(jacobian.rowCount()), 2);
+    const auto forward = times<double>(jacobian, {v.begin(), v.end()});
+    const auto back = times<double>(transposeTable(jacobian), {g.begin(), g.end()});
+    double left = 0, right = 0;
+    for (std::size_t i = 0; i < g.size(); ++i) left += forward[i] * g[i];
+    for (std::size_t i = 0; i < v.size(); ++i) right += back[i] * v[i];
+    // 600 products of size 1.
+    EXPECT_NEAR(left, right, 600 * std::numeric_limits<double>::epsilon());
+}
+
+}  // namespace
+}  // namespace espalier::stencils
