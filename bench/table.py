@@ -295,7 +295,7 @@ boundary they have fewer, on the average of this box {row:.0f}, so entries are c
 
 ## Binding
 
-A million points in a box of 1,000 cells, by [`stencils::bindPoints`](../stencils/local_binding.h) from the
+A million points in a box of 1,000 cells, by [`stencils::bindPoints`](../embed/local_binding.h) from the
 base lattice, refinement included; double precision. The peer is VTK's `vtkProbeFilter` with its static
 cell locator: it is given the 512,000 cells of level 3, and finds and interpolates, where ours also makes
 the rows over the base vertices. *Finding them in its cells* is given the cells as VTK is. The rest pose

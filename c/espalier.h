@@ -85,7 +85,7 @@ ESPALIER_C_API const char* espalier_last_error(void);
 // destroyed on the thread that made them, in the reverse order. Of two of a kind, the inner one
 // counts.
 
-/// How far a call has come. A call is a sequence of stages (far/progress.h). Later versions may add
+/// How far a call has come. A call is a sequence of stages (base/progress.h). Later versions may add
 /// fields at the end.
 typedef struct espalier_progress {
     int64_t stage;  ///< stages that ended before, since the scope began
@@ -115,7 +115,7 @@ typedef void (*espalier_task)(void* work, int64_t index);
 
 /// A parallel loop of the host's: calls task(work, 0) to task(work, count − 1), in any order and
 /// from any threads, this one included, and returns when all have ended. Calls nest, and must end
-/// even if no other thread is free (far/executor.h). Throws nothing.
+/// even if no other thread is free (base/executor.h). Throws nothing.
 typedef void (*espalier_run)(void* user, int64_t count, espalier_task task, void* work);
 
 typedef struct espalier_executor_scope espalier_executor_scope;
@@ -139,7 +139,7 @@ ESPALIER_C_API void espalier_thread_limit_destroy(espalier_thread_limit* limit);
 
 /// An upper bound on the memory of the whole process, that of the host included; of several the
 /// lowest counts. What is known to take more gives ESPALIER_ERROR_MEMORY before memory is taken for
-/// it, what turns out to, soon after (far/memory.h).
+/// it, what turns out to, soon after (base/memory.h).
 typedef struct espalier_memory_limit espalier_memory_limit;
 
 /// \param bytes 1 or more
@@ -380,7 +380,7 @@ ESPALIER_C_API espalier_status espalier_table_create_level(const espalier_refine
                                                            int32_t level, espalier_table** table);
 
 /// Where the vertices of a level go in the limit: vertices of the level × vertices of the lattice
-/// (stencils/limit_table.h).
+/// (limit/limit_table.h).
 ///
 /// \retval ESPALIER_ERROR_INPUT no such level; rules or a boundary without a limit here
 ESPALIER_C_API espalier_status espalier_table_create_limits(const espalier_refiner* refiner,
@@ -408,7 +408,7 @@ static inline espalier_limit_stencil_options espalier_default_limit_stencil_opti
     ((derivatives) == 0 ? 1 : (derivatives) == 1 ? 4 : 10)
 
 /// Positions in the limit, and derivatives there: places × vertices of the lattice
-/// (stencils/limit_stencils.h). Rows of positions sum to 1, rows of derivatives to 0.
+/// (limit/limit_stencils.h). Rows of positions sum to 1, rows of derivatives to 0.
 ///
 /// A place is a hexahedron of the level, and (u, v, w) in it, each from 0 to 1. (0, 0, 0) is the
 /// first vertex of the cell's first face (espalier_refiner_cells()). Where the sign of that face
@@ -433,7 +433,7 @@ ESPALIER_C_API espalier_status espalier_table_create_limit_stencils(
 
 ESPALIER_C_API void espalier_table_destroy(espalier_table* table);
 
-/// Writes a table in the format of the extension (io/matrix_file.h): .mtx, .npz of SciPy, .npy
+/// Writes a table in the format of the extension (io/matrices/matrix_file.h): .mtx, .npz of SciPy, .npy
 /// (three files), or .petsc.
 ESPALIER_C_API espalier_status espalier_table_write(const espalier_table* table, const char* path);
 
@@ -468,7 +468,7 @@ typedef struct espalier_bind_options {
                        ///< lattice's bounding box; default 1e-6
     double limit_tolerance;  ///< 0, the default: points are bound to the level. Above, 1e-14 to
                              ///< 0.1: to the limit volume, whatever the level, and so close to it
-                             ///< (stencils/limit_binding.h); 1e-6 is usual
+                             ///< (limit/limit_binding.h); 1e-6 is usual
 } espalier_bind_options;
 
 static inline espalier_bind_options espalier_default_bind_options(void) {
@@ -484,7 +484,7 @@ static inline espalier_bind_options espalier_default_bind_options(void) {
 /// Points frozen to a lattice: x' = D · p', but for the points that are kept in place. Immutable.
 typedef struct espalier_binding espalier_binding;
 
-/// Binds points to a level of a lattice (stencils/local_binding.h), or to its limit. The level need
+/// Binds points to a level of a lattice (embed/local_binding.h), or to its limit. The level need
 /// not be there: no more of the lattice is refined than the points ask for, and the refiner stays
 /// as it is.
 ///
@@ -505,14 +505,14 @@ ESPALIER_C_API espalier_status espalier_binding_create(const espalier_refiner* r
                                                        espalier_binding** binding);
 
 /// The basis functions by which a box lattice weighs its vertices without subdivision
-/// (stencils/basis_functions.h).
+/// (embed/basis_functions.h).
 enum {
     ESPALIER_BASIS_BEZIER = 0,  ///< Bernstein polynomials over the whole lattice
     ESPALIER_BASIS_BSPLINE = 1  ///< uniform cubic B-splines
 };
 
 /// Binds points to a box lattice by products of basis functions, the free-form deformation that
-/// came before lattices of any topology (stencils/tensor_product.h).
+/// came before lattices of any topology (embed/tensor_product.h).
 ///
 /// \param lattice a box of hexahedra that lies on an evenly divided parallelepiped; without marks
 /// \param basis ESPALIER_BASIS_...
@@ -577,7 +577,7 @@ ESPALIER_C_API espalier_status espalier_binding_apply(const espalier_binding* bi
                                                       int32_t point_count, double* points);
 
 /// Carries points by a lattice, the child, that lies in another, the parent: D = D_child ·
-/// D_parent, points × vertices of the parent (stencils/nested_lattices.h). Nests go as deep as
+/// D_parent, points × vertices of the parent (embed/nested_lattices.h). Nests go as deep as
 /// wanted.
 ///
 /// \param child D_child, points × vertices of the child

@@ -82,7 +82,7 @@ ESPALIER_C_API espalier_status espalier_lattice_fit(
 
 // ---- Holding --------------------------------------------------------------------------------
 
-/// How a part that is held meets the part that moves (stencils/continuity.h).
+/// How a part that is held meets the part that moves (embed/continuity.h).
 enum {
     ESPALIER_CONTINUITY_C0 = 0,  ///< in its place
     ESPALIER_CONTINUITY_C1 = 1,  ///< and with its tangent planes

@@ -113,7 +113,7 @@ def draw_repeated(program):
 
 
 def tetrahedra_of(faces):
-    """The bases of the 4n tetrahedra of a type-n cell (stencils/cell_place.h): each face is cut
+    """The bases of the 4n tetrahedra of a type-n cell (embed/cell_place.h): each face is cut
     from its first to its third vertex. The loop of a face starts at the child of least dimension —
     a vertex or an edge point — which is the least of its numbers; the file may turn the loop
     round."""

@@ -44,7 +44,7 @@ struct BezierPatch {
 
 /// The limit volume of a lattice, all of it: the cells that are regular on the level where they
 /// become so, each a tricubic patch, and on the last level what is left around irregular features.
-/// There, a cell is blended: taken as one of a level is (stencils/cell_place.h), but between the
+/// There, a cell is blended: taken as one of a level is (embed/cell_place.h), but between the
 /// limits of its vertices. Cells are refined there only.
 ///
 /// Immutable and cheap to copy; any number of threads may ask.

@@ -57,7 +57,7 @@ class CheckedVolume;
 /// limit of the cells of the base.
 ///
 /// A pose carries a point in a cell of the rest lattice to the same place in the cell of the posed
-/// one (stencils/cell_place.h). By what factor volumes grow there is the quotient of the Jacobian
+/// one (embed/cell_place.h). By what factor volumes grow there is the quotient of the Jacobian
 /// determinants of the two maps: the volume ratio, the determinant of the deformation gradient. It
 /// is 1 where nothing changes, whatever the shape of the cells, 0 where something is flattened, and
 /// below 0 where the lattice is turned inside out. A cell is inverted if its ratio is not positive

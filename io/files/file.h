@@ -13,7 +13,7 @@
 
 namespace espalier::io {
 
-/// A path as messages show it: printable (far/printable.h), and shortened.
+/// A path as messages show it: printable (base/printable.h), and shortened.
 ESPALIER_API std::string shownPath(const std::filesystem::path& path);
 
 /// A file that cannot be read or written. what() is "path: cause" or "path:line: cause", printable

@@ -170,9 +170,9 @@ class Packages(unittest.TestCase):
     def test_private_headers_stay(self):
         headers = {str(path.relative_to(self.prefix / "include/espalier"))
                    for path in self.prefix.glob("include/espalier/**/*.h")}
-        self.assertIn("stencils/local_binding.h", headers)
-        for name in ("stencils/group_binder.h", "io/zip_writer.h", "solve/bernstein.h",
-                     "osd/cuda_calls.h"):
+        self.assertIn("embed/local_binding.h", headers)
+        for name in ("embed/group_binder.h", "io/files/zip_writer.h", "solve/bernstein.h",
+                     "osd/cuda/cuda_calls.h"):
             self.assertTrue((HERE.parents[1] / name).is_file(), name)
             self.assertNotIn(name, headers)
 
