@@ -61,6 +61,8 @@ function(espalier_compile_options target)
   # Clang's -Wconversion includes signed indices in brackets; GCC's does not in C++.
   set(options -Wall -Wextra -Wpedantic -Wconversion -Wshadow
               $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>
+              # In a unity build GCC takes every source for a header.
+              $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>
               $<$<BOOL:${ESPALIER_WARNINGS_AS_ERRORS}>:-Werror>)
   target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${options}>")
 endfunction()
