@@ -125,7 +125,7 @@ TEST(TricubicPatch, WeightsAndControlPointsAgree) {
 }
 
 // The axes of a cell go on into its neighbours and its children.
-TEST(embed::CellFrame, NeighboursAndChildrenKeepTheAxes) {
+TEST(CellFrame, NeighboursAndChildrenKeepTheAxes) {
     const std::array<Index, 3> n = {2, 2, 2};
     far::TopologyRefiner refiner(test::grid(n));
     refiner.refineUniform(1);

@@ -31,13 +31,13 @@ std::vector<Number> times(const StencilTable<double>& table, const std::vector<N
     return result;
 }
 
-TEST(solve::DesignVariables, AreAllCoordinatesAtFirst) {
+TEST(DesignVariables, AreAllCoordinatesAtFirst) {
     const auto matrix = solve::DesignVariables(2).matrix();
     EXPECT_EQ(matrix, StencilTable<double>(6, {0, 1, 2, 3, 4, 5, 6}, {0, 1, 2, 3, 4, 5},
                                            {1, 1, 1, 1, 1, 1}));
 }
 
-TEST(solve::DesignVariables, FrozenCoordinatesHaveNone) {
+TEST(DesignVariables, FrozenCoordinatesHaveNone) {
     solve::DesignVariables design(2);
     design.freeze(0);
     design.freeze(1, 1);
@@ -45,7 +45,7 @@ TEST(solve::DesignVariables, FrozenCoordinatesHaveNone) {
 }
 
 // x₁ = 2 x₀ and x₂ = 3 x₁, so x₂ = 6 x₀: one variable, whatever the order of the links.
-TEST(solve::DesignVariables, LinksJoinWithTheProductsOfTheirFactors) {
+TEST(DesignVariables, LinksJoinWithTheProductsOfTheirFactors) {
     for (const bool isReversed : {false, true}) {
         solve::DesignVariables design(3);
         if (!isReversed) design.link(1, 0, {2, 2, 2});
@@ -61,7 +61,7 @@ TEST(solve::DesignVariables, LinksJoinWithTheProductsOfTheirFactors) {
 }
 
 // x₁ = 2 x₀: a variable that moves x₁ by 6 moves x₀ by 3.
-TEST(solve::DesignVariables, AreScaled) {
+TEST(DesignVariables, AreScaled) {
     solve::DesignVariables design(2);
     design.link(1, 0, {2, 2, 2});
     design.scale(0, 0.5);
@@ -74,7 +74,7 @@ TEST(solve::DesignVariables, AreScaled) {
     EXPECT_THAT([&] { design.scale(2, 1); }, ThrowsMessage<Error>(HasSubstr("no vertex 2")));
 }
 
-TEST(solve::DesignVariables, LinksThatContradictLeaveNothingBut0) {
+TEST(DesignVariables, LinksThatContradictLeaveNothingBut0) {
     solve::DesignVariables design(2);
     design.link(0, 1);
     design.link(1, 0, {1, -1, 1});
@@ -83,7 +83,7 @@ TEST(solve::DesignVariables, LinksThatContradictLeaveNothingBut0) {
 }
 
 // Each factor is a number, but their product is none: in either order.
-TEST(solve::DesignVariables, RefusesLinksWhoseProductsAreNoNumbers) {
+TEST(DesignVariables, RefusesLinksWhoseProductsAreNoNumbers) {
     for (const double factor : {1e-200, 1e200}) {
         solve::DesignVariables design(3);
         design.link(1, 0, {factor, 1, 1});
@@ -97,7 +97,7 @@ TEST(solve::DesignVariables, RefusesLinksWhoseProductsAreNoNumbers) {
 }
 
 // Long chains of links, whichever end they begin at, lead to one variable.
-TEST(solve::DesignVariables, ChainsLeadToTheirEnd) {
+TEST(DesignVariables, ChainsLeadToTheirEnd) {
     constexpr Index kCount = 20'000;
     for (const bool isDescending : {false, true}) {
         solve::DesignVariables design(kCount);
@@ -110,7 +110,7 @@ TEST(solve::DesignVariables, ChainsLeadToTheirEnd) {
 }
 
 // 0.7 · (1 / 0.7) is not 1 in double precision: still no contradiction.
-TEST(solve::DesignVariables, LinksThatAgreeButForRoundingAgree) {
+TEST(DesignVariables, LinksThatAgreeButForRoundingAgree) {
     for (const double factor : {0.7, 1.0 / 3, 49.0, 1e-3}) {
         solve::DesignVariables design(2);
         design.link(0, 1, {factor, factor, factor});
@@ -120,7 +120,7 @@ TEST(solve::DesignVariables, LinksThatAgreeButForRoundingAgree) {
 }
 
 // Opposite corners of a box mirror each other across x = 1/2; those on the plane stay on it.
-TEST(solve::DesignVariables, MirroredVerticesMoveAsImages) {
+TEST(DesignVariables, MirroredVerticesMoveAsImages) {
     const Lattice box = shapes::box({.cells = {2, 1, 1}});
     solve::DesignVariables design(static_cast<Index>(box.positions.size()));
     design.mirror(box.positions, 0, 0.5, 1e-12);
@@ -141,7 +141,7 @@ TEST(solve::DesignVariables, MirroredVerticesMoveAsImages) {
         }
 }
 
-TEST(solve::DesignVariables, RefusesWhatIsNotThere) {
+TEST(DesignVariables, RefusesWhatIsNotThere) {
     solve::DesignVariables design(2);
     EXPECT_THAT([&] { design.freeze(2); },
                 ThrowsMessage<Error>(HasSubstr("there is no vertex 2; the lattice has 2")));
