@@ -16,7 +16,6 @@ foreach(component IN LISTS components)
   else()  # C: its headers stand in their folder
     get_target_property(headers espalier_${component} PUBLIC_HEADER)
     get_target_property(include_dir espalier_${component} SOURCE_DIR)
-    list(TRANSFORM headers PREPEND ${include_dir}/)
   endif()
   list(SORT headers)
   foreach(header IN LISTS headers)

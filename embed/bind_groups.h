@@ -18,7 +18,7 @@
 namespace espalier::embed {
 
 /// Binds points, a group of near ones after the other, in parallel.
-/// \param binder, in units of `unit`
+/// \param binder works in units of `unit`
 /// \param progress as in bindPoints()
 template <class Real, class Table>
 BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
