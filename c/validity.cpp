@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/solve/validity.h>
-
 #include <espalier/stencils/composition.h>
 
 #include <cmath>

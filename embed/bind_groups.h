@@ -3,6 +3,7 @@
 
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
+#include <espalier/embed/group_binder.h>
 #include <espalier/embed/length_unit.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/place_points.h>
@@ -12,8 +13,6 @@
 #include <functional>
 #include <string>
 #include <vector>
-
-#include <espalier/embed/group_binder.h>
 
 namespace espalier::embed {
 

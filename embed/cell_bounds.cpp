@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/sort_unique.h>
 #include <espalier/embed/cell_bounds.h>
-
+#include <espalier/embed/cell_frame.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/far/standard_cells.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-
-#include <espalier/base/sort_unique.h>
-#include <espalier/embed/cell_frame.h>
 
 namespace espalier::embed {
 

@@ -2,14 +2,13 @@
 #pragma once
 
 #include <espalier/base/point.h>
+#include <espalier/embed/affine_hull.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <Eigen/Geometry>
 #include <optional>
 #include <span>
 #include <vector>
-
-#include <espalier/embed/affine_hull.h>
 
 namespace espalier::embed {
 

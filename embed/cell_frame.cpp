@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/cell_frame.h>
-
 #include <espalier/far/standard_cells.h>
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/embed/cell_solver.h>
+#include <espalier/embed/continuation.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/simplex.h>
 #include <espalier/embed/solve3.h>
@@ -11,8 +12,6 @@
 #include <algorithm>
 #include <limits>
 #include <string>
-
-#include <espalier/embed/continuation.h>
 
 namespace espalier::embed {
 

@@ -6,6 +6,7 @@
 #include <espalier/embed/length_unit.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/place_points.h>
+#include <espalier/embed/point_descent.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
@@ -14,8 +15,6 @@
 #include <numeric>
 #include <string>
 #include <utility>
-
-#include <espalier/embed/point_descent.h>
 
 namespace espalier::embed {
 namespace {

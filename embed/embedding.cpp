@@ -4,6 +4,7 @@
 #include <espalier/embed/place_points.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
@@ -11,8 +12,6 @@
 #include <cstdint>
 #include <optional>
 #include <vector>
-
-#include <espalier/stencils/level_rows.h>
 
 namespace espalier::embed {
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/group_binder.h>
-
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>

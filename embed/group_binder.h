@@ -3,14 +3,13 @@
 
 #include <espalier/embed/cell_solver.h>
 #include <espalier/embed/embedding.h>
+#include <espalier/embed/point_descent.h>
 #include <espalier/embed/point_location.h>
+#include <espalier/embed/table_form.h>
 
 #include <memory>
 #include <span>
 #include <vector>
-
-#include <espalier/embed/point_descent.h>
-#include <espalier/embed/table_form.h>
 
 // Two ways to bind points that lie together, with the same result: in a part of the level that is
 // refined for them, or in the whole level, which serves all groups.

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
+#include <espalier/embed/bind_groups.h>
 #include <espalier/embed/local_binding.h>
+#include <espalier/stencils/level_rows.h>
 
 #include <cmath>
 #include <random>
 #include <string>
 #include <type_traits>
 #include <utility>
-
-#include <espalier/embed/bind_groups.h>
-#include <espalier/stencils/level_rows.h>
 
 namespace espalier::embed {
 namespace {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/point_descent.h>
-
 #include <espalier/embed/regular_cells.h>
 #include <espalier/stencils/composition.h>
 

@@ -3,6 +3,7 @@
 
 #include <espalier/base/point.h>
 #include <espalier/embed/box_tree.h>
+#include <espalier/embed/cell_bounds.h>
 #include <espalier/embed/cell_solver.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
@@ -14,8 +15,6 @@
 #include <span>
 #include <utility>
 #include <vector>
-
-#include <espalier/embed/cell_bounds.h>
 
 namespace espalier::embed {
 

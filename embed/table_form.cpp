@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/embed/table_form.h>
-
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
+#include <espalier/embed/table_form.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/embed/map_inversion.h>
 #include <espalier/embed/trilinear.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
-
-#include <espalier/embed/map_inversion.h>
 
 namespace espalier::embed {
 

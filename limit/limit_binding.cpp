@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/embed/bind_groups.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/limit/limit_table.h>
+#include <espalier/stencils/level_rows.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <Eigen/LU>
 #include <cmath>
@@ -9,9 +12,6 @@
 #include <numeric>
 #include <string>
 
-#include <espalier/embed/bind_groups.h>
-#include <espalier/stencils/level_rows.h>
-#include <espalier/stencils/table_builder.h>
 #include "limit_search.h"
 
 namespace espalier::limit {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/limit/limit_parts.h>
 #include <espalier/limit/limit_table.h>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <string>
 
-#include <espalier/base/sort_unique.h>
 #include "limit_place.h"
 #include "tricubic_patch.h"
 

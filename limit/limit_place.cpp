@@ -2,17 +2,16 @@
 #include "limit_place.h"
 
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/limit/limit_table.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/level_rows.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <sstream>
-
-#include <espalier/base/sort_unique.h>
-#include <espalier/stencils/level_rows.h>
-#include <espalier/stencils/table_builder.h>
 
 namespace espalier::limit {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "limit_search.h"
 
+#include <espalier/base/sort_unique.h>
+#include <espalier/embed/continuation.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/stencils/composition.h>
@@ -11,8 +13,6 @@
 #include <cmath>
 #include <limits>
 
-#include <espalier/base/sort_unique.h>
-#include <espalier/embed/continuation.h>
 #include "patch_solver.h"
 
 namespace espalier::limit {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/embed/cell_solver.h>
+#include <espalier/embed/point_descent.h>
 #include <espalier/limit/limit_binding.h>
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include <espalier/embed/point_descent.h>
 #include "limit_place.h"
 
 namespace espalier::limit {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/limit/limit_stencils.h>
 #include <espalier/limit/limit_table.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/level_rows.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +17,6 @@
 #include <sstream>
 #include <string>
 
-#include <espalier/base/sort_unique.h>
-#include <espalier/stencils/level_rows.h>
-#include <espalier/stencils/table_builder.h>
 #include "limit_place.h"
 
 namespace espalier::limit {

@@ -5,13 +5,12 @@
 #include <espalier/limit/limit_table.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/surroundings.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
 #include <numeric>
 #include <vector>
-
-#include <espalier/stencils/surroundings.h>
-#include <espalier/stencils/table_builder.h>
 
 namespace espalier::limit {
 namespace {

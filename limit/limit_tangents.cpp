@@ -2,6 +2,8 @@
 #include "limit_tangents.h"
 
 #include <espalier/limit/vertex_ring.h>
+#include <espalier/stencils/surroundings.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -10,9 +12,6 @@
 #include <map>
 #include <optional>
 #include <utility>
-
-#include <espalier/stencils/surroundings.h>
-#include <espalier/stencils/table_builder.h>
 
 namespace espalier::limit {
 namespace {

@@ -2,10 +2,9 @@
 #include "patch_solver.h"
 
 #include <espalier/embed/basis_functions.h>
+#include <espalier/embed/map_inversion.h>
 
 #include <algorithm>
-
-#include <espalier/embed/map_inversion.h>
 
 namespace espalier::limit {
 

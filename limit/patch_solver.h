@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/affine_hull.h>
 #include <espalier/embed/trilinear.h>
 
 #include <Eigen/Core>
 #include <optional>
 
-#include <espalier/embed/affine_hull.h>
 #include "tricubic_patch.h"
 
 namespace espalier::limit {

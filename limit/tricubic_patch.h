@@ -2,14 +2,13 @@
 #pragma once
 
 #include <espalier/base/point.h>
+#include <espalier/embed/cell_frame.h>
 #include <espalier/embed/cell_place.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <Eigen/Core>
 #include <array>
 #include <span>
-
-#include <espalier/embed/cell_frame.h>
 
 namespace espalier::limit {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/far/star.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/stencils/composition.h>
@@ -7,8 +8,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <string>
-
-#include <espalier/base/sort_unique.h>
 
 namespace espalier::limit {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/solve/design_variables.h>
 
-#include <espalier/base/error.h>
 #include <pybind11/stl.h>
 
 #include <array>

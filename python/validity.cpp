@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/solve/validity.h>
-
 #include <espalier/base/error.h>
+#include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
+
 #include <pybind11/stl.h>
 
 #include <limits>

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/stencils/level_rows.h>
-
 #include <espalier/base/memory.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/level_rows.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <iterator>
 #include <numeric>
 #include <utility>
-
-#include <espalier/base/sort_unique.h>
-#include <espalier/stencils/table_builder.h>
 
 namespace espalier::stencils {
 namespace {
