@@ -7,14 +7,15 @@
 #include <espalier/stencils/composition.h>
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/stencilTableFactory.h>
-#include "differences.h"
-#include "level_match.h"
-#include "memory_needs.h"
-#include "open_subdiv_refiner.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "differences.h"
+#include "level_match.h"
+#include "memory_needs.h"
+#include "open_subdiv_refiner.h"
 
 namespace espalier::compare {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "differences.h"
 #include <espalier/osd/cpu_evaluator.h>
 #include <opensubdiv/osd/cpuEvaluator.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
+
+#include "differences.h"
 
 namespace espalier::compare {
 double larger(double a, double b) {

@@ -3,12 +3,13 @@
 
 #include <espalier/far/topology_refiner.h>
 #include <opensubdiv/far/topologyRefiner.h>
-#include "surface.h"
 
 #include <array>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "surface.h"
 
 namespace espalier::compare {
 

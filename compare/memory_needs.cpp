@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "memory_needs.h"
 #include <espalier/base/memory.h>
 #include <espalier/stencils/composition.h>
 
@@ -7,6 +6,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+
+#include "memory_needs.h"
 
 namespace espalier::compare {
 namespace {

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
-#include "surface.h"
 
 #include <cstddef>
 #include <span>
+
+#include "surface.h"
 
 // Memory that the steps of a comparison take, asked for before each step: neither OpenSubdiv nor
 // the relations of a large level look at a MemoryLimit while they grow. Each function counts

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "open_subdiv_refiner.h"
 #include <espalier/base/error.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/version.h>
-#include "memory_needs.h"
 
 #include <algorithm>
 #include <vector>
+
+#include "memory_needs.h"
+#include "open_subdiv_refiner.h"
 
 namespace espalier::compare {
 namespace {

@@ -3,10 +3,11 @@
 
 #include <espalier/far/topology_refiner.h>
 #include <opensubdiv/far/topologyRefiner.h>
-#include "surface.h"
 
 #include <memory>
 #include <string>
+
+#include "surface.h"
 
 namespace espalier::compare {
 

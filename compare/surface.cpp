@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "surface.h"
 #include <espalier/base/error.h>
 
 #include <algorithm>
+
+#include "surface.h"
 
 namespace espalier::compare {
 

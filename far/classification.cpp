@@ -4,10 +4,11 @@
 #include <espalier/far/refinement.h>
 #include <espalier/far/strata.h>
 #include <espalier/far/topology_error.h>
-#include "surface_fans.h"
 
 #include <algorithm>
 #include <string>
+
+#include "surface_fans.h"
 
 namespace espalier::far {
 namespace {

@@ -2,11 +2,12 @@
 #include <espalier/base/error.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
-#include "canonical_loop.h"
 
 #include <numeric>
 #include <string>
 #include <utility>
+
+#include "canonical_loop.h"
 
 namespace espalier::far {
 

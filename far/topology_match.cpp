@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/topology_match.h>
-#include "canonical_loop.h"
 
 #include <algorithm>
 #include <numeric>
+
+#include "canonical_loop.h"
 
 namespace espalier::far {
 namespace {

@@ -2,7 +2,6 @@
 #include <espalier/io/binding_file.h>
 #include <espalier/io/files/file.h>
 #include <zlib.h>
-#include "files/byte_output.h"
 
 #include <array>
 #include <cmath>
@@ -10,6 +9,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "files/byte_output.h"
 
 namespace espalier::io {
 namespace {

@@ -5,11 +5,12 @@
 #include <espalier/io/models/obj.h>
 #include <espalier/io/models/ply.h>
 #include <espalier/io/models/stl.h>
-#include "vtk/vtu_model.h"
 
 #include <cmath>
 #include <string>
 #include <utility>
+
+#include "vtk/vtu_model.h"
 
 namespace espalier::io {
 namespace {

@@ -2,9 +2,6 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/osd/change_evaluator.h>
-#include "compile/compiled_table_data.h"
-#include "compile/places_of_columns.h"
-#include "kernels/room.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +10,10 @@
 #include <numeric>
 #include <string>
 #include <utility>
+
+#include "compile/compiled_table_data.h"
+#include "compile/places_of_columns.h"
+#include "kernels/room.h"
 
 namespace espalier::osd {
 namespace {

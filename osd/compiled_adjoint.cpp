@@ -2,12 +2,13 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/osd/compiled_adjoint.h>
-#include "compile/places_of_columns.h"
-#include "compile/table_compiler.h"
-#include "kernels/room.h"
 
 #include <algorithm>
 #include <utility>
+
+#include "compile/places_of_columns.h"
+#include "compile/table_compiler.h"
+#include "kernels/room.h"
 
 namespace espalier::osd {
 namespace {

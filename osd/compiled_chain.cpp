@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/osd/compiled_chain.h>
-#include "kernels/room.h"
 
 #include <algorithm>
 #include <array>
 #include <string>
 #include <utility>
+
+#include "kernels/room.h"
 
 namespace espalier::osd {
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
-#include "compile/compiled_table_data.h"
-#include "kernels/room.h"
 
 #include <algorithm>
 #include <utility>
+
+#include "compile/compiled_table_data.h"
+#include "kernels/room.h"
 
 namespace espalier::osd {
 namespace {

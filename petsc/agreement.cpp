@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "agreement.h"
 #include <espalier/base/error.h>
-#include "error_capture.h"
 
 #include <array>
 #include <cstring>
 #include <new>
 #include <string>
+
+#include "agreement.h"
+#include "error_capture.h"
 
 namespace espalier::petsc {
 namespace {

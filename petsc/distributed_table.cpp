@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/petsc/distributed_table.h>
-#include "agreement.h"
-#include "error_capture.h"
 
 #include <array>
 #include <cmath>
@@ -10,6 +8,9 @@
 #include <limits>
 #include <optional>
 #include <string>
+
+#include "agreement.h"
+#include "error_capture.h"
 
 namespace espalier::petsc {
 namespace {

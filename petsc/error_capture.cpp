@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "error_capture.h"
 #include <espalier/base/error.h>
+
+#include "error_capture.h"
 
 namespace espalier::petsc {
 namespace {

@@ -3,12 +3,13 @@
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>
-#include "checks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
+
+#include "checks.h"
 
 namespace espalier::shapes {
 namespace {

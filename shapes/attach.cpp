@@ -2,11 +2,12 @@
 #include <espalier/base/error.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/attach.h>
-#include "cell_loops.h"
-#include "checks.h"
 
 #include <numeric>
 #include <string>
+
+#include "cell_loops.h"
+#include "checks.h"
 
 namespace espalier::shapes {
 namespace {

@@ -3,12 +3,13 @@
 #include <espalier/far/complex_builder.h>
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
-#include "cell_loops.h"
-#include "checks.h"
 
 #include <cmath>
 #include <numbers>
 #include <utility>
+
+#include "cell_loops.h"
+#include "checks.h"
 
 namespace espalier::shapes {
 namespace {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "checks.h"
 #include <espalier/base/error.h>
 #include <espalier/far/topology_error.h>
 
 #include <charconv>
 #include <cmath>
+
+#include "checks.h"
 
 namespace espalier::shapes {
 namespace {

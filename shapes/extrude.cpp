@@ -3,12 +3,13 @@
 #include <espalier/base/vector3.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/shapes/extrude.h>
-#include "cell_loops.h"
-#include "checks.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
+
+#include "cell_loops.h"
+#include "checks.h"
 
 namespace espalier::shapes {
 namespace {

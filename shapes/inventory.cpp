@@ -3,11 +3,12 @@
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>
-#include "checks.h"
 
 #include <cmath>
 #include <numbers>
 #include <string>
+
+#include "checks.h"
 
 namespace espalier::shapes {
 Lattice box(const BoxOptions& options) {

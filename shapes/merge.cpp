@@ -3,14 +3,15 @@
 #include <espalier/far/complex_builder.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/shapes/merge.h>
-#include "cell_loops.h"
-#include "checks.h"
-#include "weld.h"
 
 #include <algorithm>
 #include <map>
 #include <string>
 #include <utility>
+
+#include "cell_loops.h"
+#include "checks.h"
+#include "weld.h"
 
 namespace espalier::shapes {
 namespace {

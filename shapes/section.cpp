@@ -2,12 +2,13 @@
 #include <espalier/base/vector3.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/shapes/section.h>
-#include "cell_loops.h"
-#include "checks.h"
 
 #include <cmath>
 #include <numbers>
 #include <string>
+
+#include "cell_loops.h"
+#include "checks.h"
 
 namespace espalier::shapes {
 

@@ -3,13 +3,14 @@
 #include <espalier/far/complex_builder.h>
 #include <espalier/shapes/section.h>
 #include <espalier/shapes/solids.h>
-#include "cell_loops.h"
-#include "checks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
+
+#include "cell_loops.h"
+#include "checks.h"
 
 namespace espalier::shapes {
 namespace {

@@ -2,10 +2,11 @@
 #include <espalier/base/error.h>
 #include <espalier/base/vector3.h>
 #include <espalier/shapes/transform.h>
-#include "checks.h"
 
 #include <cmath>
 #include <utility>
+
+#include "checks.h"
 
 namespace espalier::shapes {
 namespace {

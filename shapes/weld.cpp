@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "weld.h"
 #include <espalier/base/vector3.h>
 
 #include <algorithm>
@@ -10,6 +9,8 @@
 #include <optional>
 #include <unordered_map>
 #include <utility>
+
+#include "weld.h"
 
 namespace espalier::shapes {
 namespace {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bernstein.h"
 #include <espalier/base/vector3.h>
 
 #include <tuple>
+
+#include "bernstein.h"
 
 namespace espalier::solve {
 namespace {

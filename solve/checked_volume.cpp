@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "checked_volume.h"
 #include <espalier/base/error.h>
 
 #include <string>
+
+#include "checked_volume.h"
 
 namespace espalier::solve {
 

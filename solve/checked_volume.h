@@ -4,10 +4,11 @@
 #include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/limit/limit_parts.h>
-#include "validity_pieces.h"
 
 #include <optional>
 #include <span>
+
+#include "validity_pieces.h"
 
 namespace espalier::solve {
 

@@ -2,13 +2,14 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/solve/validity.h>
-#include "bernstein_bounds.h"
-#include "checked_volume.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
+
+#include "bernstein_bounds.h"
+#include "checked_volume.h"
 
 namespace espalier::solve {
 namespace {

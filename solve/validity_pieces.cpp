@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "validity_pieces.h"
 #include <espalier/base/vector3.h>
 #include <espalier/embed/cell_place.h>
 #include <espalier/far/standard_cells.h>
@@ -8,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "validity_pieces.h"
 
 namespace espalier::solve {
 namespace {

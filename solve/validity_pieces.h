@@ -4,11 +4,12 @@
 #include <espalier/base/point.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/limit/limit_parts.h>
-#include "bernstein.h"
 
 #include <array>
 #include <optional>
 #include <span>
+
+#include "bernstein.h"
 
 namespace espalier::solve {
 

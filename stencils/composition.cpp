@@ -2,13 +2,14 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/stencils/composition.h>
-#include "repeated_rows.h"
-#include "vertex_parents.h"
 
 #include <algorithm>
 #include <numeric>
 #include <string>
 #include <utility>
+
+#include "repeated_rows.h"
+#include "vertex_parents.h"
 
 namespace espalier::stencils {
 namespace {

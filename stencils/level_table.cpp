@@ -5,12 +5,13 @@
 #include <espalier/stencils/mlca.h>
 #include <espalier/stencils/rats.h>
 #include <espalier/stencils/table_builder.h>
-#include "vertex_parents.h"
 
 #include <algorithm>
 #include <array>
 #include <numeric>
 #include <optional>
+
+#include "vertex_parents.h"
 
 namespace espalier::stencils {
 namespace {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "repeated_rows.h"
 #include <espalier/base/parallel.h>
 #include <espalier/stencils/surroundings.h>
-#include "vertex_parents.h"
 
 #include <algorithm>
+
+#include "repeated_rows.h"
+#include "vertex_parents.h"
 
 namespace espalier::stencils {
 namespace {}  // namespace

@@ -3,8 +3,6 @@
 
 #include <espalier/base/array.h>
 #include <espalier/base/memory.h>
-#include "byte_order.h"
-#include "coding_error.h"
 
 #include <cstdint>
 #include <cstring>
@@ -12,6 +10,9 @@
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "byte_order.h"
+#include "coding_error.h"
 
 namespace espalier::io {
 

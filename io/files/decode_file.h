@@ -3,9 +3,10 @@
 
 #include <espalier/base/memory.h>
 #include <espalier/io/files/file.h>
-#include "coding_error.h"
 
 #include <filesystem>
+
+#include "coding_error.h"
 
 namespace espalier::io {
 

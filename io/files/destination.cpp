@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "destination.h"
 #include <espalier/io/files/file.h>
 #include <fcntl.h>
 #include <unistd.h>
-#include "descriptor.h"
 
 #include <cerrno>
 #include <charconv>
 #include <string>
 #include <system_error>
+
+#include "descriptor.h"
+#include "destination.h"
 
 namespace espalier::io {
 

@@ -5,17 +5,18 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include "descriptor.h"
-#include "descriptor_buffer.h"
-#include "destination.h"
-#include "new_file.h"
-#include "signals_blocked.h"
 
 #include <cerrno>
 #include <deque>
 #include <optional>
 #include <ostream>
 #include <system_error>
+
+#include "descriptor.h"
+#include "descriptor_buffer.h"
+#include "destination.h"
+#include "new_file.h"
+#include "signals_blocked.h"
 
 namespace espalier::io {
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "inflate.h"
 #include <espalier/base/memory.h>
 #include <zlib.h>
-#include "coding_error.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <new>
+
+#include "coding_error.h"
+#include "inflate.h"
 
 namespace espalier::io {
 namespace {

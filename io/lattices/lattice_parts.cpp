@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lattice_parts.h"
 #include <espalier/base/error.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/io/files/file.h>
-#include "../vtk/point_arrays.h"
-#include "../vtk/vtk_numbers.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
+
+#include "../vtk/point_arrays.h"
+#include "../vtk/vtk_numbers.h"
+#include "lattice_parts.h"
 
 namespace espalier::io {
 

@@ -4,8 +4,6 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattices/ovm.h>
-#include "../vtk/vtk_numbers.h"
-#include "lattice_parts.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +11,9 @@
 #include <optional>
 #include <string>
 #include <utility>
+
+#include "../vtk/vtk_numbers.h"
+#include "lattice_parts.h"
 
 namespace espalier::io {
 

@@ -2,13 +2,14 @@
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattices/ovm.h>
-#include "../files/text_output.h"
-#include "../vtk/point_arrays.h"
-#include "lattice_parts.h"
 
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "../files/text_output.h"
+#include "../vtk/point_arrays.h"
+#include "lattice_parts.h"
 
 namespace espalier::io {
 

@@ -3,9 +3,6 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/matrices/matrix_market.h>
-#include "../files/finite.h"
-#include "../files/text_output.h"
-#include "../files/words.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +14,10 @@
 #include <tuple>
 #include <utility>
 #include <vector>
+
+#include "../files/finite.h"
+#include "../files/text_output.h"
+#include "../files/words.h"
 
 namespace espalier::io {
 

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "npy_reader.h"
 #include <espalier/base/error.h>
 #include <espalier/base/index.h>
 #include <espalier/io/files/text_reader.h>
-#include "../files/byte_input.h"
-#include "npy.h"
 
 #include <algorithm>
 #include <limits>
 #include <span>
 #include <type_traits>
 #include <utility>
+
+#include "../files/byte_input.h"
+#include "npy.h"
+#include "npy_reader.h"
 
 namespace espalier::io {
 namespace {

@@ -2,13 +2,6 @@
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/matrices/numpy_matrix.h>
-#include "../files/decode_file.h"
-#include "../files/finite.h"
-#include "../files/zip_reader.h"
-#include "../files/zip_writer.h"
-#include "matrix_rows.h"
-#include "npy.h"
-#include "npy_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +10,14 @@
 #include <limits>
 #include <string>
 #include <utility>
+
+#include "../files/decode_file.h"
+#include "../files/finite.h"
+#include "../files/zip_reader.h"
+#include "../files/zip_writer.h"
+#include "matrix_rows.h"
+#include "npy.h"
+#include "npy_reader.h"
 
 namespace espalier::io {
 namespace {

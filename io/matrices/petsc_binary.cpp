@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
 #include <espalier/io/matrices/petsc_binary.h>
-#include "../files/byte_input.h"
-#include "../files/byte_output.h"
-#include "../files/decode_file.h"
-#include "../files/finite.h"
-#include "matrix_rows.h"
 
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
+
+#include "../files/byte_input.h"
+#include "../files/byte_output.h"
+#include "../files/decode_file.h"
+#include "../files/finite.h"
+#include "matrix_rows.h"
 
 namespace espalier::io {
 namespace {

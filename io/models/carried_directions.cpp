@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "carried_directions.h"
 #include <espalier/base/vector3.h>
 
 #include <limits>
+
+#include "carried_directions.h"
 
 namespace espalier::io {
 

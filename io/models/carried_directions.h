@@ -2,10 +2,11 @@
 #pragma once
 
 #include <espalier/io/directions.h>
-#include "coordinates.h"
 
 #include <span>
 #include <vector>
+
+#include "coordinates.h"
 
 // What the model formats share about the directions in a file.
 

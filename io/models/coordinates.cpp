@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "coordinates.h"
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include "../files/byte_order.h"
-#include "../files/text_output.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
+
+#include "../files/byte_order.h"
+#include "../files/text_output.h"
+#include "coordinates.h"
 
 namespace espalier::io {
 namespace {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
 #include <espalier/io/models/obj.h>
-#include "coordinates.h"
-#include "obj_normals.h"
-#include "obj_statements.h"
 
 #include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "coordinates.h"
+#include "obj_normals.h"
+#include "obj_statements.h"
 
 namespace espalier::io {
 namespace {

@@ -4,9 +4,6 @@
 #include <espalier/far/topology_error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/models/obj_mesh.h>
-#include "../lattices/lattice_parts.h"
-#include "obj_statements.h"
-#include "obj_tags.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -14,6 +11,10 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "../lattices/lattice_parts.h"
+#include "obj_statements.h"
+#include "obj_tags.h"
 
 namespace espalier::io {
 

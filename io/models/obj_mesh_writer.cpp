@@ -3,9 +3,6 @@
 #include <espalier/far/sharpness.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/models/obj_mesh.h>
-#include "../files/text_output.h"
-#include "../lattices/lattice_parts.h"
-#include "../vtk/point_arrays.h"
 
 #include <initializer_list>
 #include <ostream>
@@ -13,6 +10,10 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "../files/text_output.h"
+#include "../lattices/lattice_parts.h"
+#include "../vtk/point_arrays.h"
 
 namespace espalier::io {
 

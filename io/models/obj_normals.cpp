@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "obj_normals.h"
 #include <espalier/base/vector3.h>
-#include "../files/text_output.h"
-#include "carried_directions.h"
-#include "obj_statements.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +10,11 @@
 #include <string_view>
 #include <unordered_map>
 #include <vector>
+
+#include "../files/text_output.h"
+#include "carried_directions.h"
+#include "obj_normals.h"
+#include "obj_statements.h"
 
 // One `vn` may serve corners of several points, which carry it to different normals. So a normal
 // has versions: the first takes the place of the old one, each other gets a line of its own. That

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <espalier/io/directions.h>
-#include "coordinates.h"
 
 #include <filesystem>
 #include <iosfwd>
 #include <span>
 #include <string_view>
+
+#include "coordinates.h"
 
 namespace espalier::io {
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "obj_statements.h"
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
-#include "coordinates.h"
 
 #include <algorithm>
 #include <iterator>
+
+#include "coordinates.h"
+#include "obj_statements.h"
 
 namespace espalier::io {
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "obj_tags.h"
 #include <espalier/base/error.h>
 #include <espalier/far/sharpness.h>
 #include <espalier/io/files/file.h>
-#include "../lattices/lattice_parts.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "../lattices/lattice_parts.h"
+#include "obj_tags.h"
 
 namespace espalier::io {
 

@@ -4,7 +4,6 @@
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/marks.h>
 #include <espalier/shapes/lattice.h>
-#include "obj_statements.h"
 
 #include <array>
 #include <cstddef>
@@ -13,6 +12,8 @@
 #include <span>
 #include <utility>
 #include <vector>
+
+#include "obj_statements.h"
 
 namespace espalier::io {
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
 #include <espalier/io/models/ply.h>
-#include "coordinates.h"
-#include "ply_header.h"
-#include "ply_rows.h"
 
 #include <algorithm>
 #include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "coordinates.h"
+#include "ply_header.h"
+#include "ply_rows.h"
 
 namespace espalier::io {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ply_header.h"
 #include <espalier/base/error.h>
 #include <espalier/io/files/text_reader.h>
-#include "../files/words.h"
 
 #include <algorithm>
 #include <cstdint>
+
+#include "../files/words.h"
+#include "ply_header.h"
 
 namespace espalier::io {
 namespace {

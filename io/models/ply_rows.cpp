@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ply_rows.h"
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include "../files/byte_order.h"
-#include "../files/words.h"
 
 #include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "../files/byte_order.h"
+#include "../files/words.h"
+#include "ply_rows.h"
 
 namespace espalier::io {
 namespace {

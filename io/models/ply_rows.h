@@ -2,13 +2,14 @@
 #pragma once
 
 #include <espalier/base/point.h>
-#include "coordinates.h"
-#include "ply_header.h"
 
 #include <array>
 #include <filesystem>
 #include <string_view>
 #include <vector>
+
+#include "coordinates.h"
+#include "ply_header.h"
 
 namespace espalier::io {
 

@@ -3,9 +3,6 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/models/stl.h>
-#include "../files/byte_order.h"
-#include "../files/text_output.h"
-#include "coordinates.h"
 
 #include <algorithm>
 #include <bit>
@@ -16,6 +13,10 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "../files/byte_order.h"
+#include "../files/text_output.h"
+#include "coordinates.h"
 
 namespace espalier::io {
 namespace {

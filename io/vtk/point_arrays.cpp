@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "point_arrays.h"
 #include <espalier/io/files/file.h>
 
 #include <cmath>
 #include <string>
+
+#include "point_arrays.h"
 
 namespace espalier::io {
 

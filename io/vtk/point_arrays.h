@@ -2,11 +2,12 @@
 #pragma once
 
 #include <espalier/base/point.h>
-#include "vtk_xml.h"
 
 #include <filesystem>
 #include <span>
 #include <vector>
+
+#include "vtk_xml.h"
 
 namespace espalier::io {
 

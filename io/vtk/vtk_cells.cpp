@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vtk_cells.h"
 #include <espalier/far/standard_cells.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/io/files/file.h>
-#include "../lattices/lattice_parts.h"
 
 #include <algorithm>
 #include <optional>
 #include <string>
+
+#include "../lattices/lattice_parts.h"
+#include "vtk_cells.h"
 
 namespace espalier::io {
 

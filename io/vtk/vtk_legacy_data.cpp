@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vtk_legacy_data.h"
 #include <espalier/base/error.h>
 
 #include <bit>
 #include <charconv>
 #include <type_traits>
+
+#include "vtk_legacy_data.h"
 
 namespace espalier::io {
 

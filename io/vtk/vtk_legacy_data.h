@@ -2,13 +2,14 @@
 #pragma once
 
 #include <espalier/io/files/text_reader.h>
-#include "vtk_numbers.h"
 
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "vtk_numbers.h"
 
 namespace espalier::io {
 

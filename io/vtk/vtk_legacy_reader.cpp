@@ -2,15 +2,16 @@
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/vtk/vtk_legacy.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+
 #include "../files/words.h"
 #include "../lattices/lattice_parts.h"
 #include "point_arrays.h"
 #include "vtk_cells.h"
 #include "vtk_legacy_data.h"
-
-#include <optional>
-#include <string>
-#include <utility>
 
 namespace espalier::io {
 namespace {

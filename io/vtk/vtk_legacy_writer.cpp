@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
 #include <espalier/io/vtk/vtk_legacy.h>
-#include "../files/text_output.h"
-#include "../lattices/lattice_parts.h"
-#include "point_arrays.h"
-#include "vtk_cells.h"
 
 #include <span>
 #include <string>
 #include <vector>
+
+#include "../files/text_output.h"
+#include "../lattices/lattice_parts.h"
+#include "point_arrays.h"
+#include "vtk_cells.h"
 
 namespace espalier::io {
 namespace {

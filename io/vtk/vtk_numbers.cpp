@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vtk_numbers.h"
 #include <espalier/base/error.h>
-#include "../files/byte_order.h"
 
 #include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
+
+#include "../files/byte_order.h"
+#include "vtk_numbers.h"
 
 namespace espalier::io {
 namespace {

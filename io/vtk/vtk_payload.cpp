@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vtk_payload.h"
 #include <espalier/base/memory.h>
 #include <zlib.h>
-#include "../files/base64.h"
-#include "../files/byte_order.h"
-#include "../files/coding_error.h"
-#include "../files/inflate.h"
-#include "vtk_numbers.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -14,6 +8,13 @@
 #include <new>
 #include <variant>
 #include <vector>
+
+#include "../files/base64.h"
+#include "../files/byte_order.h"
+#include "../files/coding_error.h"
+#include "../files/inflate.h"
+#include "vtk_numbers.h"
+#include "vtk_payload.h"
 
 namespace espalier::io {
 namespace {

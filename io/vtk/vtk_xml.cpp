@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vtk_xml.h"
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/io/files/file.h>
-#include "../files/coding_error.h"
 
 #include <algorithm>
 #include <type_traits>
+
+#include "../files/coding_error.h"
+#include "vtk_xml.h"
 
 namespace espalier::io {
 

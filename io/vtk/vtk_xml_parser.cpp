@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
-#include "vtk_xml.h"
 
 #include <algorithm>
 #include <limits>
 #include <new>
 #include <pugixml.hpp>
 #include <utility>
+
+#include "vtk_xml.h"
 
 namespace espalier::io {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vtk_xml_writer.h"
 #include <espalier/base/utf8.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <type_traits>
+
+#include "vtk_xml_writer.h"
 
 namespace espalier::io {
 namespace {

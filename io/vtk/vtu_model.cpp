@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vtu_model.h"
 #include <espalier/io/files/file.h>
+
+#include <algorithm>
+#include <ostream>
+
 #include "../files/coding_error.h"
 #include "../models/coordinates.h"
 #include "point_arrays.h"
 #include "vtk_xml_writer.h"
-
-#include <algorithm>
-#include <ostream>
+#include "vtu_model.h"
 
 namespace espalier::io {
 namespace {

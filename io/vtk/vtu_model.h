@@ -2,14 +2,15 @@
 #pragma once
 
 #include <espalier/base/point.h>
-#include "../models/carried_directions.h"
-#include "vtk_xml.h"
 
 #include <filesystem>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "../models/carried_directions.h"
+#include "vtk_xml.h"
 
 namespace espalier::io {
 

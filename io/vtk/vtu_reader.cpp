@@ -2,14 +2,15 @@
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/vtk/vtu.h>
-#include "../lattices/lattice_parts.h"
-#include "point_arrays.h"
-#include "vtk_cells.h"
-#include "vtk_xml.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
+
+#include "../lattices/lattice_parts.h"
+#include "point_arrays.h"
+#include "vtk_cells.h"
+#include "vtk_xml.h"
 
 namespace espalier::io {
 namespace {

@@ -2,12 +2,13 @@
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/vtk/vtu.h>
+
+#include <ostream>
+
 #include "../lattices/lattice_parts.h"
 #include "point_arrays.h"
 #include "vtk_cells.h"
 #include "vtk_xml_writer.h"
-
-#include <ostream>
 
 namespace espalier::io {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/osd/compiled_table.h>
+
 #include "table_compiler.h"
 
 namespace espalier::osd {

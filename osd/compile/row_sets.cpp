@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "row_sets.h"
 #include <espalier/base/parallel.h>
-#include "number_hash.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
 #include <span>
+
+#include "number_hash.h"
+#include "row_sets.h"
 
 namespace espalier::osd {
 namespace {

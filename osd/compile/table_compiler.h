@@ -2,12 +2,13 @@
 #pragma once
 
 #include <espalier/stencils/stencil_table.h>
-#include "../kernels/padding.h"
 
 #include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
+
+#include "../kernels/padding.h"
 
 // What is inside a compiled table.
 namespace espalier::osd {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/osd/cuda/cuda_evaluator.h>
+
+#include <optional>
+#include <utility>
+
 #include "../kernels/room.h"
 #include "cuda_calls.h"
 #include "cuda_launch.h"
 #include "device_table.h"
-
-#include <optional>
-#include <utility>
 
 namespace espalier::osd {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <espalier/osd/kernels/kernels.h>
 #include <math.h>
+
 #include "device_data.h"
 
 // The kernels of GPUs, as functions of one warp. Compiled for the device by cuda_launch.cu, and for

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "device_table.h"
 #include <espalier/base/error.h>
-#include "../compile/places_of_columns.h"
-#include "../compile/table_compiler.h"
-#include "device_kernels.h"
 
 #include <algorithm>
 #include <limits>
@@ -11,6 +7,11 @@
 #include <span>
 #include <string>
 #include <utility>
+
+#include "../compile/places_of_columns.h"
+#include "../compile/table_compiler.h"
+#include "device_kernels.h"
+#include "device_table.h"
 
 namespace espalier::osd::device {
 namespace {

@@ -3,12 +3,13 @@
 
 #include <espalier/base/api.h>
 #include <espalier/stencils/stencil_table.h>
-#include "../kernels/padding.h"
-#include "device_data.h"
 
 #include <array>
 #include <span>
 #include <vector>
+
+#include "../kernels/padding.h"
+#include "device_data.h"
 
 namespace espalier::osd::device {
 

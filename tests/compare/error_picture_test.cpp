@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "compare/error_picture.h"
 #include <espalier/base/error.h>
 #include <gmock/gmock.h>
-#include "compare/error_scale.h"
-#include "compare/surface_view.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <pugixml.hpp>
 #include <sstream>
+
+#include "compare/error_picture.h"
+#include "compare/error_scale.h"
+#include "compare/surface_view.h"
 
 namespace espalier::test {
 namespace {

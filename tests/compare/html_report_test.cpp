@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/compare/html_report.h>
 #include <gmock/gmock.h>
-#include "compare/report_text.h"
 
 #include <limits>
 #include <pugixml.hpp>
 #include <set>
+
+#include "compare/report_text.h"
 
 namespace espalier::test {
 namespace {

@@ -4,13 +4,13 @@
 #include <espalier/limit/vertex_ring.h>
 #include <gtest/gtest.h>
 #include <opensubdiv/far/primvarRefiner.h>
-#include "compare/open_subdiv_refiner.h"
-#include "compare/surface.h"
 
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 
+#include "compare/open_subdiv_refiner.h"
 #include "compare/shapes.h"
+#include "compare/surface.h"
 #include "support/named_polyhedra.h"
 #include "support/tables.h"
 

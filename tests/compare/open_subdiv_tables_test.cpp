@@ -7,8 +7,8 @@
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/osd/cpuEvaluator.h>
 #include <opensubdiv/osd/cpuVertexBuffer.h>
-#include "compare/open_subdiv_refiner.h"
 
+#include "compare/open_subdiv_refiner.h"
 #include "compare/shapes.h"
 
 namespace espalier::compare {

@@ -103,6 +103,17 @@ class Pages(unittest.TestCase):
             self.assertGreater(sum(bool(block[3]) for block in blocks), 8, name)
 
 
+    def test_the_life_of_a_deform_names_functions_that_exist(self):
+        text = (DOCS / "life-of-a-deform.md").read_text(encoding="utf-8")
+        steps = re.findall(r"`(\w+)`\s+\(\[([^\]]+)\]", text)
+        self.assertGreater(len(steps), 15)
+        for name, path in steps:
+            with self.subTest(name=name):
+                source = (DOCS.parent / path).read_text(encoding="utf-8")
+                # A definition: its head starts at the left margin, and a body follows.
+                self.assertRegex(source, rf"(?m)^\S[^;={{}}]*\b{name}\([^;{{}}]*\)[^;{{}}]*{{")
+
+
 class Checker(unittest.TestCase):
     """The check itself: each way for a page to be wrong is found."""
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "far/surface_fans.h"
 #include <espalier/far/complex_builder.h>
 #include <gtest/gtest.h>
 
+#include "far/surface_fans.h"
 #include "support/complexes.h"
 
 namespace espalier::far {

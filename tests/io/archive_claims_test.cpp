@@ -3,12 +3,13 @@
 #include <espalier/io/matrices/numpy_matrix.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include "io/files/zip_writer.h"
-#include "io/matrices/npy.h"
 
 #include <array>
 #include <sstream>
 #include <vector>
+
+#include "io/files/zip_writer.h"
+#include "io/matrices/npy.h"
 
 namespace espalier::test {
 namespace {

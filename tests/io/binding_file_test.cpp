@@ -4,11 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
-#include "io/files/byte_order.h"
 
 #include <fstream>
 #include <limits>
 
+#include "io/files/byte_order.h"
 #include "support/temporary_folder.h"
 
 namespace espalier::io {

@@ -3,11 +3,12 @@
 #include <espalier/io/matrices/numpy_matrix.h>
 #include <io/matrix_samples.h>
 #include <io/model_files.h>
-#include "io/files/zip_writer.h"
-#include "io/matrices/npy.h"
 
 #include <limits>
 #include <sstream>
+
+#include "io/files/zip_writer.h"
+#include "io/matrices/npy.h"
 
 // What the formats are byte by byte. That NumPy, SciPy and PETSc read them is tested in
 // tests/cli/export_test.py.

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/matrices/npy_reader.h"
 #include <espalier/base/index.h>
 #include <io/model_files.h>
-#include "io/files/coding_error.h"
 
 #include <cmath>
 #include <cstdint>
 #include <limits>
+
+#include "io/files/coding_error.h"
+#include "io/matrices/npy_reader.h"
 
 namespace espalier::io {
 namespace {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/vtk/vtk_numbers.h"
 #include <espalier/io/files/file.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
+
+#include "io/vtk/vtk_numbers.h"
 
 namespace espalier::test {
 namespace {

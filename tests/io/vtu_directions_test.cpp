@@ -2,10 +2,11 @@
 #include <espalier/io/model.h>
 #include <io/gradient_samples.h>
 #include <io/model_files.h>
-#include "io/vtk/vtk_xml_writer.h"
 
 #include <cstdint>
 #include <limits>
+
+#include "io/vtk/vtk_xml_writer.h"
 
 namespace espalier::io {
 namespace {

@@ -4,10 +4,11 @@
 #include <espalier/base/error.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/io/files/file.h>
-#include "io/files/base64.h"
-#include "io/vtk/vtk_xml_writer.h"
 
 #include <algorithm>
+
+#include "io/files/base64.h"
+#include "io/vtk/vtk_xml_writer.h"
 
 namespace espalier::test {
 namespace {

@@ -6,12 +6,12 @@
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>
-#include "osd/compile/outer_product.h"
 
 #include <algorithm>
 #include <numeric>
 #include <random>
 
+#include "osd/compile/outer_product.h"
 #include "support/mesh_shapes.h"
 #include "support/tables.h"
 #include "support/zoo.h"

@@ -5,7 +5,6 @@
 #include <espalier/osd/evaluation.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include "osd/kernels/padding.h"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "osd/kernels/padding.h"
 #include "sums.h"
 #include "support/threads.h"
 

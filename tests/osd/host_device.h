@@ -2,14 +2,14 @@
 #pragma once
 
 #include <espalier/osd/evaluation.h>
-#include "osd/cuda/device_evaluation.h"
-#include "osd/cuda/device_table.h"
 
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "host_warp.h"
+#include "osd/cuda/device_evaluation.h"
+#include "osd/cuda/device_table.h"
 
 namespace espalier::osd {
 

@@ -4,13 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <petscmat.h>
-#include "petsc/error_capture.h"
 
 #include <bit>
 #include <filesystem>
 #include <optional>
 #include <string>
 
+#include "petsc/error_capture.h"
 #include "ranks.h"
 #include "support/temporary_folder.h"
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "solve/bernstein.h"
 #include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/shapes/inventory.h>
 #include <gtest/gtest.h>
-#include "solve/validity_pieces.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -12,6 +10,8 @@
 #include <limits>
 
 #include "polynomials.h"
+#include "solve/bernstein.h"
+#include "solve/validity_pieces.h"
 #include "support/zoo.h"
 
 namespace espalier::solve {

@@ -7,7 +7,6 @@
 #include <espalier/stencils/composition.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include "solve/checked_volume.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include <numeric>
 
 #include "poses.h"
+#include "solve/checked_volume.h"
 #include "support/random_lattices.h"
 #include "support/refined_lattice.h"
 #include "support/sanitizers.h"

@@ -7,7 +7,6 @@
 #include <espalier/solve/validity.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include "solve/validity_pieces.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include <numbers>
 
 #include "poses.h"
+#include "solve/validity_pieces.h"
 #include "support/refined_lattice.h"
 #include "support/threads.h"
 #include "support/zoo.h"

@@ -3,7 +3,6 @@
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>
-#include "far/surface_fans.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <numeric>
 #include <set>
 
+#include "far/surface_fans.h"
 #include "support/meshes.h"
 #include "support/random_lattices.h"
 
