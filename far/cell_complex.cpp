@@ -126,7 +126,7 @@ Incidence deriveRelation(const CellComplex& complex, int from, int to) {
 
 const Incidence& CellComplex::relation(int from, int to) const {
     assert(0 <= from && from <= data_->dimension && 0 <= to && to <= data_->dimension);
-    if (from == to + 1) return boundary(from).unsignedRows();
+    if (to >= 0 && from == to + 1) return boundary(from).unsignedRows();
     return data_->derived[from][to].get([&] { return deriveRelation(*this, from, to); });
 }
 
