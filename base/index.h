@@ -10,6 +10,14 @@
 #include <span>
 #include <vector>
 
+// base/: what every library needs, and no geometry.
+//
+// In and out: nothing; other folders build on it.
+//
+// Types: Index and Offset (this header), Error (error.h), Array (array.h), parallelFor()
+// (parallel.h), ExecutorScope (executor.h), ProgressScope (progress.h), MemoryLimit (memory.h).
+//
+// Read this header first, then error.h and parallel.h; the others when they are included.
 namespace espalier {
 
 /// Number of an entity among those of its dimension, counted from 0.

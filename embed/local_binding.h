@@ -10,6 +10,19 @@
 #include <span>
 #include <vector>
 
+// embed/: points to rows.
+//
+// In: a lattice at rest, points, a level n. Out: a Binding, which holds the deformation matrix D.
+//
+// Types: CellPlace, a place in a cell; PointLocator and CellSolver, which find it; PointDescent,
+// which refines only the cells that can hold a point; Binding. nested_lattices.h binds a lattice to
+// a lattice, continuity.h tells which vertices to freeze, tensor_product.h binds to Bézier and
+// B-spline lattices.
+//
+// Read binding.h, this header, cell_place.h, cell_solver.h, point_descent.h, then group_binder.h.
+//
+// Notation: W is points over level n; D = W · S_n is points over the base; x' = D · p' for a pose
+// p'.
 namespace espalier::embed {
 
 /// A model bound to a lattice, and how that went for each point.

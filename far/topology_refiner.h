@@ -11,6 +11,17 @@
 #include <span>
 #include <vector>
 
+// far/: topology. No positions and no weights.
+//
+// In: loops of vertex numbers, and marks. Out: refined levels with the strata of their entities.
+//
+// Types: CellComplex, built by ComplexBuilder; Strata; Refinement, from one level to the next;
+// TopologyRefiner, the chain of levels.
+//
+// Read cell_complex.h, strata.h, refinement.h, then this header.
+//
+// Notation: n is a level, 0 the base. An interval [a, b] is a pair of entities, a in b; its child
+// has the dimension dim b − dim a.
 namespace espalier::far {
 
 /// The weights of a triangle at a smooth edge of a surface.

@@ -11,6 +11,16 @@
 #include <filesystem>
 #include <string_view>
 
+// io/: files.
+//
+// In and out: lattices (this header), models (model.h), matrices (matrices/matrix_file.h), bindings
+// (binding_file.h).
+//
+// Inner folders: files/ holds what all formats need (atomic writing, bytes, text), vtk/, models/,
+// lattices/ and matrices/ the formats. A reader checks everything that it reads and names the file
+// and the line in its errors.
+//
+// Read this header, files/file.h, then lattices/ovm_reader.cpp as the simplest reader.
 namespace espalier::io {
 
 struct WriteLatticeOptions {

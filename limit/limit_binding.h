@@ -9,6 +9,18 @@
 #include <span>
 #include <utility>
 
+// limit/: the volume that refining goes to.
+//
+// In: a lattice at rest and points, or places in cells. Out: D on the limit volume, with
+// derivatives.
+//
+// Types: VertexRing, a vertex with its neighbours, whose subdivision matrix has the limit mask as
+// its eigenvector; TricubicPatch, a regular cell; LimitSearch, which finds a point; LimitTable, D
+// with its gradients.
+//
+// Read vertex_ring.h, limit_table.h, limit_stencils.h, then this header and limit_search.h.
+//
+// Notation: F = ∂x'/∂X is the deformation gradient by the rest pose X.
 namespace espalier::limit {
 
 /// How close to the limit is close enough, unless said otherwise.

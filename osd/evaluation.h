@@ -9,6 +9,16 @@
 #include <span>
 #include <type_traits>
 
+// osd/: a table times values. Tables are known here, and topology is not.
+//
+// In: a table, source values and their layout. Out: values, in the memory of the caller.
+//
+// Types: BufferDescriptor, a layout; CpuEvaluator, the product as it stands, and
+// ReferenceEvaluator, its oracle; CompiledTable, the same weights in a form that is several times
+// as fast (compile/ makes it, kernels/ run it); CompiledAdjoint, its transpose; ChangeEvaluator,
+// the rows that some columns change; CudaEvaluator (cuda/).
+//
+// Read this header, cpu_evaluator.h, compiled_table.h, then compile/table_compiler.h.
 namespace espalier::osd {
 
 /// Part of the rows of a table: first to last − 1.

@@ -10,6 +10,14 @@
 #include <string>
 #include <vector>
 
+// shapes/: lattices made by code.
+//
+// In: sizes and counts; or other lattices. Out: a Lattice.
+//
+// Types: Lattice (this header), the options and functions of inventory.h and solids.h; extrude.h,
+// section.h, merge.h and attach.h make lattices of parts.
+//
+// Read this header, then inventory.h.
 namespace espalier {
 
 /// A quantity on the vertices of a lattice besides their position: texture coordinates, material

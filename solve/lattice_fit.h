@@ -11,6 +11,15 @@
 #include <string>
 #include <vector>
 
+// solve/: from wishes to poses.
+//
+// In: D, and targets of points; or a pose. Out: displacements of the lattice; or volume ratios of
+// its cells.
+//
+// Types: FitOptions and fitLattice() (this header), DesignVariables, ValidityCheck, whose proofs
+// stand in bernstein_bounds.h.
+//
+// Read this header, design_variables.h, validity.h.
 namespace espalier::solve {
 
 /// What is asked of displacements besides that they reach the targets.

@@ -12,6 +12,18 @@
 #include <span>
 #include <vector>
 
+// stencils/: topology to sparse weights.
+//
+// In: a far::TopologyRefiner and Rules. Out: tables of weights, as sparse matrices.
+//
+// Types: Mask, the weights of one point (masks.h; mlca.h and rats.h hold other rules);
+// StencilTable, a matrix in compressed sparse rows; FactoredTable, a product that is left in two
+// factors.
+//
+// Read masks.h, stencil_table.h, then this header.
+//
+// Notation: R_k is level k over level k − 1; S_n = R_n … R_1 is level n over the base. Rows sum
+// to 1.
 namespace espalier::stencils {
 
 /// Checks that `rules` can refine what `refiner` holds. Everything below does so too.
