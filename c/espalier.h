@@ -85,8 +85,8 @@ ESPALIER_C_API const char* espalier_last_error(void);
 // destroyed on the thread that made them, in the reverse order. Of two of a kind, the inner one
 // counts.
 
-/// How far a call has come. A call is a sequence of stages (base/progress.h). Later versions may add
-/// fields at the end.
+/// How far a call has come. A call is a sequence of stages (base/progress.h). Later versions may
+/// add fields at the end.
 typedef struct espalier_progress {
     int64_t stage;  ///< stages that ended before, since the scope began
     int64_t done;   ///< items (points, rows, cells) of this stage that are done
@@ -386,8 +386,8 @@ ESPALIER_C_API espalier_status espalier_table_create_level(const espalier_refine
 ESPALIER_C_API espalier_status espalier_table_create_limits(const espalier_refiner* refiner,
                                                             int32_t level, espalier_table** table);
 
-/// The rows for places in the limit. Begin with espalier_default_limit_stencil_options(), as with
-/// those above.
+/// The rows for places in the limit. Fill it by espalier_default_limit_stencil_options() first,
+/// then change fields.
 typedef struct espalier_limit_stencil_options {
     size_t size;          ///< of this struct: sizeof(espalier_limit_stencil_options)
     int32_t derivatives;  ///< 0, 1 or 2: up to which order; default 0
@@ -433,8 +433,8 @@ ESPALIER_C_API espalier_status espalier_table_create_limit_stencils(
 
 ESPALIER_C_API void espalier_table_destroy(espalier_table* table);
 
-/// Writes a table in the format of the extension (io/matrices/matrix_file.h): .mtx, .npz of SciPy, .npy
-/// (three files), or .petsc.
+/// Writes a table in the format of the extension (io/matrices/matrix_file.h): .mtx, .npz of SciPy,
+/// .npy (three files), or .petsc.
 ESPALIER_C_API espalier_status espalier_table_write(const espalier_table* table, const char* path);
 
 /// Reads a table in the format of the extension: .mtx, .npz or .petsc. Rows need not sum to 1.
@@ -459,7 +459,7 @@ enum {
     ESPALIER_POINT_NOT_CONVERGED = 2  ///< in a degenerate cell, or not finite: kept in place
 };
 
-/// How points are bound. Begin with espalier_default_bind_options(), as with those above.
+/// How points are bound. Fill it by espalier_default_bind_options() first, then change fields.
 typedef struct espalier_bind_options {
     size_t size;       ///< of this struct: sizeof(espalier_bind_options)
     int32_t level;     ///< 1 to 20: whose cells hold the points; default 3

@@ -29,7 +29,7 @@ enum {
     ESPALIER_UNDETERMINED_REFUSE = 1
 };
 
-/// How a lattice is fitted. Begin with espalier_default_fit_options(), as with those above.
+/// How a lattice is fitted. Fill it by espalier_default_fit_options() first, then change fields.
 typedef struct espalier_fit_options {
     size_t size;            ///< of this struct: sizeof(espalier_fit_options)
     int32_t smoothing;      ///< ESPALIER_SMOOTHING_...; default NONE

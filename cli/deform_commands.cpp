@@ -52,7 +52,7 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
 }
 
 /// Reads all poses, each with `read`, before any is written: a bad one leaves nothing half done.
-/// Of poses in a row that have the same notes, only those on the first are printed.
+/// If consecutive poses have the same notes, only the notes of the first are printed.
 std::vector<std::vector<Point3>> readPoses(
     const DeformOptions& options, Stages& stages,
     const std::function<std::vector<Point3>(const std::string&, io::ReadNotes&)>& read) {

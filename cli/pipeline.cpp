@@ -43,8 +43,8 @@ std::vector<Input> inputsOf(const std::string& argument, const std::vector<std::
 
 namespace {
 
-/// What a path leads to, unless there is nothing. (std::filesystem::equivalent() is an error for
-/// two pipes.)
+/// Returns the status of the file that a path names; nothing if there is no such file.
+/// (std::filesystem::equivalent() fails for two pipes.)
 std::optional<struct ::stat> statusOf(const std::filesystem::path& path) {
     struct ::stat status {};
     if (::stat(path.c_str(), &status) != 0) return std::nullopt;

@@ -18,7 +18,7 @@
 
 namespace espalier::cli {
 
-/// Of what a lattice has any number, per dimension.
+/// The names of the entities of a lattice, by dimension.
 inline constexpr const char* kNamesOfParts[] = {"vertices", "edges", "faces", "cells"};
 
 /// Refines a lattice or a mesh that was read from `path`, as the options, its tags and the defaults

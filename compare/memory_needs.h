@@ -8,9 +8,9 @@
 
 #include "surface.h"
 
-// Memory that the steps of a comparison take, asked for before each step: neither OpenSubdiv nor
-// the relations of a large level look at a MemoryLimit while they grow. Each function counts
-// what its step holds at its peak, at least, and throws MemoryError, naming the step, if that
+// Checks of the memory limit before each step of a comparison. OpenSubdiv does not check a
+// MemoryLimit while it works, nor do the relations of a large level while they grow. Each function
+// computes a lower bound of the step's peak, and throws MemoryError, naming the step, if the bound
 // is beyond the limit.
 namespace espalier::compare {
 

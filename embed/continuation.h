@@ -35,7 +35,7 @@ WeightedSum weightedSum(std::span<const VertexWeight> weights, PositionOf positi
     return result;
 }
 
-/// Whether a place gives a point back as well as its weights can.
+/// Returns true if the position of a place is the point, up to the rounding of the sum of weights.
 /// \param size of the lattice
 inline bool isSettled(const WeightedSum& position, const Eigen::Vector3d& point, double size) {
     // Weights grow with the distance over the size of the cell, and so does the rounding of sums.

@@ -13,8 +13,8 @@
 namespace espalier::embed {
 namespace {
 
-/// Whether a level has no more cells than so many, as far as the vertices of the base cells tell:
-/// a vertex of a cell becomes a cell, most of them hexahedra, which become eight.
+/// Returns true if a level has at most `most` cells, by an estimate: each vertex of each base cell
+/// becomes a cell of level 1, and each of these becomes eight cells on the next level.
 bool isWithin(const far::CellComplex& base, int level, Offset most) {
     auto cells = static_cast<double>(base.relation(3, 0).values().size());
     for (int k = 1; k < level; ++k) cells *= 8;

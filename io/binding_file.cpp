@@ -75,7 +75,7 @@ private:
     std::string_view bytes_;
 };
 
-/// Whether the file is exactly as long as the sizes of its header say.
+/// Returns true if the file is exactly as long as the sizes in its header say.
 bool fitTheRest(const Sizes& sizes, std::size_t left) {
     // Subtracted part by part from what is there: no claim, however large, overflows.
     std::uint64_t room = left;
@@ -121,7 +121,7 @@ Sizes readHeader(const std::filesystem::path& path, NumberReader& in, std::uint6
     return sizes;
 }
 
-/// \throws FileError if the arrays are no table of so many columns
+/// \throws FileError if the arrays are not a table of `columnCount` columns
 StencilTable<double> makeTable(const std::filesystem::path& path, std::int64_t columnCount,
                                Array<Offset> offsets, Array<Index> columns, Array<double> weights) {
     try {

@@ -32,7 +32,8 @@ struct BoundModel {
     std::string modelName;   ///< of the model's file, without folders; its extension is its format
     std::string modelBytes;  ///< the model's file
 
-    /// Of a binding to the limit whose model has normals or tangents. Without, they stay.
+    /// The gradients that carry normals and tangents, if the model has such and is bound to the
+    /// limit. Without gradients, apply leaves normals and tangents as they are.
     std::optional<BoundGradients> gradients = {};
 };
 

@@ -19,7 +19,8 @@ namespace {
 
 using far::StandardCell;
 
-/// How io/lattices/lattice_parts.h names what a lattice has besides its attributes, in a file of these.
+/// How io/lattices/lattice_parts.h names what a lattice has besides its attributes, in a file of
+/// these.
 constexpr std::string_view kReservedNames = "espalier:";
 
 std::optional<StandardCell> standardCell(std::size_t vertexCount) {

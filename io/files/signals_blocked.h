@@ -5,8 +5,8 @@
 
 namespace espalier::io {
 
-/// While this lives, no signal ends this thread, or interrupts it, but those that nobody can block.
-/// What has come meanwhile comes at the end. Other threads of the process get theirs.
+/// Blocks all signals of this thread that can be blocked, while it lives. Signals that arrive
+/// meanwhile are delivered at its end. Other threads of the process are not affected.
 class SignalsBlocked {
 public:
     SignalsBlocked() {

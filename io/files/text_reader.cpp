@@ -34,7 +34,7 @@ std::int64_t exponentIn(std::string_view text) {
     return std::clamp(exponent, -kHuge, kHuge);
 }
 
-/// Whether a decimal number other than 0 is less than 1 in size.
+/// Returns true if the absolute value of a decimal number other than 0 is less than 1.
 bool isBelowOne(std::string_view text) {
     const std::size_t end = std::min(text.find_first_of("eE"), text.size());
     const std::string_view mantissa = text.substr(0, end);
