@@ -40,7 +40,7 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
             for (Index& point : part.points) point = order[first + point];
             entryCount += pointRows(part.table).entryCount();
         }
-        // The rows of the groups are held until all are gathered.
+        // gatherRows() takes as much memory again as the rows that the groups hold.
         requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(Real)),
                       "a table of the " + std::to_string(entryCount) + " weights so far");
         if (progress) progress(done += last - first);
