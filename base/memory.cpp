@@ -73,7 +73,7 @@ std::uint64_t residentMemory() {
     const auto size = ::read(file, text.data(), text.size());
     ::close(file);
     if (size <= 0) return 0;
-    const std::string_view words(text.data(), static_cast<std::size_t>(size));
+    const std::string_view words(text.data(), size);
     const std::size_t space = words.find(' ');
     if (space == std::string_view::npos) return 0;
     std::uint64_t pages = 0;

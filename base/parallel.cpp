@@ -165,7 +165,7 @@ struct ThreadLimit::Control {
     // memory, and ends the program if that is short when a limit ends.
     explicit Control(int threads)
         : unlimited(tbb::info::default_concurrency()),
-          limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {}
+          limit(tbb::global_control::max_allowed_parallelism, threads) {}
     int unlimited;
     tbb::global_control limit;
 };

@@ -55,7 +55,7 @@ void run(benchmark::State& state, const StencilTable<Real>& table, int component
          Evaluate evaluate) {
     const ThreadLimit limit(threads);
     const std::vector<Real> source = bench::randomValues(table, components);
-    std::vector<Real> result(static_cast<std::size_t>(table.rowCount() * Offset{components}));
+    std::vector<Real> result(table.rowCount() * Offset{components});
     evaluate(source, result);
     // Against sums in the order of the table; values up to 1, rows up to 64 entries.
     for (Index row = 0; row < table.rowCount(); row += 997)
@@ -63,8 +63,8 @@ void run(benchmark::State& state, const StencilTable<Real>& table, int component
             double sum = 0;
             for (std::size_t k = 0; k < table.columns(row).size(); ++k)
                 sum += static_cast<double>(table.weights(row)[k]) *
-                       source[static_cast<std::size_t>(table.columns(row)[k] * components + c)];
-            const double got = result[static_cast<std::size_t>(row * Offset{components} + c)];
+                       source[table.columns(row)[k] * components + c];
+            const double got = result[row * Offset{components} + c];
             if (!(std::abs(got - sum) <= 64 * std::numeric_limits<Real>::epsilon()))
                 return state.SkipWithError("the result is wrong");
         }
@@ -111,7 +111,7 @@ void runAdjoint(benchmark::State& state, const StencilTable<Real>& table, const 
     const ThreadLimit limit(threads);
     const auto layout = BufferDescriptor::packed(components);
     const auto source = bench::randomValues(stencils::transposeTable(table), components);
-    std::vector<Real> result(static_cast<std::size_t>(table.columnCount() * Offset{components}));
+    std::vector<Real> result(table.columnCount() * Offset{components});
     const auto evaluate = [&] {
         adjoint.evaluate(source, layout, result, layout, {0, adjoint.rowCount()});
         benchmark::ClobberMemory();
@@ -122,9 +122,8 @@ void runAdjoint(benchmark::State& state, const StencilTable<Real>& table, const 
         for (std::size_t k = 0; k < table.columns(row).size(); ++k)
             for (int c = 0; c < components; ++c) {
                 const auto at = static_cast<std::size_t>(table.columns(row)[k] * components + c);
-                const double product =
-                    static_cast<double>(table.weights(row)[k]) *
-                    source[static_cast<std::size_t>(row * Offset{components} + c)];
+                const double product = static_cast<double>(table.weights(row)[k]) *
+                                       source[row * Offset{components} + c];
                 sums[at] += product;
                 sizes[at] += std::abs(product);
             }
@@ -176,7 +175,7 @@ void applyOpenSubdiv(benchmark::State& state, const Tables<float>& tables, int c
     std::vector<int> sizes, offsets;
     for (Index row = 0; row < table.rowCount(); ++row) {
         sizes.push_back(static_cast<int>(table.columns(row).size()));
-        offsets.push_back(static_cast<int>(table.offsets()[static_cast<std::size_t>(row)]));
+        offsets.push_back(static_cast<int>(table.offsets()[row]));
     }
     const Osd::BufferDescriptor layout(0, components, components);
     run(state, table, components, threads,

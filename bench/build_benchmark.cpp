@@ -172,7 +172,7 @@ void buildOpenSubdiv(benchmark::State& state, const bench::Mesh& mesh, int level
     std::unique_ptr<const Far::StencilTable> table;
     for (auto _ : state) table.reset(Far::StencilTableFactory::Create(*refiner, options));
     const std::vector<Xyz> from = asXyz(valuesOf(mesh.vertexCount));
-    std::vector<Xyz> to(static_cast<std::size_t>(table->GetNumStencils()));
+    std::vector<Xyz> to(table->GetNumStencils());
     table->UpdateValues(from.data(), to.data());
     if (!areSame(to, ourValues(mesh, level))) state.SkipWithError("their table is not ours");
     state.counters["items"] = table->GetNumStencils();

@@ -34,7 +34,7 @@ Model& model() {
 
 /// Some vertices, of which the first carries some of the model.
 std::vector<Index> someVertices(const Model& model, std::size_t count, bool areTogether) {
-    std::vector<Index> vertices(static_cast<std::size_t>(model.table.columnCount()));
+    std::vector<Index> vertices(model.table.columnCount());
     std::iota(vertices.begin(), vertices.end(), Index{0});
     std::shuffle(vertices.begin(), vertices.end(), std::mt19937(1));
     const auto first = std::find_if(vertices.begin(), vertices.end(), [&](Index vertex) {
@@ -46,8 +46,7 @@ std::vector<Index> someVertices(const Model& model, std::size_t count, bool areT
         const auto distance = [&, center = vertices.front()](Index vertex) {
             double sum = 0;
             for (std::size_t c = 0; c < 3; ++c) {
-                const double way = positions[static_cast<std::size_t>(vertex)][c] -
-                                   positions[static_cast<std::size_t>(center)][c];
+                const double way = positions[vertex][c] - positions[center][c];
                 sum += way * way;
             }
             return sum;

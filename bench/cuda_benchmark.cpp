@@ -220,10 +220,8 @@ void checkForward(const StencilTable<Real>& table, const std::vector<Real>& pose
             double sum = 0;
             for (std::size_t k = 0; k < table.columns(row).size(); ++k)
                 sum += static_cast<double>(table.weights(row)[k]) *
-                       static_cast<double>(pose[static_cast<std::size_t>(
-                           table.columns(row)[k] * Offset{components} + c)]);
-            const double got =
-                static_cast<double>(values[static_cast<std::size_t>(row * Offset{components} + c)]);
+                       static_cast<double>(pose[table.columns(row)[k] * Offset{components} + c]);
+            const double got = static_cast<double>(values[row * Offset{components} + c]);
             if (!(std::abs(got - sum) <= 64 * std::numeric_limits<Real>::epsilon()))
                 refuse(who, std::abs(got - sum));
         }
@@ -287,7 +285,7 @@ public:
         const auto layout = BufferDescriptor::packed(components);
         const std::vector<Real> pose = bench::randomValues(table_, components);
         const osd::CudaBuffer<Real> source{std::span<const Real>(pose)};
-        osd::CudaBuffer<Real> result(static_cast<std::size_t>(table_.rowCount() * layout.length));
+        osd::CudaBuffer<Real> result(table_.rowCount() * layout.length);
         osd::CudaWorkspace workspace;
         const auto timeOf = [&](const std::function<void()>& evaluate, const char* who) {
             poison(result);
@@ -316,10 +314,10 @@ public:
     Row adjoint(int components) {
         const auto layout = BufferDescriptor::packed(components);
         const osd::RowRange columns{0, table_.columnCount()};
-        std::vector<Real> gradients(static_cast<std::size_t>(table_.rowCount() * layout.length));
+        std::vector<Real> gradients(table_.rowCount() * layout.length);
         for (std::size_t i = 0; i < gradients.size(); ++i)
             gradients[i] = static_cast<Real>(std::sin(static_cast<double>(i)));
-        std::vector<Real> expected(static_cast<std::size_t>(table_.columnCount() * layout.length));
+        std::vector<Real> expected(table_.columnCount() * layout.length);
         osd::CompiledAdjoint<Real>(table_).evaluate(gradients, layout, expected, layout, columns);
         const osd::CudaBuffer<Real> source{std::span<const Real>(gradients)};
         osd::CudaBuffer<Real> result(expected.size());

@@ -83,7 +83,7 @@ StencilTable<double> bindOwn(const Lattice& lattice, const std::vector<Point3>& 
 std::vector<double> randomValues(Offset count, unsigned seed) {
     std::mt19937 random(seed + static_cast<unsigned>(rankOf()));
     std::uniform_real_distribution<double> uniform(-1, 1);
-    std::vector<double> values(static_cast<std::size_t>(count));
+    std::vector<double> values(count);
     for (double& value : values) value = uniform(random);
     return values;
 }
@@ -96,8 +96,7 @@ Mat denseMatrix(const std::vector<double>& values, Offset own, Offset all) {
     PetscScalar* numbers = nullptr;
     check(MatDenseGetArray(matrix, &numbers));
     for (Offset i = 0; i < own; ++i)
-        for (Offset c = 0; c < kComponents; ++c)
-            numbers[c * own + i] = values[static_cast<std::size_t>(i * kComponents + c)];
+        for (Offset c = 0; c < kComponents; ++c) numbers[c * own + i] = values[i * kComponents + c];
     check(MatDenseRestoreArray(matrix, &numbers));
     check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));

@@ -39,7 +39,7 @@ std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t
 /// \param count of positions; there are three times as many numbers
 inline std::vector<Point3> positions(const double* values, std::int64_t count, const char* name) {
     array(values, count, name, 3);
-    std::vector<Point3> result(static_cast<std::size_t>(count));
+    std::vector<Point3> result(count);
     if (count > 0) std::memcpy(result.data(), values, result.size() * sizeof(Point3));
     return result;
 }

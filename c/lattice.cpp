@@ -63,7 +63,7 @@ far::CellComplex buildCells(const espalier_cells& cells) {
 
     far::ComplexBuilder builder(3, cells.vertex_count);
     std::vector<std::vector<Index>> loops;
-    std::vector<bool> isUsed(static_cast<std::size_t>(cells.face_count));
+    std::vector<bool> isUsed(cells.face_count);
     for (std::size_t cell = 0; cell + 1 < cellOffsets.size(); ++cell) {
         loops.clear();
         for (std::int64_t i = cellOffsets[cell]; i < cellOffsets[cell + 1]; ++i) {
@@ -71,8 +71,8 @@ far::CellComplex buildCells(const espalier_cells& cells) {
             if (face < 0 || face >= cells.face_count)
                 throw Error("cell " + std::to_string(cell) + " names face " + std::to_string(face) +
                             "; there are " + std::to_string(cells.face_count));
-            isUsed[static_cast<std::size_t>(face)] = true;
-            const auto loop = row(faceOffsets, cells.face_vertices, static_cast<std::size_t>(face));
+            isUsed[face] = true;
+            const auto loop = row(faceOffsets, cells.face_vertices, face);
             if (std::ssize(loop) > cells.vertex_count)
                 throw Error("face " + std::to_string(face) + " has " + std::to_string(loop.size()) +
                             " vertices; there are " + std::to_string(cells.vertex_count));

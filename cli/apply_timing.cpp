@@ -115,7 +115,7 @@ ApplyTiming timeForm(const Form<Real>& form, const Poses& poses, int threads, do
     const int components = 3 * poses.count;
     const auto layout = BufferDescriptor::packed(components);
     const std::vector<Real> source(poses.values.begin(), poses.values.end());
-    std::vector<Real> result(static_cast<std::size_t>(form.rowCount * layout.length));
+    std::vector<Real> result(form.rowCount * layout.length);
     {
         const ThreadLimit limit(threads);
         form.evaluate(source, result, layout);

@@ -32,9 +32,7 @@ BindingReport reportOf(const Found& found, double largestResidual) {
 
 /// Shows how far the stage is that embeds so many points.
 std::function<void(Offset)> progressOf(Stages& stages, std::size_t pointCount) {
-    return [&stages, pointCount](Offset done) {
-        stages.showProgress(static_cast<std::size_t>(done), pointCount);
-    };
+    return [&stages, pointCount](Offset done) { stages.showProgress(done, pointCount); };
 }
 
 /// MacCracken & Joy 1996, section 5.

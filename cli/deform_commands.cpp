@@ -78,8 +78,7 @@ std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradi
     for (std::size_t v = 0; v < pose.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - gradients.rest[v][c]);
     const Index count = gradients.tables[0].rowCount();
-    std::vector<io::DeformationGradient> result(static_cast<std::size_t>(count),
-                                                {1, 0, 0, 0, 1, 0, 0, 0, 1});
+    std::vector<io::DeformationGradient> result(count, {1, 0, 0, 0, 1, 0, 0, 0, 1});
     const auto layout = osd::BufferDescriptor::packed(3);
     std::vector<double> column(3 * result.size());
     for (std::size_t j = 0; j < 3; ++j) {

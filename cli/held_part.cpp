@@ -32,9 +32,8 @@ std::vector<Index> boundaryFacesIn(const std::array<double, 6>& box, const Latti
     for (Index face = 0; face < lattice.complex.count(2); ++face) {
         if (lattice.complex.relation(2, 3)[face].size() != 1) continue;
         const auto vertices = lattice.complex.relation(2, 0)[face];
-        if (std::all_of(vertices.begin(), vertices.end(), [&](Index vertex) {
-                return isIn(box, lattice.positions[static_cast<std::size_t>(vertex)]);
-            }))
+        if (std::all_of(vertices.begin(), vertices.end(),
+                        [&](Index vertex) { return isIn(box, lattice.positions[vertex]); }))
             faces.push_back(face);
     }
     return faces;
@@ -99,8 +98,7 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
         };
         if (isBeyondPlaces) {
             std::vector<Point3> own;
-            for (const Index point : part.points)
-                own.push_back(points[static_cast<std::size_t>(point)]);
+            for (const Index point : part.points) own.push_back(points[point]);
             add(embed::verticesHoldingPoints(base, lattice.positions, options.level,
                                              options.common.rules, own, hold.continuity,
                                              options.common.embedding));

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using far::CellComplex;
 
 Vector3d at(const std::vector<Point3>& positions, Index vertex) {
-    return Vector3d(positions[static_cast<std::size_t>(vertex)].data());
+    return Vector3d(positions[vertex].data());
 }
 
 Vector3d mean(const std::vector<Point3>& positions, std::span<const Index> vertices) {
@@ -78,10 +78,8 @@ LevelReport reportLevel(const far::Level& level, const std::vector<Point3>& posi
     const CellComplex& complex = level.complex;
     LevelReport report{};
     for (int d = 0; d <= 3; ++d) {
-        report.counts[static_cast<std::size_t>(d)] = complex.count(d);
-        for (int s = 0; s <= 3; ++s)
-            report.strata[static_cast<std::size_t>(d)][static_cast<std::size_t>(s)] =
-                level.strata.count(d, s);
+        report.counts[d] = complex.count(d);
+        for (int s = 0; s <= 3; ++s) report.strata[d][s] = level.strata.count(d, s);
     }
     report.eulerCharacteristic = complex.eulerCharacteristic();
     for (Index vertex = 0; vertex < complex.count(0); ++vertex)
@@ -123,8 +121,7 @@ LatticeReport reportLattice(const Lattice& lattice, const far::TopologyRefiner& 
     for (const VertexIntegers& integers : lattice.integers)
         report.attributes.push_back(integers.name);
     for (int level = 0; level <= refiner.maxLevel(); ++level)
-        report.levels.push_back(reportLevel(
-            refiner.level(level), positions[static_cast<std::size_t>(level)], level == 0));
+        report.levels.push_back(reportLevel(refiner.level(level), positions[level], level == 0));
     const auto& valences = report.levels.front().edgeValences;
     report.edgesOfTwoFaces = valences.count(2) > 0 ? valences.at(2) : 0;
     return report;

@@ -96,7 +96,7 @@ void Stages::addFile(const std::filesystem::path& path) {
     std::error_code failure;
     if (!std::filesystem::is_regular_file(path, failure)) return;
     const auto size = std::filesystem::file_size(path, failure);
-    if (!failure) addBytes(static_cast<std::size_t>(size));
+    if (!failure) addBytes(size);
 }
 
 void Stages::showProgress(std::size_t done, std::size_t total) const noexcept {

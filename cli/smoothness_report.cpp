@@ -40,8 +40,7 @@ Smoothness smoothnessOf(const Entity& entity, const far::Level& level, Index ver
     result.eigenvalues = std::move(values);
     const Eigen::VectorXd mask = limit::limitMask(ring);
     for (std::size_t i = 0; i < ring.entities.size(); ++i)
-        result.mask[static_cast<std::size_t>(ring.entities[i].dimension)] +=
-            mask[static_cast<Eigen::Index>(i)];
+        result.mask[ring.entities[i].dimension] += mask[static_cast<Eigen::Index>(i)];
     return result;
 }
 
@@ -64,9 +63,8 @@ std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
     std::vector<Smoothness> result(irregular.size());
     parallelFor(std::ssize(irregular), 1, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
-            const auto& [entity, vertex] = irregular[static_cast<std::size_t>(i)];
-            result[static_cast<std::size_t>(i)] =
-                smoothnessOf(entity, level, vertex, refiner.options(), rules);
+            const auto& [entity, vertex] = irregular[i];
+            result[i] = smoothnessOf(entity, level, vertex, refiner.options(), rules);
         }
     });
     return result;

@@ -59,7 +59,7 @@ std::vector<PointF> evaluateOurs(const stencils::StencilTable<double>& table,
 
 std::vector<PointF> evaluateTheirs(const OpenSubdivTable<float>& table,
                                    std::span<const PointF> positions) {
-    std::vector<PointF> result(static_cast<std::size_t>(table.GetNumStencils()));
+    std::vector<PointF> result(table.GetNumStencils());
     const OpenSubdiv::Osd::BufferDescriptor layout(0, 3, 3);
     OpenSubdiv::Osd::CpuEvaluator::EvalStencils(
         positions.data()->data(), layout, result.data()->data(), layout, table.GetSizes().data(),
@@ -70,7 +70,7 @@ std::vector<PointF> evaluateTheirs(const OpenSubdivTable<float>& table,
 
 std::vector<Point3> randomPositions(Index count) {
     std::mt19937 random(1);
-    std::vector<Point3> positions(static_cast<std::size_t>(count));
+    std::vector<Point3> positions(count);
     for (Point3& position : positions)
         for (double& coordinate : position)
             coordinate = 2 * (static_cast<double>(random()) / 4294967295.0) - 1;

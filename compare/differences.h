@@ -46,7 +46,7 @@ std::vector<PointF> toSingle(std::span<const Point3> positions);
 template <class Evaluator, class Real>
 std::vector<std::array<Real, 3>> evaluate(const stencils::StencilTable<Real>& table,
                                           std::span<const std::array<Real, 3>> positions) {
-    std::vector<std::array<Real, 3>> result(static_cast<std::size_t>(table.rowCount()));
+    std::vector<std::array<Real, 3>> result(table.rowCount());
     const auto layout = osd::BufferDescriptor::packed(3);
     Evaluator::evaluate(table, std::span(positions.data()->data(), 3 * positions.size()), layout,
                         std::span(result.data()->data(), 3 * result.size()), layout,

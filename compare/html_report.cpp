@@ -148,10 +148,9 @@ children, never by position.</p>
 }
 
 std::string countCell(Index ours, Index theirs) {
-    std::string cell = grouped(static_cast<std::size_t>(ours));
+    std::string cell = grouped(ours);
     if (ours != theirs)
-        cell += fmt::format("<span class=\"theirs\">OpenSubdiv: {}</span>",
-                            grouped(static_cast<std::size_t>(theirs)));
+        cell += fmt::format("<span class=\"theirs\">OpenSubdiv: {}</span>", grouped(theirs));
     return fmt::format("<td class=\"number{}\">{}</td>", ours != theirs ? " bad" : "", cell);
 }
 

@@ -18,10 +18,7 @@ namespace espalier::compare {
 struct LevelMatch {
     std::array<std::vector<std::optional<Index>>, 3> theirs;
 
-    std::optional<Index> of(Entity entity) const {
-        return theirs[static_cast<std::size_t>(entity.dimension)]
-                     [static_cast<std::size_t>(entity.index)];
-    }
+    std::optional<Index> of(Entity entity) const { return theirs[entity.dimension][entity.index]; }
 };
 
 /// The match of level 0, where the vertices and faces of OpenSubdiv are those of `surface` in

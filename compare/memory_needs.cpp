@@ -51,7 +51,7 @@ void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surfac
     int countedLevels = 0;
     double entryCount = 0, rowLength = 0;
     for (int level = 1; level <= maxLevel; ++level) {
-        const std::vector<Index>& vertices = regions[static_cast<std::size_t>(level)].vertices;
+        const std::vector<Index>& vertices = regions[level].vertices;
         if (vertices.empty()) continue;
         const auto rowCount = static_cast<double>(vertices.size());
         if (++countedLevels <= 2)

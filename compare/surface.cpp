@@ -10,8 +10,8 @@ namespace espalier::compare {
 Surface surfaceOf(const far::CellComplex& complex) {
     if (complex.dimension() < 2) throw Error("a curve has no surface that OpenSubdiv could refine");
     Surface surface;
-    std::vector<char> hasVertex(static_cast<std::size_t>(complex.count(0)), 0);
-    std::vector<char> hasEdge(static_cast<std::size_t>(complex.count(1)), 0);
+    std::vector<char> hasVertex(complex.count(0), 0);
+    std::vector<char> hasEdge(complex.count(1), 0);
     for (Index face = 0; face < complex.count(2); ++face) {
         if (complex.dimension() == 3 && complex.relation(2, 3)[face].size() != 1) continue;
         surface.faces.push_back(face);

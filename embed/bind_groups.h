@@ -28,8 +28,7 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
     checkPointCount(points);
     const Offset pointCount = std::ssize(points);
     const std::vector<Index> order = alongCurve(points);
-    std::vector<std::vector<BoundPart<Table>>> groups(
-        static_cast<std::size_t>((pointCount + groupSize - 1) / groupSize));
+    std::vector<std::vector<BoundPart<Table>>> groups((pointCount + groupSize - 1) / groupSize);
     std::atomic<Offset> done = 0, entryCount = 0;
     parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;

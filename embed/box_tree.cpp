@@ -69,8 +69,7 @@ void BoxTree::build(std::span<const CurvePlace> places, Index first, Index count
         nodes_[at] = {box, first, count, 1};
         return;
     }
-    const Index left =
-        leftCount(places.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count)));
+    const Index left = leftCount(places.subspan(first, count));
     build(places, first, left);
     box.extend(nodes_[at + 1].box);
     const std::size_t right = nodes_.size();

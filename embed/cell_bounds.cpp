@@ -18,8 +18,8 @@ CellBounds::CellBounds(const far::Level& level, std::span<const Point3> position
     : level_(level),
       positions_(positions),
       mayExtrapolate_(creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp()),
-      aroundVertex_(static_cast<std::size_t>(level.complex.count(0))),
-      staysInHull_(static_cast<std::size_t>(level.complex.count(0))) {}
+      aroundVertex_(level.complex.count(0)),
+      staysInHull_(level.complex.count(0)) {}
 
 std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vector3d>& inherited) {
     CellBound bound;
@@ -42,7 +42,7 @@ std::optional<CellBound> CellBounds::boundOf(Index cell, const std::optional<Vec
 
 const CellBounds::Box& CellBounds::boxOf(Index cell) {
     // Where all is regular, nobody asks.
-    if (ofCell_.empty()) ofCell_.resize(static_cast<std::size_t>(level_.complex.count(3)));
+    if (ofCell_.empty()) ofCell_.resize(level_.complex.count(3));
     auto& box = ofCell_[cell];
     if (!box) {
         box.emplace();

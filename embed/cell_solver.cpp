@@ -48,8 +48,7 @@ const far::CellComplex& checked(const far::CellComplex& complex,
 }
 
 std::vector<std::optional<std::array<Index, 8>>> hexahedra(const far::CellComplex& complex) {
-    std::vector<std::optional<std::array<Index, 8>>> corners(
-        static_cast<std::size_t>(complex.count(3)));
+    std::vector<std::optional<std::array<Index, 8>>> corners(complex.count(3));
     parallelFor(complex.count(3), 4096, [&](Offset first, Offset last) {
         for (Offset cell = first; cell < last; ++cell)
             corners[cell] = far::hexahedronVertices(complex, CellId(static_cast<Index>(cell)));

@@ -112,10 +112,10 @@ private:
     bool isOnBoundary(const CellPlace& place) const;
 
     const std::optional<std::array<Index, 8>>& cornersOf(CellId cell) const {
-        return corners_[static_cast<std::size_t>(cell.value)];
+        return corners_[cell.value];
     }
     Eigen::Vector3d positionOf(Index vertex) const {
-        return Eigen::Vector3d(positions_[static_cast<std::size_t>(vertex)].data());
+        return Eigen::Vector3d(positions_[vertex].data());
     }
     Eigen::Vector3d positionOf(const CellPlace& place) const;
     Eigen::Vector3d centreOf(CellId cell) const;

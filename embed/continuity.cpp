@@ -240,8 +240,7 @@ std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
     const HoldingSearch search(base, restInUnits, level, rules, options);
     const std::vector<Index> order = alongCurve(inUnits);
     constexpr Offset kGroupSize = 1 << 11;
-    std::vector<std::vector<Index>> columns(
-        static_cast<std::size_t>((std::ssize(points) + kGroupSize - 1) / kGroupSize));
+    std::vector<std::vector<Index>> columns((std::ssize(points) + kGroupSize - 1) / kGroupSize);
     std::vector<PointStatus> statuses(points.size());
     parallelFor(std::ssize(points), kGroupSize, [&](Offset first, Offset last) {
         std::vector<Point3> own;

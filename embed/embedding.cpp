@@ -37,7 +37,7 @@ std::optional<SortedCorners> sortedCorners(const far::CellComplex& complex, Cell
 }
 
 std::vector<std::optional<SortedCorners>> allSortedCorners(const far::CellComplex& complex) {
-    std::vector<std::optional<SortedCorners>> all(static_cast<std::size_t>(complex.count(3)));
+    std::vector<std::optional<SortedCorners>> all(complex.count(3));
     parallelFor(complex.count(3), 4096, [&](Offset first, Offset last) {
         for (Offset cell = first; cell < last; ++cell)
             all[cell] = sortedCorners(complex, CellId(static_cast<Index>(cell)));

@@ -43,8 +43,7 @@ struct Candidates {
                                 ///< as they were given, counted from 0; ascending in a cell
 
     std::span<const Index> pointsOf(std::size_t i) const {
-        return std::span(points).subspan(static_cast<std::size_t>(offsets[i]),
-                                         static_cast<std::size_t>(offsets[i + 1] - offsets[i]));
+        return std::span(points).subspan(offsets[i], offsets[i + 1] - offsets[i]);
     }
 
     /// Ends the cell whose points were appended last; without any it is left out.

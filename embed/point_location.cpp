@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 namespace {
 
 std::vector<BoxTree::Box> cellBoxes(const CellSolver& solver, Index cellCount) {
-    std::vector<BoxTree::Box> boxes(static_cast<std::size_t>(cellCount));
+    std::vector<BoxTree::Box> boxes(cellCount);
     parallelFor(cellCount, 4096, [&](Offset first, Offset last) {
         for (Offset cell = first; cell < last; ++cell)
             boxes[cell] = solver.boxOf(CellId(static_cast<Index>(cell)));

@@ -22,7 +22,7 @@ public:
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
         requireMemory(static_cast<std::uint64_t>(offsets_.back()) * (sizeof(Index) + sizeof(Real)),
                       "a table of " + std::to_string(offsets_.back()) + " weights");
-        columns_.resize(static_cast<std::size_t>(offsets_.back()));
+        columns_.resize(offsets_.back());
         weights_.resize(columns_.size());
     }
 

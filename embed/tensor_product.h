@@ -68,9 +68,7 @@ private:
     void checkFit() const;
     Eigen::Vector3d nearestInRegion(const Eigen::Vector3d& point) const;
     Eigen::Vector3d positionAt(const Eigen::Vector3d& at) const { return origin_ + axes_ * at; }
-    Eigen::Vector3d restAt(Index vertex) const {
-        return Eigen::Vector3d(rest_[static_cast<std::size_t>(vertex)].data());
-    }
+    Eigen::Vector3d restAt(Index vertex) const { return Eigen::Vector3d(rest_[vertex].data()); }
 
     far::CellComplex complex_;
     std::vector<Point3> rest_;

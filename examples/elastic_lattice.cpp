@@ -55,8 +55,7 @@ Eigen::Matrix<double, 24, 24> cellStiffness(const embed::Trilinear::Corners& cor
         const auto byPlace = embed::Trilinear::weightDerivatives(uvw);
         Eigen::Matrix<double, 3, 8> gradients;  // of the corners' weights
         for (int axis = 0; axis < 3; ++axis)
-            gradients.row(axis) = Eigen::Map<const Eigen::RowVectorXd>(
-                byPlace[static_cast<std::size_t>(axis)].data(), 8);
+            gradients.row(axis) = Eigen::Map<const Eigen::RowVectorXd>(byPlace[axis].data(), 8);
         gradients = jacobian.transpose().inverse() * gradients;
         const double volume = std::abs(jacobian.determinant()) / 8;
         for (Eigen::Index i = 0; i < 8; ++i)
@@ -82,7 +81,7 @@ Sparse stiffness(const far::CellComplex& complex, std::span<const Point3> positi
         std::array<Index, 24> rows;
         for (std::size_t i = 0; i < 24; ++i) {
             const Index vertex = (*vertices)[i / 3];
-            corners[i / 3] = Eigen::Vector3d(positions[static_cast<std::size_t>(vertex)].data());
+            corners[i / 3] = Eigen::Vector3d(positions[vertex].data());
             rows[i] = 3 * vertex + static_cast<Index>(i % 3);
         }
         const auto matrix = cellStiffness(corners);

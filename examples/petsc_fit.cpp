@@ -42,8 +42,7 @@ struct Ranks {
     template <class Value>
     std::span<const Value> ownPart(std::span<const Value> all) const {
         const auto own = petsc::evenRange(static_cast<Offset>(all.size()), rank, size);
-        return all.subspan(static_cast<std::size_t>(own.first),
-                           static_cast<std::size_t>(own.count()));
+        return all.subspan(own.first, own.count());
     }
 };
 

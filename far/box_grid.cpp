@@ -106,8 +106,8 @@ class Placing {
 public:
     explicit Placing(const CellComplex& complex)
         : complex_(complex),
-          points_(static_cast<std::size_t>(complex.count(0))),
-          isPlaced_(static_cast<std::size_t>(complex.count(3)), 0),
+          points_(complex.count(0)),
+          isPlaced_(complex.count(3), 0),
           first_(firstCell()) {
         for (std::size_t axis = 0; axis < 3; ++axis) grid_.cells[axis] = cellsAlong(axis);
         placeCells();

@@ -111,7 +111,7 @@ Incidence cellClosure(const CellComplex& complex, int to) {
 }
 
 Incidence identity(Index count) {
-    Array<Index> all(static_cast<std::size_t>(count));
+    Array<Index> all(count);
     std::iota(all.begin(), all.end(), Index{0});
     return Incidence::uniform(1, std::move(all));
 }

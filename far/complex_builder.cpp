@@ -94,8 +94,8 @@ Index ComplexBuilder::addEdge(Index tail, Index head) {
 }
 
 std::vector<Index> ComplexBuilder::dropUnusedVertices() {
-    std::vector<bool> isUsed(static_cast<std::size_t>(vertexCount_), false);
-    for (const Index vertex : loops_.values) isUsed[static_cast<std::size_t>(vertex)] = true;
+    std::vector<bool> isUsed(vertexCount_, false);
+    for (const Index vertex : loops_.values) isUsed[vertex] = true;
     std::vector<Index> dropped;
     std::vector<Index> newNumbers(isUsed.size());
     Index next = 0;
@@ -105,7 +105,7 @@ std::vector<Index> ComplexBuilder::dropUnusedVertices() {
         else
             dropped.push_back(static_cast<Index>(vertex));
     if (dropped.empty()) return dropped;
-    for (Index& vertex : loops_.values) vertex = newNumbers[static_cast<std::size_t>(vertex)];
+    for (Index& vertex : loops_.values) vertex = newNumbers[vertex];
     vertexCount_ = next;
     return dropped;
 }
@@ -268,11 +268,10 @@ CellComplex latticeOf(Index vertexCount, const Incidence& loops,
     const Incidence canonical(buildRows<Index>(
         loops.rowCount(),
         [&](Index row, std::vector<Index>& out) { appendCanonicalLoop(loops[row], out); }));
-    const Classes faces =
-        classify(static_cast<std::size_t>(loops.rowCount()), [&](Index a, Index b) {
-            return std::lexicographical_compare(canonical[a].begin(), canonical[a].end(),
-                                                canonical[b].begin(), canonical[b].end());
-        });
+    const Classes faces = classify(loops.rowCount(), [&](Index a, Index b) {
+        return std::lexicographical_compare(canonical[a].begin(), canonical[a].end(),
+                                            canonical[b].begin(), canonical[b].end());
+    });
     const Steps steps(loops);
     const auto faceOf = [&](Offset loop) { return faces.classOf[loop]; };
     const auto directionInFace = [&](Offset loop) {
@@ -280,7 +279,7 @@ CellComplex latticeOf(Index vertexCount, const Incidence& loops,
         return relativeDirection(loops[static_cast<Index>(loop)], loops[leader]);
     };
 
-    LoopOrientation orientation(static_cast<std::size_t>(loops.rowCount()));
+    LoopOrientation orientation(loops.rowCount());
     struct Side {
         Index edge;
         Index loop;
@@ -322,7 +321,7 @@ CellComplex latticeOf(Index vertexCount, const Incidence& loops,
 
 CellComplex meshOf(Index vertexCount, const Incidence& loops) {
     const Steps steps(loops);
-    std::vector<Index> faces(static_cast<std::size_t>(loops.rowCount()));
+    std::vector<Index> faces(loops.rowCount());
     std::iota(faces.begin(), faces.end(), Index{0});
     return CellComplex(2, vertexCount, {steps.edgeEnds(), steps.faceEdges(loops, faces), {}});
 }

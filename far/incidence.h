@@ -26,13 +26,13 @@ template <class T, class Fill>
 Rows<T> buildRows(Index rowCount, Fill fill) {
     constexpr Offset kGrain = 4096;
     const Offset chunkCount = (static_cast<Offset>(rowCount) + kGrain - 1) / kGrain;
-    std::vector<std::vector<T>> chunks(static_cast<std::size_t>(chunkCount));
+    std::vector<std::vector<T>> chunks(chunkCount);
     Rows<T> rows;
     rows.offsets.resize(static_cast<std::size_t>(rowCount) + 1);
     // First each row's length, then their running sum.
     rows.offsets[0] = 0;
     parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
-        std::vector<T>& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
+        std::vector<T>& chunk = chunks[first / kGrain];
         for (Offset row = first; row < last; ++row) {
             const std::size_t before = chunk.size();
             fill(static_cast<Index>(row), chunk);
@@ -42,11 +42,10 @@ Rows<T> buildRows(Index rowCount, Fill fill) {
     });
     for (std::size_t row = 1; row < rows.offsets.size(); ++row)
         rows.offsets[row] += rows.offsets[row - 1];
-    rows.values.resize(static_cast<std::size_t>(rows.offsets.back()));
+    rows.values.resize(rows.offsets.back());
     parallelFor(rowCount, kGrain, [&](Offset first, Offset) {
-        std::vector<T>& chunk = chunks[static_cast<std::size_t>(first / kGrain)];
-        std::copy(chunk.begin(), chunk.end(),
-                  rows.values.begin() + rows.offsets[static_cast<std::size_t>(first)]);
+        std::vector<T>& chunk = chunks[first / kGrain];
+        std::copy(chunk.begin(), chunk.end(), rows.values.begin() + rows.offsets[first]);
         std::vector<T>().swap(chunk);
     });
     return rows;
@@ -75,7 +74,7 @@ public:
 
     /// Position of the first entry of `row` in values(); offset(rowCount()) is their number.
     Offset offset(Index row) const {
-        return length_ > 0 ? Offset{length_} * row : rows_.offsets[static_cast<std::size_t>(row)];
+        return length_ > 0 ? Offset{length_} * row : rows_.offsets[row];
     }
 
     /// The row that the value at a position of values() is in. \cost O(log rows)

@@ -214,7 +214,7 @@ SignedIncidence Refinement::addSides(Quadrilaterals& quadrilaterals) const {
 
     // [v,c] come cell by cell; each range of cells collects its own.
     const Index cellCount = parent_.count(3);
-    std::vector<SignedRows> chunks(static_cast<std::size_t>((cellCount + kGrain - 1) / kGrain));
+    std::vector<SignedRows> chunks((cellCount + kGrain - 1) / kGrain);
     parallelFor(cellCount, kGrain, [&](Offset firstCell, Offset lastCell) {
         SignedRows& chunk = chunks[firstCell / kGrain];
         CellCorners cell(parent_);

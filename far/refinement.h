@@ -92,11 +92,10 @@ public:
     ByEntity<T> inherit(const ByEntity<T>& values) const {
         ByEntity<T> result;
         for (int d = 0; d <= dimension_; ++d) {
-            auto& ofChildren = result[static_cast<std::size_t>(d)];
-            ofChildren.resize(static_cast<std::size_t>(child_.count(d)));
+            auto& ofChildren = result[d];
+            ofChildren.resize(child_.count(d));
             for (int lower = 0; lower + d <= dimension_; ++lower)
-                family(lower, lower + d)
-                    .spread(values[static_cast<std::size_t>(lower + d)], ofChildren);
+                family(lower, lower + d).spread(values[lower + d], ofChildren);
         }
         return result;
     }
@@ -114,13 +113,10 @@ private:
 
         void drop(const std::vector<std::uint8_t>& lower, const std::vector<std::uint8_t>& upper);
 
-        Index part(Offset entry) const { return parts->values()[static_cast<std::size_t>(entry)]; }
-        bool isKept(Offset entry) const {
-            return isWhole || childOfEntry[static_cast<std::size_t>(entry)] != kMaxIndex;
-        }
+        Index part(Offset entry) const { return parts->values()[entry]; }
+        bool isKept(Offset entry) const { return isWhole || childOfEntry[entry] != kMaxIndex; }
         Index child(Offset entry) const {
-            return firstChild + (isWhole ? static_cast<Index>(entry)
-                                         : childOfEntry[static_cast<std::size_t>(entry)]);
+            return firstChild + (isWhole ? static_cast<Index>(entry) : childOfEntry[entry]);
         }
 
         template <class T>
@@ -129,16 +125,12 @@ private:
                 for (Offset row = first; row < last; ++row) {
                     const auto r = static_cast<Index>(row);
                     for (Offset entry = parts->offset(r); entry < parts->offset(r + 1); ++entry)
-                        if (isKept(entry))
-                            ofChildren[static_cast<std::size_t>(child(entry))] =
-                                ofRows[static_cast<std::size_t>(row)];
+                        if (isKept(entry)) ofChildren[child(entry)] = ofRows[row];
                 }
             });
         }
     };
-    const Family& family(int lower, int upper) const {
-        return families_[static_cast<std::size_t>(lower)][static_cast<std::size_t>(upper)];
-    }
+    const Family& family(int lower, int upper) const { return families_[lower][upper]; }
     /// The child vertex that stands for an entity.
     Index pointOf(Entity entity) const {
         return family(entity.dimension, entity.dimension).child(entity.index);

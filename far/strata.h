@@ -96,7 +96,7 @@ public:
     /// What is left of the sharpness of a vertex or an edge.
     float sharpness(Entity entity) const {
         const auto& values = entity.dimension == 0 ? sharpness_.vertices : sharpness_.edges;
-        return values[static_cast<std::size_t>(entity.index)];
+        return values[entity.index];
     }
 
     /// Whether any sharpness is neither 0 nor infinite.
@@ -107,8 +107,7 @@ public:
 
 private:
     static std::uint8_t valueAt(const Numbers& values, Entity entity) {
-        return values[static_cast<std::size_t>(entity.dimension)]
-                     [static_cast<std::size_t>(entity.index)];
+        return values[entity.dimension][entity.index];
     }
 
     Numbers smoothStrata_;

@@ -41,7 +41,7 @@ SurfaceFans::SurfaceFans(const CellComplex& complex, std::vector<std::uint8_t> i
     cornerOffsets_.assign(complex.count(0) + 1, 0);
     forEachCorner([&](Index vertex, const Corner&) { ++cornerOffsets_[vertex + 1]; });
     std::partial_sum(cornerOffsets_.begin(), cornerOffsets_.end(), cornerOffsets_.begin());
-    corners_.resize(static_cast<std::size_t>(cornerOffsets_.back()));
+    corners_.resize(cornerOffsets_.back());
     std::vector<Offset> next = cornerOffsets_;
     forEachCorner([&](Index vertex, const Corner& corner) { corners_[next[vertex]++] = corner; });
 }

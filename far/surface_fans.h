@@ -26,7 +26,7 @@ public:
         NonManifold  ///< more, or two that run along it the same way; or both its ends are one
                      ///< vertex, or one of its faces has another edge between the same two
     };
-    EdgeKind edge(Index edge) const { return edgeKinds_[static_cast<std::size_t>(edge)]; }
+    EdgeKind edge(Index edge) const { return edgeKinds_[edge]; }
 
     /// Number of faces of the surface at an edge.
     Index faceCount(Index edge) const;

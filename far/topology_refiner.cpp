@@ -26,8 +26,7 @@ namespace {
 
 ByEntity<std::uint8_t> marksOf(const CellComplex& complex, std::uint8_t mark) {
     ByEntity<std::uint8_t> marks;
-    for (int d = 0; d <= complex.dimension(); ++d)
-        marks[d].assign(static_cast<std::size_t>(complex.count(d)), mark);
+    for (int d = 0; d <= complex.dimension(); ++d) marks[d].assign(complex.count(d), mark);
     return marks;
 }
 
@@ -106,7 +105,7 @@ namespace {
 
 /// The cells that share a vertex with one of `cells`, and these; ascending.
 std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cells) {
-    std::vector<std::uint8_t> isIn(static_cast<std::size_t>(complex.count(complex.dimension())));
+    std::vector<std::uint8_t> isIn(complex.count(complex.dimension()));
     for (const Index cell : cells)
         for (const Index vertex : complex.relation(complex.dimension(), 0)[cell])
             for (const Index other : complex.relation(0, complex.dimension())[vertex])
@@ -120,7 +119,7 @@ std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cell
 /// Takes the mark off the entities without a vertex of one of `cells`.
 void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
                   ByEntity<std::uint8_t>& marks) {
-    std::vector<std::uint8_t> isCorner(static_cast<std::size_t>(complex.count(0)), 0);
+    std::vector<std::uint8_t> isCorner(complex.count(0), 0);
     for (const Index cell : cells)
         for (const Index vertex : complex.relation(complex.dimension(), 0)[cell])
             isCorner[vertex] = 1;

@@ -44,7 +44,7 @@ public:
     }
     template <class Number>
     Array<Number> numbers(std::int64_t count) {
-        Array<Number> result(static_cast<std::size_t>(count));
+        Array<Number> result(count);
         for (Number& value : result) value = number<Number>();
         return result;
     }
@@ -59,7 +59,7 @@ public:
     }
     /// \throws FileError if a coordinate is not finite
     std::vector<Point3> points(std::int64_t count, const char* name) {
-        std::vector<Point3> result(static_cast<std::size_t>(count));
+        std::vector<Point3> result(count);
         for (std::size_t i = 0; i < result.size(); ++i)
             for (double& coordinate : result[i]) {
                 coordinate = number<double>();
@@ -238,8 +238,8 @@ BoundModel readBoundModel(const std::filesystem::path& path, std::string_view by
     model.binding.table =
         makeTable(path, sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
     if (sizes.gradientEntries) model.gradients = readGradients(path, sizes, in);
-    model.modelName = in.bytes(static_cast<std::size_t>(sizes.nameBytes));
-    model.modelBytes = in.bytes(static_cast<std::size_t>(sizes.modelBytes));
+    model.modelName = in.bytes(sizes.nameBytes);
+    model.modelBytes = in.bytes(sizes.modelBytes);
     return model;
 }
 

@@ -17,7 +17,7 @@ std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCo
     TextReader reader(path, bytes);
     reader.skipComments('#');
     std::vector<Target> targets;
-    std::vector<std::size_t> lines(static_cast<std::size_t>(pointCount), 0);
+    std::vector<std::size_t> lines(pointCount, 0);
     while (!reader.atEnd()) {
         Target target{};
         target.point = reader.number<Index>("the number of a point");
@@ -27,7 +27,7 @@ std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCo
         if (target.point < 0 || target.point >= pointCount)
             reader.fail("there is no point " + std::to_string(target.point) + "; the model has " +
                         std::to_string(pointCount) + ", from 0 on");
-        std::size_t& before = lines[static_cast<std::size_t>(target.point)];
+        std::size_t& before = lines[target.point];
         if (before != 0)
             reader.fail("point " + std::to_string(target.point) +
                         " has a target already, on line " + std::to_string(before));

@@ -57,8 +57,7 @@ stencils::StencilTable<double> rowsOf(const PlaceRows& places, std::size_t place
                                       Index vertexCount) {
     return stencils::buildTable<double>(static_cast<Index>(placeCount), vertexCount,
                                         [&](Index row, stencils::RowAccumulator& accumulator) {
-                                            const auto weights = places.weights(
-                                                static_cast<std::size_t>(row), kPosition);
+                                            const auto weights = places.weights(row, kPosition);
                                             for (const auto& [vertex, weight] : weights)
                                                 accumulator.add(vertex, weight);
                                         });
@@ -101,7 +100,7 @@ std::array<stencils::StencilTable<double>, 3> gradientsOf(
     const stencils::StencilTable<double>& tangents, std::span<const Point3> positions,
     double scale) {
     const Index placeCount = tangents.rowCount() / 3;
-    std::vector<Matrix3d> inverses(static_cast<std::size_t>(placeCount));
+    std::vector<Matrix3d> inverses(placeCount);
     for (Index i = 0; i < placeCount; ++i)
         inverses[i] = scale * inverseAtRest(tangents, 3 * i, positions);
     std::array<stencils::StencilTable<double>, 3> gradients;

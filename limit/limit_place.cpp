@@ -39,7 +39,7 @@ std::vector<embed::VertexWeight> slope(const far::CellComplex& complex,
                                        const embed::CellPlace& place, const Orders& orders) {
     if (orders == kPosition) return embed::placeWeights(complex, place);
     const auto axis = std::find(kFirst.begin(), kFirst.end(), orders) - kFirst.begin();
-    return slope(complex, place, static_cast<std::size_t>(axis));
+    return slope(complex, place, axis);
 }
 
 }  // namespace

@@ -236,12 +236,11 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
     // Chunks share the cells that they refine; each has some of the work of a level to itself.
     constexpr Offset kGrain = 1 << 13;
     const Offset count = std::ssize(locations);
-    std::vector<stencils::StencilTable<double>> chunks(
-        static_cast<std::size_t>((count + kGrain - 1) / kGrain));
+    std::vector<stencils::StencilTable<double>> chunks((count + kGrain - 1) / kGrain);
     parallelFor(count, kGrain, [&](Offset first, Offset last) {
         std::vector<Walker> walkers;
         for (Offset i = first; i < last; ++i)
-            walkers.push_back(walkerAt(here.complex, static_cast<std::size_t>(i), locations[i]));
+            walkers.push_back(walkerAt(here.complex, i, locations[i]));
         chunks[first / kGrain] = rowsOf(here, refiner.options(), rules, locations,
                                         std::move(walkers), orders, options.tolerance);
     });
@@ -270,7 +269,7 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
     if (options.derivatives > 0) {
         const far::Level& here = refiner.level(level);
         std::vector<LimitLocation> locations;
-        std::vector<Index> rowOf(static_cast<std::size_t>(here.complex.count(0)), kMaxIndex);
+        std::vector<Index> rowOf(here.complex.count(0), kMaxIndex);
         for (Index vertex = 0; vertex < here.complex.count(0); ++vertex) {
             if (here.strata.isOpen({0, vertex})) continue;
             for (const Index cell : here.complex.relation(0, 3)[vertex]) {

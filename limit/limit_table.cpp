@@ -126,7 +126,7 @@ stencils::StencilTable<Real> buildVertexLimits(const far::TopologyRefiner& refin
 template <class Real>
 stencils::StencilTable<Real> buildVertexLimits(const far::TopologyRefiner& refiner, int level,
                                                stencils::Rules rules) {
-    std::vector<Index> all(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
+    std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
     return buildVertexLimits<Real>(refiner, level, rules, all);
 }

@@ -108,8 +108,7 @@ void evaluateInTurn(std::span<const Step> steps, Workspace& workspace, Values<Re
     Values<Real> values = source;
     BufferDescriptor layout = sourceLayout;
     for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
-        const auto next =
-            held[i % 2].first(static_cast<std::size_t>(steps[i].rowCount() * between.stride));
+        const auto next = held[i % 2].first(steps[i].rowCount() * between.stride);
         // Behind the components no numbers that happen to be slow: denormal ones.
         if (between.stride > between.length) std::fill(next.begin(), next.end(), Real{0});
         ChainSteps::evaluate(steps[i], own, values, layout, next, between,

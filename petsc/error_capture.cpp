@@ -39,7 +39,7 @@ void checkMpi(int code) {
     std::string text(MPI_MAX_ERROR_STRING, '\0');
     int length = 0;
     MPI_Error_string(code, text.data(), &length);
-    text.resize(static_cast<std::size_t>(length));
+    text.resize(length);
     throw Error("MPI: " + text);
 }
 

@@ -47,7 +47,7 @@ std::string placeText(const py::array& array, py::ssize_t at) {
 
 template <class Real>
 void checkFinite(const py::array_t<Real>& array, const std::string& name) {
-    const std::span<const Real> values(array.data(), static_cast<std::size_t>(array.size()));
+    const std::span<const Real> values(array.data(), array.size());
     // Without a way out, so that the compiler makes a few instructions of it.
     bool areFinite = true;
     for (const Real value : values)
@@ -89,7 +89,7 @@ std::vector<Point3> toPoints(const py::handle& object, const std::string& name,
         (count && static_cast<std::size_t>(array.shape(0)) != *count))
         throw Error(name + ": expected an array of shape (" +
                     (count ? std::to_string(*count) : "N") + ", 3), got " + shapeText(array));
-    std::vector<Point3> points(static_cast<std::size_t>(array.shape(0)));
+    std::vector<Point3> points(array.shape(0));
     for (std::size_t i = 0; i < points.size(); ++i)
         std::copy_n(array.data() + 3 * i, 3, points[i].begin());
     return points;

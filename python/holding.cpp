@@ -57,8 +57,7 @@ std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
                             const RefinerLike& parent, int level, const std::string& outside,
                             double tolerance) {
     const auto table = tableOf(child);
-    const auto pose =
-        toPoints(childPose, "child_pose", static_cast<std::size_t>(table->columnCount()));
+    const auto pose = toPoints(childPose, "child_pose", table->columnCount());
     const auto refiner = refinerOf(parent);
     const auto options = embeddingOptions(outside, tolerance);
     return withoutGil([&] {

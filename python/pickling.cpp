@@ -258,7 +258,7 @@ std::optional<io::BoundGradients> gradientsOfState(const py::handle& state, cons
         requireState(gradients.tables[axis].rowCount() == table.rowCount() &&
                      gradients.tables[axis].columnCount() == table.columnCount());
     }
-    gradients.rest = toPoints(parts[1], "rest", static_cast<std::size_t>(table.columnCount()));
+    gradients.rest = toPoints(parts[1], "rest", table.columnCount());
     return gradients;
 }
 
@@ -294,10 +294,8 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
     binding.topologyHash = state[3].cast<std::uint64_t>();
     result->bound.modelName = state[4].cast<std::string>();
     result->bound.modelBytes = state[5].cast<std::string>();
-    result->points =
-        state[6].is_none()
-            ? withoutGil([&] { return pointsIn(result->bound); })
-            : std::optional(toPoints(state[6], "points", static_cast<std::size_t>(rows)));
+    result->points = state[6].is_none() ? withoutGil([&] { return pointsIn(result->bound); })
+                                        : std::optional(toPoints(state[6], "points", rows));
     if (!state[7].is_none()) {
         Placement placement{{}, state[8].cast<double>()};
         for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[7])) {

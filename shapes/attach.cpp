@@ -36,7 +36,7 @@ Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices)
                     continue;
                 }
                 const Offset from = vertex.attributesFrom[0];
-                values.push_back(values[static_cast<std::size_t>(from * components + component)]);
+                values.push_back(values[from * components + component]);
             }
     return result;
 }
@@ -73,8 +73,7 @@ struct Site {
         const auto faces = complex.relation(3, 2)[cells[0]];
         for (std::size_t i = 0; i < faces.size(); ++i)
             if (faces[i] == face.value) loop = far::outwardLoops(complex, CellId(cells[0]))[i];
-        for (const Index vertex : loop)
-            positions.push_back(lattice.positions[static_cast<std::size_t>(vertex)]);
+        for (const Index vertex : loop) positions.push_back(lattice.positions[vertex]);
     }
 
     /// That a vector from the face leads to the outside.
@@ -142,7 +141,7 @@ Lattice attachCell(const Lattice& lattice, far::StandardCell cell, std::span<con
                     std::to_string(far::vertexCount(cell)));
     std::vector<Loop> loops = far::faceLoops(cell);
     for (Loop& loop : loops)
-        for (Index& vertex : loop) vertex = vertices[static_cast<std::size_t>(vertex)];
+        for (Index& vertex : loop) vertex = vertices[vertex];
     return attachCell(lattice, loops, newVertices);
 }
 

@@ -99,10 +99,10 @@ Lattice barbellMesh(const BarbellOptions& options) {
         if (column == options.barSegments) return endCount + onOutline(options.barAcross - row);
         return 2 * endCount + (column - 1) * (options.barAcross + 1) + row;
     };
-    const auto at = [&](Index index) { return positions[static_cast<std::size_t>(index)]; };
     for (Index column = 1; column < options.barSegments; ++column)
         for (Index row = 0; row <= options.barAcross; ++row)
-            positions.push_back(between(at(vertex(0, row)), at(vertex(options.barSegments, row)),
+            positions.push_back(between(positions[vertex(0, row)],
+                                        positions[vertex(options.barSegments, row)],
                                         static_cast<double>(column) / options.barSegments));
 
     std::vector<Loop> loops;

@@ -7,7 +7,7 @@ namespace {
 Loop renamed(std::span<const Index> loop, std::span<const Index> newVertex) {
     Loop result;
     result.reserve(loop.size());
-    for (const Index vertex : loop) result.push_back(newVertex[static_cast<std::size_t>(vertex)]);
+    for (const Index vertex : loop) result.push_back(newVertex[vertex]);
     return result;
 }
 

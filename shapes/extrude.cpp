@@ -31,8 +31,7 @@ public:
             for (Index face = 0; face < mesh_.complex.count(2); ++face) {
                 const auto base = mesh_.complex.relation(2, 0)[face];
                 Loop loop(base.begin(), base.end());
-                if (reversed[static_cast<std::size_t>(face)])
-                    std::reverse(loop.begin() + 1, loop.end());
+                if (reversed[face]) std::reverse(loop.begin() + 1, loop.end());
                 prism(loop, row, loops);
                 builder.addCell(loops);
             }
@@ -142,7 +141,7 @@ Lattice assembled(const Sweep& sweep, const std::vector<bool>& reversed,
 
 std::vector<Point3> loopPositions(const Loop& loop, const std::vector<Point3>& positions) {
     std::vector<Point3> result;
-    for (const Index vertex : loop) result.push_back(positions[static_cast<std::size_t>(vertex)]);
+    for (const Index vertex : loop) result.push_back(positions[vertex]);
     return result;
 }
 
@@ -191,7 +190,7 @@ Lattice sweep(const Lattice& mesh, std::span<const std::vector<Point3>> layers, 
                           layers[layer][vertex]);
     }
     requireCountableRows("sweep", mesh.complex, layers.size());
-    const std::vector<bool> reversed(static_cast<std::size_t>(mesh.complex.count(2)), false);
+    const std::vector<bool> reversed(mesh.complex.count(2), false);
     return assembled(Sweep(mesh, layers.size(), ends), reversed, layers);
 }
 

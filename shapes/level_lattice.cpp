@@ -12,13 +12,12 @@ namespace {
 /// they would be too: under another boundary mode they might not.
 void keepCorners(const far::TopologyRefiner& refiner, int level, far::Marks& marks) {
     if (refiner.boundary() == far::Boundary::Open) return;
-    std::vector<bool> isMarked(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
-    for (const far::Marks::Vertex& mark : marks.vertices)
-        isMarked[static_cast<std::size_t>(mark.vertex)] = true;
+    std::vector<bool> isMarked(refiner.level(level).complex.count(0));
+    for (const far::Marks::Vertex& mark : marks.vertices) isMarked[mark.vertex] = true;
     for (const far::Marks::Vertex& mark : refiner.options().marks.vertices) {
         // The vertex points of a level keep the numbers of their vertices.
         const float sharpness = refiner.level(level).strata.sharpness({0, mark.vertex});
-        if (sharpness > far::kSmooth && !isMarked[static_cast<std::size_t>(mark.vertex)])
+        if (sharpness > far::kSmooth && !isMarked[mark.vertex])
             marks.vertices.push_back({mark.vertex, sharpness});
     }
 }

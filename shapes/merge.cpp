@@ -98,7 +98,7 @@ void requireCellsKept(const far::CellComplex& complex, std::span<const Index> ne
     for (Index cell = 0; cell < complex.count(dimension); ++cell) {
         welded.clear();
         for (const Index vertex : complex.relation(dimension, 0)[cell])
-            welded.emplace_back(newVertex[static_cast<std::size_t>(vertex)], vertex);
+            welded.emplace_back(newVertex[vertex], vertex);
         std::sort(welded.begin(), welded.end());
         const auto twice =
             std::adjacent_find(welded.begin(), welded.end(),
@@ -115,12 +115,11 @@ void requireCellsKept(const far::CellComplex& complex, std::span<const Index> ne
 }
 
 void appendMarks(const far::Marks& from, std::span<const Index> newVertex, far::Marks& to) {
-    const auto renamed = [&](Index vertex) { return newVertex[static_cast<std::size_t>(vertex)]; };
     for (const far::Marks::Edge& mark : from.edges)
         to.edges.push_back(
-            {{renamed(mark.vertices[0]), renamed(mark.vertices[1])}, mark.sharpness});
+            {{newVertex[mark.vertices[0]], newVertex[mark.vertices[1]]}, mark.sharpness});
     for (const far::Marks::Vertex& mark : from.vertices)
-        to.vertices.push_back({renamed(mark.vertex), mark.sharpness});
+        to.vertices.push_back({newVertex[mark.vertex], mark.sharpness});
 }
 
 /// Writes the values of vertices that first appear in `from`: those numbered `firstNew` and above.
@@ -150,8 +149,7 @@ std::string nameOf(const Origin& origin, const MergeOptions& options) {
 std::vector<Index> mergedVertices(const far::CellComplex& complex, Index face,
                                   std::span<const Index> newVertex) {
     std::vector<Index> vertices;
-    for (const Index vertex : complex.relation(2, 0)[face])
-        vertices.push_back(newVertex[static_cast<std::size_t>(vertex)]);
+    for (const Index vertex : complex.relation(2, 0)[face]) vertices.push_back(newVertex[vertex]);
     std::sort(vertices.begin(), vertices.end());
     return vertices;
 }

@@ -30,12 +30,11 @@ Loop faceTowards(const Point3& normal, const std::vector<Point3>& vertices) {
     // The vertices of a regular solid that are not on the face are nearer by a tenth and more.
     for (std::size_t v = 0; v < vertices.size(); ++v)
         if (dot(normal, vertices[v]) > 0.99 * farthest) loop.push_back(static_cast<Index>(v));
-    const auto at = [&](Index v) { return vertices[static_cast<std::size_t>(v)]; };
-    const Point3 x = at(loop.front());
+    const Point3 x = vertices[loop.front()];
     const Point3 y = cross(normalised(normal), x);
     const auto angle = [&](Index v) {
         const Point3 arm =
-            difference(at(v), scaled(normal, dot(at(v), normal) / dot(normal, normal)));
+            difference(vertices[v], scaled(normal, dot(vertices[v], normal) / dot(normal, normal)));
         return std::atan2(dot(arm, y), dot(arm, x));
     };
     std::sort(loop.begin(), loop.end(), [&](Index a, Index b) { return angle(a) < angle(b); });

@@ -151,8 +151,7 @@ template <class Visit>
 void forEachPart(const CheckedVolume& volume, Visit visit) {
     const Offset grain = volume.grain();
     parallelFor(volume.partCount(), grain, [&](Offset first, Offset last) {
-        for (auto part = static_cast<Index>(first); part < last; ++part)
-            visit(static_cast<std::size_t>(first / grain), part);
+        for (auto part = static_cast<Index>(first); part < last; ++part) visit(first / grain, part);
     });
 }
 
@@ -222,9 +221,8 @@ LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most
     const LimitPositions end = volume.place(ends);
     // In parts of `most`. The digits of a part's depend on how far the parts before it have brought
     // the step down. So each range has a step of its own.
-    std::vector<LargestStep> ofRanges(
-        static_cast<std::size_t>((volume.partCount() + volume.grain() - 1) / volume.grain()),
-        {1, {}, true});
+    std::vector<LargestStep> ofRanges((volume.partCount() + volume.grain() - 1) / volume.grain(),
+                                      {1, {}, true});
     forEachPart(volume, [&](std::size_t range, Index part) {
         const int orientation = orientation_[volume.cellOf(part)];
         if (orientation != 0) shorten(ofRanges[range], volume, part, orientation, rest_, end, most);

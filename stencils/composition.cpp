@@ -53,7 +53,7 @@ void checkVertices(const far::TopologyRefiner& refiner, int level,
 }
 
 CompactTable compactColumns(StencilTable<double> table) {
-    std::vector<Index> place(static_cast<std::size_t>(table.columnCount()), 0);
+    std::vector<Index> place(table.columnCount(), 0);
     for (const Index column : table.columns()) place[column] = 1;
     CompactTable compact;
     for (Index column = 0; column < table.columnCount(); ++column) {
@@ -157,7 +157,7 @@ StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
 
 template <class Real>
 StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules) {
-    std::vector<Index> all(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
+    std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
     return buildStencils<Real>(refiner, level, rules, all);
 }

@@ -101,7 +101,7 @@ void appendParts(const StencilTable<Real>& table, std::span<const Index> counts,
                  std::vector<StencilTable<Real>>& parts) {
     Index first = 0;
     for (const Index count : counts) {
-        std::vector<Index> own(static_cast<std::size_t>(count));
+        std::vector<Index> own(count);
         std::iota(own.begin(), own.end(), std::exchange(first, first + count));
         parts.push_back(selectRows(table, own));
     }

@@ -159,7 +159,7 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
 }
 
 StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules) {
-    std::vector<Index> all(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
+    std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
     return buildLevelTable(refiner, level, rules, all);
 }

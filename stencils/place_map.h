@@ -14,7 +14,7 @@ namespace espalier::stencils {
 class PlaceMap {
 public:
     /// \param count items are 0 to count − 1
-    explicit PlaceMap(Index count) : places_(static_cast<std::size_t>(count), kNone) {}
+    explicit PlaceMap(Index count) : places_(count, kNone) {}
 
     bool has(Index item) const { return places_[item] != kNone; }
     /// \param item one that is there

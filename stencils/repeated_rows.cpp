@@ -83,7 +83,7 @@ StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& firstRows) con
     for (std::size_t row = 0; row < copies_.size(); ++row)
         offsets[row + 1] = offsets[row] + firstRows.offsets()[copies_[row].first + 1] -
                            firstRows.offsets()[copies_[row].first];
-    Array<Index> columns(static_cast<std::size_t>(offsets.back()));
+    Array<Index> columns(offsets.back());
     Array<Real> weights(columns.size());
     parallelFor(static_cast<Offset>(copies_.size()), 4096, [&](Offset begin, Offset end) {
         for (auto row = static_cast<std::size_t>(begin); row < static_cast<std::size_t>(end);

@@ -49,7 +49,7 @@ private:
         Offset vertices;  ///< those around the entity are around_[vertices] on
     };
     const Index* verticesAround(Index base) const {
-        return around_.data() + insides_[static_cast<std::size_t>(base)]->vertices;
+        return around_.data() + insides_[base]->vertices;
     }
     template <class Real>
     Array<Index> placesOf(const StencilTable<Real>& firstRows) const;

@@ -18,7 +18,7 @@ BaseEntities::BaseEntities(const far::CellComplex& base) {
     for (int d = 0; d <= kMaxDimension; ++d) {
         const auto at = static_cast<std::size_t>(d);
         begins_[at + 1] = begins_[at] + base.count(d);
-        numbers_[at].resize(static_cast<std::size_t>(base.count(d)));
+        numbers_[at].resize(base.count(d));
         std::iota(numbers_[at].begin(), numbers_[at].end(), begins_[at]);
     }
 }

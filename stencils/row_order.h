@@ -25,13 +25,11 @@ public:
     std::span<const Index> rows() const { return rows_; }
 
     Index row(Offset position) const {
-        return rows_.empty() ? static_cast<Index>(position)
-                             : rows_[static_cast<std::size_t>(position)];
+        return rows_.empty() ? static_cast<Index>(position) : rows_[position];
     }
 
     bool isSameGroup(Offset a, Offset b) const {
-        return rows_.empty() || groups_[static_cast<std::size_t>(row(a))] ==
-                                    groups_[static_cast<std::size_t>(row(b))];
+        return rows_.empty() || groups_[row(a)] == groups_[row(b)];
     }
 
 private:
@@ -55,12 +53,8 @@ public:
     /// The entity of the base that a number stands for.
     Entity entity(Index number) const;
 
-    std::span<const Index> of(int dimension) const {
-        return numbers_[static_cast<std::size_t>(dimension)];
-    }
-    Index of(const Entity& entity) const {
-        return of(entity.dimension)[static_cast<std::size_t>(entity.index)];
-    }
+    std::span<const Index> of(int dimension) const { return numbers_[dimension]; }
+    Index of(const Entity& entity) const { return of(entity.dimension)[entity.index]; }
 
 private:
     /// The numbers of the dimensions, one after the other.

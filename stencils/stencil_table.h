@@ -54,7 +54,7 @@ public:
 private:
     template <class T>
     std::span<const T> slice(const Array<T>& values, Index row) const {
-        const Offset first = offsets_[static_cast<std::size_t>(row)];
+        const Offset first = offsets_[row];
         const Offset last = offsets_[static_cast<std::size_t>(row) + 1];
         return {values.data() + first, static_cast<std::size_t>(last - first)};
     }

@@ -41,8 +41,7 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
         return order.empty() ? static_cast<std::size_t>(position)
                              : static_cast<std::size_t>(order[position]);
     };
-    std::vector<RowList<Real>> chunks(
-        static_cast<std::size_t>((Offset{rowCount} + kGrain - 1) / kGrain));
+    std::vector<RowList<Real>> chunks((Offset{rowCount} + kGrain - 1) / kGrain);
     // First each row's length, then their running sum.
     Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
     offsets[0] = 0;
@@ -59,7 +58,7 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
 
     requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(Real)),
                   "a table of " + std::to_string(offsets.back()) + " weights");
-    Array<Index> columns(static_cast<std::size_t>(offsets.back()));
+    Array<Index> columns(offsets.back());
     Array<Real> weights(columns.size());
     parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
         RowList<Real>& chunk = chunks[first / kGrain];
@@ -84,8 +83,7 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
 class RowAccumulator {
 public:
     explicit RowAccumulator(Index columnCount)
-        : sums_(static_cast<std::size_t>(columnCount), 0),
-          isTouched_(static_cast<std::size_t>(columnCount), 0) {}
+        : sums_(columnCount, 0), isTouched_(columnCount, 0) {}
 
     void add(Index column, double weight) {
         const auto at = static_cast<std::size_t>(column);
@@ -106,12 +104,11 @@ public:
         std::sort(touched_.begin(), touched_.end());  // The sum does not depend on the calls.
         double sum = 0;
         Index largest = touched_.front();
-        const auto at = [&](Index column) -> double& { return sums_[column]; };
         for (const Index column : touched_) {
-            sum += at(column);
-            if (std::abs(at(column)) > std::abs(at(largest))) largest = column;
+            sum += sums_[column];
+            if (std::abs(sums_[column]) > std::abs(sums_[largest])) largest = column;
         }
-        at(largest) -= sum;
+        sums_[largest] -= sum;
     }
 
     /// Ends the row, and starts a new one. Sums that cancelled to exactly 0 are left out.
@@ -119,13 +116,12 @@ public:
     void flush(RowList<Real>& rows) {
         std::sort(touched_.begin(), touched_.end());
         for (const Index column : touched_) {
-            const auto at = static_cast<std::size_t>(column);
-            if (sums_[at] != 0) {
+            if (sums_[column] != 0) {
                 rows.columns.push_back(column);
-                rows.weights.push_back(static_cast<Real>(sums_[at]));
+                rows.weights.push_back(static_cast<Real>(sums_[column]));
             }
-            sums_[at] = 0;
-            isTouched_[at] = 0;
+            sums_[column] = 0;
+            isTouched_[column] = 0;
         }
         touched_.clear();
         rows.endRow();

@@ -56,9 +56,9 @@ far::Marks canonicalMarks(const far::CellComplex& complex, const far::Marks& mar
 
 std::vector<double> vertexSharpnessForFile(const far::CellComplex& complex,
                                            const far::Marks& marks) {
-    std::vector<double> sharpness(static_cast<std::size_t>(complex.count(0)), kUnmarkedInFile);
+    std::vector<double> sharpness(complex.count(0), kUnmarkedInFile);
     for (const auto& mark : marks.vertices)
-        sharpness[static_cast<std::size_t>(mark.vertex)] = sharpnessToFile(mark.sharpness);
+        sharpness[mark.vertex] = sharpnessToFile(mark.sharpness);
     return sharpness;
 }
 
@@ -114,7 +114,7 @@ Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder bui
                       ReadNotes* notes) {
     const std::vector<Index> dropped = builder.dropUnusedVertices();
     // Whatever stands there does not matter.
-    for (const Index vertex : dropped) parts.positions[static_cast<std::size_t>(vertex)] = {};
+    for (const Index vertex : dropped) parts.positions[vertex] = {};
     checkFinite(path, parts.positions);
     for (const VertexAttribute& attribute : parts.attributes)
         if (attribute.name.starts_with(kReservedNames))

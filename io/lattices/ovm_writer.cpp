@@ -125,11 +125,11 @@ private:
 
     static std::vector<double> edgeSharpness(const far::CellComplex& complex,
                                              const far::Marks& marks) {
-        std::vector<double> sharpness(static_cast<std::size_t>(complex.count(1)), kUnmarkedInFile);
+        std::vector<double> sharpness(complex.count(1), kUnmarkedInFile);
         for (const auto& mark : marks.edges)
             for (const Index edge : complex.relation(0, 1)[mark.vertices[0]])
                 if (far::contains(complex.relation(1, 0)[edge], mark.vertices[1]))
-                    sharpness[static_cast<std::size_t>(edge)] = sharpnessToFile(mark.sharpness);
+                    sharpness[edge] = sharpnessToFile(mark.sharpness);
         return sharpness;
     }
 

@@ -24,12 +24,12 @@ namespace {
 std::vector<std::vector<Index>> linesOf(const far::CellComplex& curve) {
     const auto& edgesAt = curve.relation(0, 1);
     const auto& endsOf = curve.relation(1, 0);
-    std::vector<bool> isDrawn(static_cast<std::size_t>(curve.count(1)), false);
+    std::vector<bool> isDrawn(curve.count(1), false);
     std::vector<std::vector<Index>> lines;
     const auto draw = [&](Index edge, Index from) {
         std::vector<Index> line = {from};
-        while (!isDrawn[static_cast<std::size_t>(edge)]) {
-            isDrawn[static_cast<std::size_t>(edge)] = true;
+        while (!isDrawn[edge]) {
+            isDrawn[edge] = true;
             const Index to = endsOf[edge][endsOf[edge].front() == line.back() ? 1 : 0];
             line.push_back(to);
             if (edgesAt[to].size() != 2) break;

@@ -134,8 +134,7 @@ private:
             if (property.lengthType)
                 skipList(line, word, property);
             else if (const Slot* slot = slotOf(column))
-                set(*slot, parse(*slot, word),
-                    static_cast<std::size_t>(word.data() - bytes_.data()));
+                set(*slot, parse(*slot, word), word.data() - bytes_.data());
         }
         if (const std::string_view more = takeWord(line); !more.empty())
             lines_.fail("expected the end of a row of the element " + inQuotes(element.name) +

@@ -95,8 +95,7 @@ private:
         out_.text("\n");
         beginField(arrayCount);
         for (const VertexAttribute& attribute : lattice.attributes)
-            array(attribute.name, static_cast<std::size_t>(attribute.components), "double",
-                  attribute.values);
+            array(attribute.name, attribute.components, "double", attribute.values);
         for (const VertexIntegers& integers : lattice.integers) writeIntegers(integers);
         if (!marks.vertices.empty())
             array(kVertexSharpness, 1, "double", vertexSharpnessForFile(lattice.complex, marks));

@@ -62,7 +62,7 @@ public:
             pugi::encoding_utf8);
         if (result.status == pugi::status_out_of_memory) throw std::bad_alloc();
         if (!result)
-            failAt(placeInFile(static_cast<std::size_t>(result.offset)),
+            failAt(placeInFile(result.offset),
                    std::string("is not well-formed XML: ") + result.description());
         const pugi::xml_node root = document.child("VTKFile");
         if (!root) file_.fail(1, "is not a VTK XML file: it has no VTKFile element");

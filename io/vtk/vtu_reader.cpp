@@ -35,8 +35,8 @@ public:
                               " after " + std::to_string(before) + "; expected ascending offsets");
             before = end;
         }
-        values_ = file.list(file.array(section, values), static_cast<std::size_t>(before),
-                            "the last of " + inQuotes(offsets));
+        values_ =
+            file.list(file.array(section, values), before, "the last of " + inQuotes(offsets));
     }
 
     std::span<const std::int64_t> operator[](std::size_t row) const {
@@ -191,8 +191,7 @@ private:
                 continue;
             }
             cellLoops.clear();
-            for (const std::int64_t face : faces[cell])
-                cellLoops.push_back(loops[static_cast<std::size_t>(face)]);
+            for (const std::int64_t face : faces[cell]) cellLoops.push_back(loops[face]);
             cells.addPolyhedron(cellLoops);
         }
     }
@@ -213,8 +212,7 @@ private:
             before = ends[cell];
         }
         const auto faces =
-            file_.list(file_.array(section, "faces"), static_cast<std::size_t>(before),
-                       "the last of 'faceoffsets'");
+            file_.list(file_.array(section, "faces"), before, "the last of 'faceoffsets'");
         std::size_t begin = 0;
         for (std::size_t cell = 0; cell < types.size(); ++cell) {
             if (types[cell] != kVtkPolyhedron) {

@@ -77,8 +77,7 @@ private:
     void writePointData(const Lattice& lattice, const far::Marks& marks) {
         section("PointData", [&] {
             for (const VertexAttribute& attribute : lattice.attributes)
-                array(attribute.name, static_cast<std::size_t>(attribute.components),
-                      attribute.values);
+                array(attribute.name, attribute.components, attribute.values);
             for (const VertexIntegers& integers : lattice.integers)
                 element({integers.name, numberOf(integers.type),
                          static_cast<std::size_t>(integers.components)},

@@ -18,14 +18,10 @@ struct CompiledTable<Real>::Data {
     Index mostColumns;  ///< of a group
 
     std::span<const Index> columnsOf(const typename Rows::Group& group) const {
-        return std::span(rows.groupColumns)
-            .subspan(static_cast<std::size_t>(group.firstColumn),
-                     static_cast<std::size_t>(group.columnCount));
+        return std::span(rows.groupColumns).subspan(group.firstColumn, group.columnCount);
     }
     std::span<const Index> rowsOf(const typename Rows::Group& group) const {
-        return std::span(rows.groupRows)
-            .subspan(static_cast<std::size_t>(group.firstRow),
-                     static_cast<std::size_t>(group.rowCount));
+        return std::span(rows.groupRows).subspan(group.firstRow, group.rowCount);
     }
 
     /// \param entries of its columns, in their order, so far apart

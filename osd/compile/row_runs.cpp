@@ -28,8 +28,7 @@ public:
         const auto firstWeight = static_cast<Offset>(compiled_.weights.size());
         if (isShared) appendWeights(rows.front());
         while (!rows.empty()) {
-            const auto part =
-                rows.first(static_cast<std::size_t>(std::min(std::ssize(rows), kMaxRowsOfRun)));
+            const auto part = rows.first(std::min(std::ssize(rows), kMaxRowsOfRun));
             compiled_.runs.push_back(
                 {length, static_cast<Offset>(compiled_.columns.size()),
                  isShared ? firstWeight : static_cast<Offset>(compiled_.weights.size()), isShared,

@@ -34,8 +34,8 @@ void copyToHost(const Real* entries, Offset count, Real* to, const BufferDescrip
                               cudaMemcpyDeviceToHost, stream),
               "cudaMemcpyAsync to the host");
     else
-        check(cudaMemcpy2DAsync(to, bytesOf<Real>(layout.stride), entries, bytes, bytes,
-                                static_cast<std::size_t>(count), cudaMemcpyDeviceToHost, stream),
+        check(cudaMemcpy2DAsync(to, bytesOf<Real>(layout.stride), entries, bytes, bytes, count,
+                                cudaMemcpyDeviceToHost, stream),
               "cudaMemcpy2DAsync to the host");
 }
 

@@ -19,8 +19,7 @@ template <class T, std::size_t alignment = 64>
 constexpr std::size_t roomOf(Offset count, Offset each = 1) {
     constexpr std::size_t kMaxBytes = std::size_t{1} << 60;
     std::size_t bytes = 0;
-    if (__builtin_mul_overflow(static_cast<std::size_t>(count), static_cast<std::size_t>(each),
-                               &bytes) ||
+    if (__builtin_mul_overflow(count, each, &bytes) ||
         __builtin_mul_overflow(bytes, sizeof(T), &bytes) || bytes > kMaxBytes)
         throw std::bad_array_new_length();
     return (bytes + alignment - 1) / alignment * alignment;

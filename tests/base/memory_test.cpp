@@ -48,7 +48,7 @@ TEST(MemoryLimit, OfSeveralTheLowestCounts) {
 TEST(MemoryLimit, StopsLoopsOnceThatMuchIsHeld) {
     std::vector<std::vector<char>> taken(200);
     const auto takeMemory = [&](Offset first, Offset) {
-        taken[static_cast<std::size_t>(first)].assign(1 << 20, 1);
+        taken[first].assign(1 << 20, 1);
         // The memory is looked at every few milliseconds.
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     };

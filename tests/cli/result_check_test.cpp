@@ -49,8 +49,7 @@ StencilTable<double> bandTable(Index rows, Index columnCount, Index entries, Wei
 StencilTable<double> withWeight(const StencilTable<double>& table, Index row, std::size_t entry,
                                 double weight) {
     Array<double> weights(table.weights().begin(), table.weights().end());
-    weights[static_cast<std::size_t>(table.offsets()[static_cast<std::size_t>(row)]) + entry] =
-        weight;
+    weights[static_cast<std::size_t>(table.offsets()[row]) + entry] = weight;
     return {table.columnCount(),
             {table.offsets().begin(), table.offsets().end()},
             {table.columns().begin(), table.columns().end()},

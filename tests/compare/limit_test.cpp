@@ -37,7 +37,7 @@ Limits limitsOf(const Far::TopologyRefiner& refiner, std::vector<Value> values) 
     std::vector<int> vertices;
     for (int v = 0; v < refiner.GetLevel(0).GetNumVertices(); ++v) vertices.push_back(v);
     for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
-        std::vector<Value> next(static_cast<std::size_t>(refiner.GetLevel(level).GetNumVertices()));
+        std::vector<Value> next(refiner.GetLevel(level).GetNumVertices());
         primvar.Interpolate(level, values, next);
         values = std::move(next);
         for (int& v : vertices) v = refiner.GetLevel(level - 1).GetVertexChildVertex(v);
@@ -45,9 +45,9 @@ Limits limitsOf(const Far::TopologyRefiner& refiner, std::vector<Value> values) 
     Limits all{values, values, values}, result;
     primvar.Limit(values, all.points, all.first, all.second);
     for (const int v : vertices) {
-        result.points.push_back(all.points[static_cast<std::size_t>(v)]);
-        result.first.push_back(all.first[static_cast<std::size_t>(v)]);
-        result.second.push_back(all.second[static_cast<std::size_t>(v)]);
+        result.points.push_back(all.points[v]);
+        result.first.push_back(all.first[v]);
+        result.second.push_back(all.second[v]);
     }
     return result;
 }
@@ -112,7 +112,7 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
     const auto pose = test::shaken(shape.positions, 1);
     std::vector<Value> values;
     for (const Index vertex : surface.vertices)
-        values.push_back({Eigen::Vector3d(pose[static_cast<std::size_t>(vertex)].data())});
+        values.push_back({Eigen::Vector3d(pose[vertex].data())});
     const Limits limits = limitsOf(*theirs.refiner, values);
     const auto ours = test::times(
         limit::buildVertexLimits<double>(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
@@ -166,7 +166,7 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
     const auto limitsAt = [&](const std::vector<Point3>& positions) {
         std::vector<Value> values;
         for (const Index vertex : surface.vertices)
-            values.push_back({Eigen::Vector3d(positions[static_cast<std::size_t>(vertex)].data())});
+            values.push_back({Eigen::Vector3d(positions[vertex].data())});
         return limitsOf(*theirs.refiner, values);
     };
     const Limits rest = limitsAt(lattice.positions), posed = limitsAt(pose);

@@ -82,7 +82,7 @@ struct FacesOnLevel {
         : refiner(base), level(levels), rules(by) {
         refiner.refineUniform(levels);
         const far::CellComplex& complex = base.level(0).complex;
-        for (int d = 0; d <= 3; ++d) isHeld[d].resize(static_cast<std::size_t>(complex.count(d)));
+        for (int d = 0; d <= 3; ++d) isHeld[d].resize(complex.count(d));
         for (const Index face : faces)
             for (int d = 0; d <= 2; ++d)
                 for (const Index part : complex.relation(2, d)[face]) isHeld[d][part] = 1;

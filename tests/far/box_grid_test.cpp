@@ -88,8 +88,7 @@ TEST(BoxGrid, RelabelledGridsAreFoundFromTheLowestCorner) {
             for (const Index i : {0, n[0]})
                 for (const Index j : {0, n[1]})
                     for (const Index k : {0, n[2]})
-                        lowest = std::min(
-                            lowest, names[static_cast<std::size_t>(test::gridVertex(n, i, j, k))]);
+                        lowest = std::min(lowest, names[test::gridVertex(n, i, j, k)]);
             EXPECT_EQ(grid.vertexAt({0, 0, 0}), lowest);
             EXPECT_LT(grid.vertexAt({1, 0, 0}), grid.vertexAt({0, 1, 0}));
             EXPECT_LT(grid.vertexAt({0, 1, 0}), grid.vertexAt({0, 0, 1}));

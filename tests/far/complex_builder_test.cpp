@@ -50,7 +50,7 @@ TEST(ComplexBuilder, GridSharesFacesAndEdges) {
 TEST(ComplexBuilder, OrientsAndSharesWhateverTheWinding) {
     const CellComplex original = grid({2, 2, 2});
     std::vector<Index> names(27);
-    for (Index i = 0; i < 27; ++i) names[static_cast<std::size_t>(i)] = i;
+    for (Index i = 0; i < 27; ++i) names[i] = i;
     for (unsigned seed = 0; seed < 20; ++seed) {
         const CellComplex shuffled = test::relabelled(original, names, seed);
         EXPECT_EQ(countsOf(shuffled), countsOf(original));
@@ -68,7 +68,7 @@ TEST(ComplexBuilder, MajorityOfLoopsDecidesTheOutside) {
     builder.addCell(StandardCell::Hexahedron, first);
     Loops loops = faceLoops(StandardCell::Hexahedron);
     for (std::size_t f = 0; f < loops.size(); ++f) {
-        for (Index& vertex : loops[f]) vertex = second[static_cast<std::size_t>(vertex)];
+        for (Index& vertex : loops[f]) vertex = second[vertex];
         if (f < 5) std::reverse(loops[f].begin(), loops[f].end());
     }
     builder.addCell(loops);
@@ -348,7 +348,7 @@ TEST(ComplexBuilder, CubesThatMeetInAnEdgeOrAVertexOnlyAreFine) {
     Index next = 0;
     const auto rename = [&](std::array<Index, 8> cell) {
         for (Index& vertex : cell) {
-            Index& name = names[static_cast<std::size_t>(vertex)];
+            Index& name = names[vertex];
             if (name < 0) name = next++;
             vertex = name;
         }

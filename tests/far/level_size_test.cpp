@@ -24,8 +24,7 @@ void expectSizesOfLevels(const CellComplex& base, int levels) {
         const CellComplex& complex = refiner.level(level).complex;
         const LevelSize size = levelSize(base, level);
         for (int d = 0; d <= kMaxDimension; ++d)
-            EXPECT_EQ(size.counts[static_cast<std::size_t>(d)],
-                      d <= base.dimension() ? complex.count(d) : 0)
+            EXPECT_EQ(size.counts[d], d <= base.dimension() ? complex.count(d) : 0)
                 << "level " << level << " dimension " << d;
         EXPECT_EQ(size.faceEdges, pairs(complex, 2, 1)) << level;
         EXPECT_EQ(size.cellFaces, pairs(complex, 3, 2)) << level;

@@ -21,24 +21,22 @@ public:
             if (k == 0) {
                 for (int d = 0; d <= part.dimension(); ++d)
                     for (Index i = 0; i < part.level(0).complex.count(d); ++i)
-                        levels_[0][static_cast<std::size_t>(d)].push_back(i);
+                        levels_[0][d].push_back(i);
                 continue;
             }
             part.refinement(k).forEachChild([&](const Entity& child, const Interval& interval) {
                 const auto same = whole.refinement(k).childOf(
                     {of(k - 1, interval.lower), of(k - 1, interval.upper)});
-                levels_.back()[static_cast<std::size_t>(child.dimension)].push_back(
-                    same.value().index);
+                levels_.back()[child.dimension].push_back(same.value().index);
             });
         }
     }
 
     Entity of(int level, const Entity& entity) const {
-        return {entity.dimension,
-                ofDimension(level, entity.dimension)[static_cast<std::size_t>(entity.index)]};
+        return {entity.dimension, ofDimension(level, entity.dimension)[entity.index]};
     }
     const std::vector<Index>& ofDimension(int level, int dimension) const {
-        return levels_[static_cast<std::size_t>(level)][static_cast<std::size_t>(dimension)];
+        return levels_[level][dimension];
     }
 
 private:

@@ -17,9 +17,7 @@ namespace {
 int signOf(const CellComplex& complex, Entity whole, Index part) {
     const auto row = complex.boundary(whole.dimension)[whole.index];
     const auto at = std::find(row.begin(), row.end(), part) - row.begin();
-    return at == std::ssize(row)
-               ? 0
-               : complex.boundary(whole.dimension).signs(whole.index)[static_cast<std::size_t>(at)];
+    return at == std::ssize(row) ? 0 : complex.boundary(whole.dimension).signs(whole.index)[at];
 }
 
 bool isIn(const CellComplex& complex, Entity part, Entity whole) {
@@ -85,12 +83,12 @@ Refinement::Kept around(const CellComplex& complex, const std::vector<Index>& ve
     const int dimension = complex.dimension();
     for (int d = 0; d <= dimension; ++d)
         for (Index index = 0; index < complex.count(d); ++index) {
-            kept.lower[static_cast<std::size_t>(d)].push_back(
+            kept.lower[d].push_back(
                 std::any_of(vertices.begin(), vertices.end(), [&](Index vertex) {
                     return isIn(complex, {0, vertex}, {d, index});
                 }));
             const auto cells = complex.relation(d, dimension)[index];
-            kept.upper[static_cast<std::size_t>(d)].push_back(
+            kept.upper[d].push_back(
                 !inFirstCellsAlone ||
                 std::any_of(cells.begin(), cells.end(), [](Index cell) { return cell < 2; }));
         }
@@ -117,17 +115,15 @@ TEST(RefinementBoundary, KeptChildrenStayInOrder) {
             const auto child = part.childOf(interval);
             const auto& [a, b] = interval;
             const auto isMarked = [](const ByEntity<std::uint8_t>& marks, const Entity& end) {
-                return marks[static_cast<std::size_t>(end.dimension)]
-                            [static_cast<std::size_t>(end.index)] != 0;
+                return marks[end.dimension][end.index] != 0;
             };
             ASSERT_EQ(child.has_value(), isMarked(kept.lower, a) && isMarked(kept.upper, b));
             if (!child) return;
             const int d = b.dimension - a.dimension;
-            EXPECT_EQ(*child, (Entity{d, next[static_cast<std::size_t>(d)]++}));
+            EXPECT_EQ(*child, (Entity{d, next[d]++}));
             EXPECT_EQ(part.parentOf(*child), interval);
         });
-        for (int d = 0; d <= base.dimension(); ++d)
-            EXPECT_EQ(part.child().count(d), next[static_cast<std::size_t>(d)]);
+        for (int d = 0; d <= base.dimension(); ++d) EXPECT_EQ(part.child().count(d), next[d]);
     }
 }
 
@@ -136,16 +132,13 @@ TEST(RefinementBoundary, ChildrenInheritFromTheirUpperEnds) {
         ByEntity<int> values;
         int next = 0;
         for (int d = 0; d <= base.dimension(); ++d)
-            for (Index i = 0; i < base.count(d); ++i)
-                values[static_cast<std::size_t>(d)].push_back(next++);
+            for (Index i = 0; i < base.count(d); ++i) values[d].push_back(next++);
         const auto kept = around(base, {2}, false);
         for (const Refinement& refinement : {Refinement(base), Refinement(base, &kept)}) {
             const auto inherited = refinement.inherit(values);
             refinement.forEachChild([&](const Entity& child, const Interval& interval) {
-                EXPECT_EQ(inherited[static_cast<std::size_t>(child.dimension)]
-                                   [static_cast<std::size_t>(child.index)],
-                          values[static_cast<std::size_t>(interval.upper.dimension)]
-                                [static_cast<std::size_t>(interval.upper.index)]);
+                EXPECT_EQ(inherited[child.dimension][child.index],
+                          values[interval.upper.dimension][interval.upper.index]);
             });
         }
     }

@@ -28,7 +28,7 @@ Loops canonical(Loops loops) {
 Loops facesOf(const StandardCellVertices& cell) {
     Loops loops = faceLoops(cell.kind);
     for (auto& loop : loops)
-        for (Index& vertex : loop) vertex = cell.vertices[static_cast<std::size_t>(vertex)];
+        for (Index& vertex : loop) vertex = cell.vertices[vertex];
     return canonical(loops);
 }
 

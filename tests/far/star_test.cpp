@@ -14,8 +14,7 @@ namespace {
 void expectSame(std::span<const Index> inStar, std::span<const Index> inLevel,
                 const std::vector<Index>& entities) {
     ASSERT_EQ(inStar.size(), inLevel.size());
-    for (std::size_t i = 0; i < inStar.size(); ++i)
-        EXPECT_EQ(entities[static_cast<std::size_t>(inStar[i])], inLevel[i]);
+    for (std::size_t i = 0; i < inStar.size(); ++i) EXPECT_EQ(entities[inStar[i]], inLevel[i]);
 }
 
 // All that contains the vertex is there, with the same loops, signs and strata.
@@ -28,14 +27,14 @@ TEST(Star, IsThePartOfTheLevelAroundAVertex) {
             const Level& whole = refiner.level(level);
             for (Index vertex = 0; vertex < whole.complex.count(0); vertex += 1 + 7 * level) {
                 const Star star = starOf(whole, vertex);
-                EXPECT_EQ(star.entities[0][static_cast<std::size_t>(star.vertex)], vertex);
+                EXPECT_EQ(star.entities[0][star.vertex], vertex);
                 for (int d = 1; d <= 3; ++d) {
-                    const auto& entities = star.entities[static_cast<std::size_t>(d)];
+                    const auto& entities = star.entities[d];
                     EXPECT_TRUE(std::is_sorted(entities.begin(), entities.end()));
                     expectSame(star.level.complex.relation(0, d)[star.vertex],
                                whole.complex.relation(0, d)[vertex], entities);
                     for (const Index entity : star.level.complex.relation(0, d)[star.vertex]) {
-                        const Index there = entities[static_cast<std::size_t>(entity)];
+                        const Index there = entities[entity];
                         expectSame(star.level.complex.boundary(d)[entity],
                                    whole.complex.boundary(d)[there],
                                    star.entities[static_cast<std::size_t>(d) - 1]);

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 
 TEST(TopologyMatch, OrderOfCellsAndWindingDoNotCount) {
     const CellComplex box = grid({3, 2, 2});
-    std::vector<Index> names(static_cast<std::size_t>(box.count(0)));
+    std::vector<Index> names(box.count(0));
     std::iota(names.begin(), names.end(), 0);
     for (unsigned seed = 1; seed <= 5; ++seed) {
         const CellComplex other = test::relabelled(box, names, seed);
@@ -31,7 +31,7 @@ TEST(TopologyMatch, SaysWhatDiffers) {
     EXPECT_THAT(*topologyDifference(box, test::gridMesh(3, 2)),
                 HasSubstr("the first is of dimension 3, the second of 2"));
     // As many vertices and cells, but a pair of vertices swapped.
-    std::vector<Index> names(static_cast<std::size_t>(box.count(0)));
+    std::vector<Index> names(box.count(0));
     std::iota(names.begin(), names.end(), 0);
     std::swap(names[0], names[5]);
     const CellComplex swapped = test::relabelled(box, names, 1);

@@ -173,7 +173,7 @@ TEST_F(CSolveMemory, Validity) {
             const std::int32_t* badCells = nullptr;
             check(espalier_validity_cell_count(validity.get(), &cells));
             check(espalier_validity_bad_at_rest(validity.get(), &bad, &badCells));
-            std::vector<double> ratios(static_cast<std::size_t>(cells));
+            std::vector<double> ratios(cells);
             espalier_pose_validity result = {};
             check(espalier_validity_check(validity.get(), 8, pose.data(), cells, ratios.data(),
                                           &result));

@@ -72,7 +72,7 @@ inline double awkwardNumber(std::size_t i) {
 inline Lattice withAwkwardPositions(far::CellComplex complex) {
     Lattice lattice;
     lattice.complex = std::move(complex);
-    lattice.positions.resize(static_cast<std::size_t>(lattice.complex.count(0)));
+    lattice.positions.resize(lattice.complex.count(0));
     std::size_t i = 0;
     for (Point3& position : lattice.positions)
         for (double& coordinate : position) coordinate = awkwardNumber(i++);

@@ -77,8 +77,7 @@ TEST(LimitParts, EachCellDescendsIntoParts) {
             std::set<std::pair<int, Index>> seen;
             // The cells of the last level that each base cell descends into: a patch is a
             // hexahedron, which becomes 8 with each level, a blend is one of them.
-            std::vector<std::size_t> count(
-                static_cast<std::size_t>(base.level(0).complex.count(3)));
+            std::vector<std::size_t> count(base.level(0).complex.count(3));
             for (std::size_t i = 0; i < parts.parts().size(); ++i) {
                 const LimitPart& part = parts.parts()[i];
                 EXPECT_TRUE(seen.insert({part.level, part.cell}).second) << name;

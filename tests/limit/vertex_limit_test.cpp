@@ -164,7 +164,7 @@ TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
 void expectInvariant(const std::string& name, const Lattice& lattice, stencils::Rules rules,
                      int levels) {
     TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
-    std::vector<Index> vertices(static_cast<std::size_t>(lattice.complex.count(0)));
+    std::vector<Index> vertices(lattice.complex.count(0));
     std::iota(vertices.begin(), vertices.end(), Index{0});
     const auto expected = times(buildVertexLimits<double>(refiner, 0, rules), lattice.positions);
     for (int level = 1; level <= levels; ++level) {

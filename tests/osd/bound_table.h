@@ -43,7 +43,7 @@ stencils::StencilTable<Real> tableOfAllKinds() {
 /// Between −1 and 1.
 template <class Real>
 std::vector<Real> randomValuesOf(Offset count, unsigned seed) {
-    const auto values = randomValues(static_cast<std::size_t>(count), seed);
+    const auto values = randomValues(count, seed);
     return {values.begin(), values.end()};
 }
 

@@ -34,7 +34,7 @@ StencilTable<Real> boundTable(const Lattice& lattice, int level, std::size_t cou
 
 template <class Real>
 std::vector<Real> randomReals(Offset count, unsigned seed) {
-    const auto values = test::randomValues(static_cast<std::size_t>(count), seed);
+    const auto values = test::randomValues(count, seed);
     return {values.begin(), values.end()};
 }
 
@@ -75,7 +75,7 @@ void expectSame(const StencilTable<Real>& table, const CompiledTable<Real>& comp
     EXPECT_EQ(changes.columnCount(), table.columnCount());
     const BufferDescriptor from{1, length, length + 2}, to{2, length, length + 1};
     auto source = randomReals<Real>(1 + table.columnCount() * from.stride, 6);
-    std::vector<Real> result(static_cast<std::size_t>(2 + table.rowCount() * to.stride), 99);
+    std::vector<Real> result(2 + table.rowCount() * to.stride, 99);
     const RowRange all{0, table.rowCount()};
     compiled.evaluate(source, from, result, to, all);
     Workspace workspace = changes.workspace(length);

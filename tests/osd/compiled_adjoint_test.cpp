@@ -34,7 +34,7 @@ TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
         EXPECT_EQ(adjoint.columnCount(), table.rowCount());
         for (const Offset length : {1, 3, 5, 12}) {
             const auto source = test::randomValuesOf<Real>(table.rowCount() * length, 6);
-            std::vector<Real> result(static_cast<std::size_t>(table.columnCount() * length));
+            std::vector<Real> result(table.columnCount() * length);
             const auto layout = BufferDescriptor::packed(length);
             const auto evaluate = [&] {
                 adjoint.evaluate(source, layout, result, layout, {0, adjoint.rowCount()});

@@ -132,7 +132,7 @@ TYPED_TEST(CompiledTableTest, RegularFacesShareTheirNumbers) {
     for (const bool isShuffled : {false, true}) {
         std::vector<std::vector<Index>> loops;
         const auto number = [&](Index i, Index j) {
-            return numbers[static_cast<std::size_t>(j % kSide * kSide + i % kSide)];
+            return numbers[j % kSide * kSide + i % kSide];
         };
         for (Index j = 0; j < kSide; ++j)
             for (Index i = 0; i < kSide; ++i) {
@@ -277,8 +277,7 @@ TEST(OuterProduct, MayHaveEitherSign) {
             // The first two of the first axis, and the last of the last, whose places are i % 4 and
             // i / 16.
             const bool isNegative = (i % 4 < 2) != (i / 16 == 2);
-            products.rows[r][static_cast<std::size_t>(arrangement->order[i])] *=
-                isNegative ? -1 : 1;
+            products.rows[r][arrangement->order[i]] *= isNegative ? -1 : 1;
         }
     const auto found = find(products.rows);
     ASSERT_TRUE(found);

@@ -33,7 +33,7 @@ const StencilTable<Real>& someTable() {
 template <class Real>
 std::vector<Real> hostResults(const HostDevice<Real>& host, Index rowCount,
                               std::span<const Real> source, Offset length, bool isAdjoint) {
-    std::vector<Real> results(static_cast<std::size_t>(rowCount * length));
+    std::vector<Real> results(rowCount * length);
     const auto layout = BufferDescriptor::packed(length);
     if (isAdjoint)
         host.evaluateAdjoint(source, layout, results, layout, {0, rowCount});
@@ -62,13 +62,13 @@ TYPED_TEST(CudaEvaluatorTest, GivesTheBitsOfTheHost) {
             for (const Offset length : {1, 3, 7, 12}) {
                 const auto layout = BufferDescriptor::packed(length);
                 const auto pose = test::randomValuesOf<Real>(table.columnCount() * length, 1);
-                std::vector<Real> points(static_cast<std::size_t>(table.rowCount() * length));
+                std::vector<Real> points(table.rowCount() * length);
                 cuda.evaluate(pose, layout, points, layout, {0, table.rowCount()}, workspace);
                 workspace.synchronize();
                 EXPECT_EQ(points, hostResults<Real>(host, table.rowCount(), pose, length, false));
 
                 const auto gradients = test::randomValuesOf<Real>(table.rowCount() * length, 2);
-                std::vector<Real> back(static_cast<std::size_t>(table.columnCount() * length));
+                std::vector<Real> back(table.columnCount() * length);
                 cuda.evaluateAdjoint(gradients, layout, back, layout, {0, table.columnCount()},
                                      workspace);
                 workspace.synchronize();
@@ -89,7 +89,7 @@ TYPED_TEST(CudaEvaluatorTest, TakesAnyPlaces) {
     const BufferDescriptor from{2, 3, 5}, to{1, 3, 4};
     const auto source = test::randomValuesOf<Real>(2 + table.columnCount() * from.stride, 3);
     const RowRange rows{table.rowCount() / 4, table.rowCount() / 2};
-    const std::size_t size = static_cast<std::size_t>(1 + rows.last * to.stride);
+    const std::size_t size = 1 + rows.last * to.stride;
     std::vector<Real> expected(size, 99);
     HostDevice<Real>(table, true).evaluate(source, from, expected, to, rows);
 
@@ -298,8 +298,8 @@ TEST_F(Device, AnAdjointHasToBeAskedFor) {
     EXPECT_EQ(both.tableByteCount(), cuda.tableByteCount());
     EXPECT_GT(both.byteCount(), cuda.byteCount());
     CudaWorkspace workspace;
-    std::vector<float> points(static_cast<std::size_t>(table.rowCount()), 1);
-    std::vector<float> back(static_cast<std::size_t>(table.columnCount()));
+    std::vector<float> points(table.rowCount(), 1);
+    std::vector<float> back(table.columnCount());
     try {
         cuda.evaluateAdjoint(points, {0, 1, 1}, back, {0, 1, 1}, {0, table.columnCount()},
                              workspace);

@@ -22,7 +22,7 @@ class DeviceKernels : public ::testing::Test {
 protected:
     static std::vector<Real> evaluated(const HostDevice<Real>& device, Index rowCount,
                                        std::span<const Real> source, Offset length) {
-        std::vector<Real> result(static_cast<std::size_t>(rowCount * length), 99);
+        std::vector<Real> result(rowCount * length, 99);
         const auto layout = BufferDescriptor::packed(length);
         device.evaluate(source, layout, result, layout, {0, rowCount});
         return result;
@@ -30,7 +30,7 @@ protected:
 
     static std::vector<Real> adjointOf(const HostDevice<Real>& device, Index columnCount,
                                        std::span<const Real> source, Offset length) {
-        std::vector<Real> result(static_cast<std::size_t>(columnCount * length), 99);
+        std::vector<Real> result(columnCount * length, 99);
         const auto layout = BufferDescriptor::packed(length);
         device.evaluateAdjoint(source, layout, result, layout, {0, columnCount});
         return result;
@@ -77,15 +77,14 @@ StencilTable<Real> productTable(const std::array<Index, 3>& size, Index rowCount
         std::array<std::vector<double>, 3> factors;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto seed = static_cast<unsigned>(row) * 3 + static_cast<unsigned>(axis);
-            factors[axis] = test::randomValues(static_cast<std::size_t>(size[axis]), seed);
+            factors[axis] = test::randomValues(size[axis], seed);
             for (double& factor : factors[axis]) factor = 1 + factor / 2;
         }
         for (Index k = 0; k < columnCount; ++k) {
             columns.push_back(k);
             weights.push_back(
-                static_cast<Real>(factors[0][static_cast<std::size_t>(k % size[0])] *
-                                  factors[1][static_cast<std::size_t>(k / size[0] % size[1])] *
-                                  factors[2][static_cast<std::size_t>(k / size[0] / size[1])]));
+                static_cast<Real>(factors[0][k % size[0]] * factors[1][k / size[0] % size[1]] *
+                                  factors[2][k / size[0] / size[1]]));
         }
         offsets.push_back(static_cast<Offset>(columns.size()));
     }

@@ -89,7 +89,7 @@ protected:
     /// Some of the columns, ascending.
     static std::vector<Index> randomColumns(Index columnCount, std::size_t count,
                                             std::mt19937& random) {
-        std::vector<Index> columns(static_cast<std::size_t>(columnCount));
+        std::vector<Index> columns(columnCount);
         std::iota(columns.begin(), columns.end(), Index{0});
         std::shuffle(columns.begin(), columns.end(), random);
         columns.resize(count);
@@ -156,7 +156,7 @@ protected:
             const auto columns = randomColumns(columnCount, 12, random);
             std::shuffle(weights.begin(), weights.end(), random);
             for (const auto& row : weights) rows.emplace_back(columns, row);
-            if (set >= 5) rows.back().second[static_cast<std::size_t>(set)] += Real(0.5);
+            if (set >= 5) rows.back().second[set] += Real(0.5);
         }
         return tableOf(columnCount, rows);
     }
@@ -205,8 +205,7 @@ TYPED_TEST_P(EvaluatorTest, WhatLiesBetweenEntriesOfTheSourceMakesNoDifference) 
         for (std::size_t i = 0; i < kColumns; ++i)
             std::copy_n(packed.begin() + static_cast<std::ptrdiff_t>(i) * length, length,
                         source.begin() + static_cast<std::ptrdiff_t>(i) * spaced.stride);
-        std::vector<R> expected(static_cast<std::size_t>(table.rowCount() * length)),
-            result(expected.size());
+        std::vector<R> expected(table.rowCount() * length), result(expected.size());
         evaluator.evaluate(packed, layout, expected, layout, {0, table.rowCount()});
         evaluator.evaluate(source, spaced, result, layout, {0, table.rowCount()});
         EXPECT_EQ(result, expected) << length;
@@ -238,9 +237,8 @@ void expectSums(const StencilTable<R>& table, const std::vector<R>& values) {
     const Evaluator evaluator(table);
     for (const Offset length : {1, 2, 3, 4, 5, 12}) {
         const BufferDescriptor layout = BufferDescriptor::packed(length);
-        const auto source =
-            std::span(values).first(static_cast<std::size_t>(table.columnCount() * length));
-        std::vector<R> destination(static_cast<std::size_t>(rowCount * length));
+        const auto source = std::span(values).first(table.columnCount() * length);
+        std::vector<R> destination(rowCount * length);
         evaluator.evaluate(source, layout, destination, layout, {0, rowCount});
         // One rounding a product and a sum; rows have at most 60 entries.
         ASSERT_LE(test::errorOfSums<R>(table, source, length, destination), 61);
@@ -256,16 +254,13 @@ void expectSums(const StencilTable<R>& table, const std::vector<R>& values) {
         const Index first = rowCount / 3, last = rowCount / 2;
         const BufferDescriptor spaced{1, length, length + 2};
         const R untouched = 99;
-        std::vector<R> part(static_cast<std::size_t>(1 + (last - 1) * spaced.stride + length),
-                            untouched);
+        std::vector<R> part(1 + (last - 1) * spaced.stride + length, untouched);
         evaluator.evaluate(source, layout, part, spaced, {first, last});
         for (std::size_t i = 0; i < part.size(); ++i) {
             const Offset row = (static_cast<Offset>(i) - 1) / spaced.stride;
             const Offset c = (static_cast<Offset>(i) - 1) % spaced.stride;
             const bool isWritten = i > 0 && row >= first && c < length;
-            ASSERT_EQ(part[i], isWritten ? destination[static_cast<std::size_t>(row * length + c)]
-                                         : untouched)
-                << i;
+            ASSERT_EQ(part[i], isWritten ? destination[row * length + c] : untouched) << i;
         }
     }
 }

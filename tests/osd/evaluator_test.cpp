@@ -61,7 +61,7 @@ struct Adjoint {
 template <class Real>
 StencilTable<Real> identity(Index count) {
     Array<Offset> offsets(static_cast<std::size_t>(count) + 1);
-    Array<Index> columns(static_cast<std::size_t>(count));
+    Array<Index> columns(count);
     std::iota(offsets.begin(), offsets.end(), Offset{0});
     std::iota(columns.begin(), columns.end(), Index{0});
     return {count, std::move(offsets), columns, Array<Real>(columns.size(), Real{1})};

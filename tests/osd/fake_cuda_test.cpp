@@ -53,7 +53,7 @@ TEST(CudaCalls, BetweenBuffersOfTheDeviceAreKernelsAlone) {
     CudaBuffer<float> pose(static_cast<std::size_t>(table.columnCount()) * 3);
     CudaBuffer<float> points(static_cast<std::size_t>(table.rowCount()) * 3);
     const auto kernels = [](std::ptrdiff_t count) {
-        return std::vector<std::string>(static_cast<std::size_t>(count), "cudaLaunchKernel");
+        return std::vector<std::string>(count, "cudaLaunchKernel");
     };
     EXPECT_EQ(callsOf([&] {
                   cuda.evaluate(pose, kXyz, points, kXyz, {0, table.rowCount()}, workspace);

@@ -82,7 +82,7 @@ void addResults(const far::TopologyRefiner& refiner, const Lattice& lattice, ste
     for (const Point3& position : lattice.positions)
         for (const double coordinate : position)
             source.push_back(static_cast<Real>(1.25 * coordinate - 0.3));
-    std::vector<Real> result(static_cast<std::size_t>(3 * table.rowCount()));
+    std::vector<Real> result(3 * table.rowCount());
     const BufferDescriptor points3{0, 3, 3};
     ReferenceEvaluator::evaluate<Real>(table, source, points3, result, points3,
                                        {0, table.rowCount()});

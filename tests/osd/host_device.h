@@ -42,9 +42,8 @@ public:
                          RowRange columns) const {
         checkEvaluation(view_.columnCount, view_.rowCount, source.size(), sourceLayout,
                         destination.size(), destinationLayout, columns);
-        std::vector<Real> places(
-            static_cast<std::size_t>(adjoint_.placeCount * sourceLayout.length),
-            std::numeric_limits<Real>::quiet_NaN());
+        std::vector<Real> places(adjoint_.placeCount * sourceLayout.length,
+                                 std::numeric_limits<Real>::quiet_NaN());
         device::launchAdjoint(
             view_, adjoint_,
             evaluationOf(source, sourceLayout, destination, destinationLayout, columns),

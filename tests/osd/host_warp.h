@@ -17,7 +17,7 @@ public:
     template <class T>
     class PerLane {
     public:
-        T& operator[](int lane) { return values_[static_cast<std::size_t>(lane)]; }
+        T& operator[](int lane) { return values_[lane]; }
 
     private:
         std::array<T, kWarp> values_;

@@ -78,8 +78,8 @@ template <class Real, class Evaluate>
 void forEachLayout(Index rowCount, Index columnCount, Evaluate evaluate) {
     for (const BufferDescriptor layout :
          {BufferDescriptor{0, 3, 3}, BufferDescriptor{0, 3, 4}, BufferDescriptor{0, 36, 36}}) {
-        const std::vector<Real> source(static_cast<std::size_t>(columnCount * layout.stride), 1);
-        std::vector<Real> destination(static_cast<std::size_t>(rowCount * layout.stride));
+        const std::vector<Real> source(columnCount * layout.stride, 1);
+        std::vector<Real> destination(rowCount * layout.stride);
         evaluate(std::span<const Real>(source), std::span<Real>(destination), layout);
     }
 }
@@ -150,7 +150,7 @@ TYPED_TEST(RealTimeTest, Changes) {
     for (const auto& table : this->tables().tables) {
         const CompiledTable<Real> compiled(table);
         const ChangeEvaluator<Real> changes(compiled);
-        std::vector<Index> all(static_cast<std::size_t>(table.columnCount()));
+        std::vector<Index> all(table.columnCount());
         std::iota(all.begin(), all.end(), Index{0});
         forEachLayout<Real>(
             table.rowCount(), table.columnCount(),

@@ -22,14 +22,12 @@ double errorOfSums(const stencils::StencilTable<Real>& table, std::span<const Re
         for (Offset c = 0; c < length; ++c) {
             long double sum = 0, size = 0;
             for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
-                const long double product =
-                    static_cast<long double>(table.weights(row)[k]) *
-                    source[static_cast<std::size_t>(table.columns(row)[k] * length + c)];
+                const long double product = static_cast<long double>(table.weights(row)[k]) *
+                                            source[table.columns(row)[k] * length + c];
                 sum += product;
                 size += std::abs(product);
             }
-            const long double error =
-                std::abs(result[static_cast<std::size_t>(row * length + c)] - sum);
+            const long double error = std::abs(result[row * length + c] - sum);
             if (!(error <= 0))
                 largest = std::max(largest, error / (std::numeric_limits<Real>::epsilon() * size));
         }

@@ -248,7 +248,7 @@ TEST(Rats, LaterStepsAreCatmullClarkOfTheFirst) {
     for (Index vertex = 0; vertex < torus.complex.count(0); ++vertex)
         ASSERT_EQ(torus.complex.relation(0, 1)[vertex].size(), 4u);
     std::vector<Row> first = rowsOf(buildStencils(refiner, 1, Rules::Rats));
-    first.resize(static_cast<std::size_t>(torus.complex.count(0)));  // V_γ come first.
+    first.resize(torus.complex.count(0));  // V_γ come first.
     for (int k = 1; k <= 3; ++k) {
         const auto catmullClark = buildStencils(refiner, k, Rules::Siggraph96);
         const auto rats = buildStencils(refiner, k + 1, Rules::Rats);

@@ -85,11 +85,11 @@ TEST_F(DistributedBinding, CarriesBackWhatTheAdjointDoes) {
     const auto whole = bind(points_);
     DistributedTable distributed(MPI_COMM_WORLD, bind(ownPoints_), vertices_.count());
     const auto gradients = test::randomValues(3 * points_.size(), 8);
-    std::vector<double> back(static_cast<std::size_t>(3 * vertices_.count()), 99);
+    std::vector<double> back(3 * vertices_.count(), 99);
     distributed.evaluateAdjoint(test::ownValues(gradients, own_, 3), back);
 
     const osd::CompiledAdjoint<double> adjoint(whole.table);
-    std::vector<double> expected(static_cast<std::size_t>(3 * adjoint.rowCount()), 99);
+    std::vector<double> expected(3 * adjoint.rowCount(), 99);
     const auto layout = osd::BufferDescriptor::packed(3);
     adjoint.evaluate(gradients, layout, expected, layout, {0, adjoint.rowCount()});
     const auto own = test::ownValues(expected, vertices_, 3);

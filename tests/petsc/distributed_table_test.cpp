@@ -22,7 +22,7 @@ constexpr Index kPoints = 301, kVertices = 97;
 
 std::vector<double> reference(const StencilTable<double>& table, const std::vector<double>& values,
                               int components) {
-    std::vector<double> result(static_cast<std::size_t>(table.rowCount() * components));
+    std::vector<double> result(table.rowCount() * components);
     const auto layout = osd::BufferDescriptor::packed(components);
     osd::ReferenceEvaluator::evaluate(table, values, layout, result, layout, {0, table.rowCount()});
     return result;
@@ -36,9 +36,8 @@ std::vector<double> bounds(const StencilTable<double>& table, const std::vector<
         for (int c = 0; c < components; ++c) {
             double size = 0;
             for (std::size_t k = 0; k < table.columns(row).size(); ++k)
-                size += std::abs(
-                    table.weights(row)[k] *
-                    values[static_cast<std::size_t>(table.columns(row)[k] * components + c)]);
+                size += std::abs(table.weights(row)[k] *
+                                 values[table.columns(row)[k] * components + c]);
             // Two sums of n products in different orders: each is off by n/2 ulp of the size for
             // the products and the sums.
             result.push_back(static_cast<double>(table.columns(row).size()) *
@@ -88,15 +87,15 @@ TEST_P(DistributedTableTest, EvaluatesAsTheReference) {
     EXPECT_EQ(distributed.pointCount(), kPoints);
     EXPECT_EQ(distributed.vertexCount(), kVertices);
 
-    const auto values = test::randomValues(static_cast<std::size_t>(kVertices * components), 2);
-    std::vector<double> got(static_cast<std::size_t>(points.count() * components), 99);
+    const auto values = test::randomValues(kVertices * components, 2);
+    std::vector<double> got(points.count() * components, 99);
     distributed.evaluate(test::ownValues(values, vertices, components), got);
     expectOwnPart(got, reference(table, values, components), bounds(table, values, components),
                   points, components);
 
     const auto transpose = stencils::transposeTable(table);
-    const auto gradients = test::randomValues(static_cast<std::size_t>(kPoints * components), 3);
-    std::vector<double> back(static_cast<std::size_t>(vertices.count() * components), 99);
+    const auto gradients = test::randomValues(kPoints * components, 3);
+    std::vector<double> back(vertices.count() * components, 99);
     distributed.evaluateAdjoint(test::ownValues(gradients, points, components), back);
     expectOwnPart(back, reference(transpose, gradients, components),
                   bounds(transpose, gradients, components), vertices, components);
@@ -160,7 +159,7 @@ TEST(DistributedTable, MovesWithItsMatrices) {
     ASSERT_EQ(MatGetLocalSize(moved.blocked(), &rows, &columns), 0);
     EXPECT_EQ(rows, 3 * points.count());
     EXPECT_EQ(columns, 3 * vertices.count());
-    std::vector<double> got(static_cast<std::size_t>(3 * points.count()));
+    std::vector<double> got(3 * points.count());
     const auto values = test::randomValues(3 * kVertices, 2);
     moved.evaluate(test::ownValues(values, vertices, 3), got);
     expectOwnPart(got, reference(table, values, 3), bounds(table, values, 3), points, 3);
@@ -170,7 +169,7 @@ TEST(DistributedTable, MayHaveNoPointsAtAll) {
     const OwnedRange vertices = test::ownRange(kVertices, Spread::Even);
     DistributedTable distributed(MPI_COMM_WORLD, test::randomTable(0, kVertices, 1),
                                  vertices.count());
-    std::vector<double> none, gradients(static_cast<std::size_t>(3 * vertices.count()), 7);
+    std::vector<double> none, gradients(3 * vertices.count(), 7);
     distributed.evaluate(gradients, none);
     distributed.evaluateAdjoint(none, gradients);
     EXPECT_EQ(gradients, std::vector<double>(gradients.size(), 0));

@@ -33,7 +33,7 @@ protected:
         }
         auto length = static_cast<int>(path_.size());
         MPI_Bcast(&length, 1, MPI_INT, 0, MPI_COMM_WORLD);
-        path_.resize(static_cast<std::size_t>(length));
+        path_.resize(length);
         MPI_Bcast(path_.data(), length, MPI_CHAR, 0, MPI_COMM_WORLD);
     }
     ~MatrixLoad() override {

@@ -57,7 +57,7 @@ inline OwnedRange ownRange(Offset total, Spread spread) {
 }
 
 inline StencilTable<double> ownRows(const StencilTable<double>& table, OwnedRange own) {
-    std::vector<Index> rows(static_cast<std::size_t>(own.count()));
+    std::vector<Index> rows(own.count());
     std::iota(rows.begin(), rows.end(), static_cast<Index>(own.first));
     return stencils::selectRows(table, std::span<const Index>(rows));
 }

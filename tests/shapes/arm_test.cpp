@@ -35,7 +35,7 @@ TEST(Arm, hasTheCountsOfASweptDisk) {
     for (const auto& [joints, segments, sides, rings] :
          {Case{2, 1, 4, 1}, Case{2, 3, 6, 2}, Case{4, 1, 5, 2}, Case{4, 2, 4, 1}}) {
         ArmOptions options;
-        options.joints.resize(static_cast<std::size_t>(joints));
+        options.joints.resize(joints);
         options.segments = segments;
         options.sides = sides;
         options.pattern.rings = rings;

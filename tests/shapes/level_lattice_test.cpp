@@ -15,7 +15,7 @@ using far::Boundary;
 using far::TopologyRefiner;
 
 std::vector<Point3> anyPositions(const TopologyRefiner& refiner, int level) {
-    return std::vector<Point3>(static_cast<std::size_t>(refiner.level(level).complex.count(0)));
+    return std::vector<Point3>(refiner.level(level).complex.count(0));
 }
 
 /// Refined by what it says itself, level 1 as a lattice has the levels that come after level 1.

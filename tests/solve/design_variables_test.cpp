@@ -24,7 +24,7 @@ using ::testing::ThrowsMessage;
 /// A matrix times numbers, real or complex.
 template <class Number>
 std::vector<Number> times(const StencilTable<double>& table, const std::vector<Number>& values) {
-    std::vector<Number> result(static_cast<std::size_t>(table.rowCount()), Number{0});
+    std::vector<Number> result(table.rowCount(), Number{0});
     for (Index row = 0; row < table.rowCount(); ++row)
         for (std::size_t k = 0; k < table.columns(row).size(); ++k)
             result[row] += table.weights(row)[k] * values[table.columns(row)[k]];
@@ -127,7 +127,7 @@ TEST(DesignVariables, MirroredVerticesMoveAsImages) {
     const auto matrix = design.matrix();
     // Four vertices on one side with three each, four on the plane with two.
     EXPECT_EQ(matrix.columnCount(), 4 * 3 + 4 * 2);
-    std::vector<double> variables(static_cast<std::size_t>(matrix.columnCount()));
+    std::vector<double> variables(matrix.columnCount());
     const auto random = test::randomValues(variables.size(), 3);
     std::copy(random.begin(), random.end(), variables.begin());
     const auto moved = times(matrix, variables);
@@ -233,8 +233,8 @@ TEST(Jacobian, IsTheDerivativeByDifferencesAndByAComplexStep) {
 TEST(Jacobian, TransposeCarriesGradientsBack) {
     const Designed model;
     const auto jacobian = solve::buildJacobian(model.deformation, model.design);
-    const auto v = test::randomValues(static_cast<std::size_t>(jacobian.columnCount()), 1);
-    const auto g = test::randomValues(static_cast<std::size_t>(jacobian.rowCount()), 2);
+    const auto v = test::randomValues(jacobian.columnCount(), 1);
+    const auto g = test::randomValues(jacobian.rowCount(), 2);
     const auto forward = times<double>(jacobian, {v.begin(), v.end()});
     const auto back = times<double>(transposeTable(jacobian), {g.begin(), g.end()});
     double left = 0, right = 0;

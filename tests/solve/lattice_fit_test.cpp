@@ -37,7 +37,7 @@ struct Model {
     }
 
     std::vector<Point3> moved(const std::vector<Point3>& displacements) const {
-        std::vector<Point3> result(static_cast<std::size_t>(deformation.rowCount()), Point3{});
+        std::vector<Point3> result(deformation.rowCount(), Point3{});
         for (Index row = 0; row < deformation.rowCount(); ++row)
             for (std::size_t k = 0; k < deformation.columns(row).size(); ++k)
                 for (std::size_t c = 0; c < 3; ++c)

@@ -126,8 +126,7 @@ TEST(Mlca, SplitsAndAverages) {
     forEachRefinedShape(2, [&](const TopologyRefiner& refiner) {
         for (int k = 1; k <= 2; ++k) {
             const far::Level& parent = refiner.level(k - 1);
-            const auto values =
-                test::randomValues(static_cast<std::size_t>(parent.complex.count(0)), 3);
+            const auto values = test::randomValues(parent.complex.count(0), 3);
             const SplitAndAveraged reference(parent, values);
             const auto table = buildLevelTable(refiner, k, Rules::Mlca);
             for (Index row = 0; row < table.rowCount(); ++row) {

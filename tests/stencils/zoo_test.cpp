@@ -183,8 +183,7 @@ TEST(Zoo, MeshesHaveEveryFeature) {
     for (const auto& [name, mesh] : test::meshZoo()) {
         const CellComplex& complex = mesh.complex;
         const Strata strata = refinerOf(mesh).level(0).strata;
-        const far::SurfaceFans fans(
-            complex, std::vector<std::uint8_t>(static_cast<std::size_t>(complex.count(2)), 1));
+        const far::SurfaceFans fans(complex, std::vector<std::uint8_t>(complex.count(2), 1));
         for (Index face = 0; face < complex.count(2); ++face)
             faceSizes.insert(static_cast<Index>(complex.boundary(2)[face].size()));
         valence.merge(valences(complex));

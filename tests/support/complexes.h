@@ -24,7 +24,7 @@ inline CellComplex lattice(Index vertexCount, const std::vector<Loops>& cells) {
 
 inline CellComplex singleCell(far::StandardCell cell) {
     far::ComplexBuilder builder(3, far::vertexCount(cell));
-    std::vector<Index> vertices(static_cast<std::size_t>(far::vertexCount(cell)));
+    std::vector<Index> vertices(far::vertexCount(cell));
     for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = static_cast<Index>(i);
     builder.addCell(cell, vertices);
     return builder.build();
@@ -103,7 +103,7 @@ inline std::vector<Loops> cellLoops(const CellComplex& complex) {
 
 /// A permutation of 0 to count − 1.
 inline std::vector<Index> shuffledIndices(Index count, unsigned seed) {
-    std::vector<Index> order(static_cast<std::size_t>(count));
+    std::vector<Index> order(count);
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
     std::shuffle(order.begin(), order.end(), std::mt19937(seed));
     return order;
@@ -119,7 +119,7 @@ inline CellComplex relabelled(const CellComplex& complex, const std::vector<Inde
     for (Loops& loops : cells) {
         std::shuffle(loops.begin(), loops.end(), random);
         for (auto& loop : loops) {
-            for (Index& vertex : loop) vertex = names[static_cast<std::size_t>(vertex)];
+            for (Index& vertex : loop) vertex = names[vertex];
             std::rotate(loop.begin(),
                         loop.begin() + static_cast<std::ptrdiff_t>(random() % loop.size()),
                         loop.end());

@@ -56,13 +56,13 @@ inline Lattice together(const Lattice& first, const Lattice& second, double dist
 /// their numbers where the lattice has no vertex inside. Marks and tags are left behind.
 inline Lattice surfaceOf(const Lattice& solid) {
     Loops loops;
-    std::vector<char> isUsed(static_cast<std::size_t>(solid.complex.count(0)), 0);
+    std::vector<char> isUsed(solid.complex.count(0), 0);
     for (Index cell = 0; cell < solid.complex.count(3); ++cell) {
         const auto faces = solid.complex.relation(3, 2)[cell];
         const Loops cellLoops = far::outwardLoops(solid.complex, CellId(cell));
         for (std::size_t i = 0; i < cellLoops.size(); ++i) {
             if (solid.complex.relation(2, 3)[faces[i]].size() == 2) continue;
-            for (const Index vertex : cellLoops[i]) isUsed[static_cast<std::size_t>(vertex)] = 1;
+            for (const Index vertex : cellLoops[i]) isUsed[vertex] = 1;
             loops.push_back(cellLoops[i]);
         }
     }
@@ -74,7 +74,7 @@ inline Lattice surfaceOf(const Lattice& solid) {
             positions.push_back(solid.positions[vertex]);
         }
     for (auto& loop : loops)
-        for (Index& vertex : loop) vertex = names[static_cast<std::size_t>(vertex)];
+        for (Index& vertex : loop) vertex = names[vertex];
     return mesh(std::move(positions), loops);
 }
 
@@ -213,7 +213,7 @@ inline Lattice fins(const std::vector<Index>& counts) {
         const double angle = 2 * std::numbers::pi * fin / most;
         Index last = -2;  // the position on the chain up to which this fin has been made
         for (Index i = 0; i < length; ++i) {
-            if (fin >= counts[static_cast<std::size_t>(i)]) continue;
+            if (fin >= counts[i]) continue;
             for (Index at = last == i ? i + 1 : i; at <= i + 1; ++at)
                 positions.push_back({double(at), std::cos(angle), std::sin(angle)});
             const auto end = static_cast<Index>(positions.size());

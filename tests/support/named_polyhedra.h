@@ -28,8 +28,7 @@ inline Lattice rhombicHexecontahedron() {
         for (Index i = 0; i < complex.count(d); ++i) {
             Point3 sum = {0, 0, 0};
             for (const Index vertex : complex.relation(d, 0)[i])
-                for (std::size_t c = 0; c < 3; ++c)
-                    sum[c] += icosahedron.positions[static_cast<std::size_t>(vertex)][c];
+                for (std::size_t c = 0; c < 3; ++c) sum[c] += icosahedron.positions[vertex][c];
             positions.push_back(sum);
         }
     const Index firstEdge = complex.count(0), firstFace = firstEdge + complex.count(1);

@@ -21,7 +21,7 @@ inline void expectEachItemOnceInFixedRanges() {
     parallelFor(1003, 10, [&](Offset first, Offset last) {
         EXPECT_EQ(first % 10, 0);
         EXPECT_EQ(last, std::min<Offset>(first + 10, 1003));
-        for (Offset i = first; i < last; ++i) ++visits[static_cast<std::size_t>(i)];
+        for (Offset i = first; i < last; ++i) ++visits[i];
     });
     for (const auto& count : visits) EXPECT_EQ(count, 1);
 }

@@ -79,7 +79,7 @@ public:
             if (faces.size() == 2 && cellsOf(places.at(faces[0])) == cellsOf(places.at(faces[1])))
                 pairs.emplace_back(faces[0], faces[1]);
         if (pairs.empty()) return;
-        const auto& [first, second] = pairs[static_cast<std::size_t>(draws.below(pairs.size()))];
+        const auto& [first, second] = pairs[draws.below(pairs.size())];
         Face common;
         std::set_intersection(first.begin(), first.end(), second.begin(), second.end(),
                               std::back_inserter(common));
@@ -97,7 +97,7 @@ public:
         std::vector<Index> names(positions_.size(), 0);
         for (const Loops& loops : cells_)
             for (const auto& loop : loops)
-                for (const Index vertex : loop) names[static_cast<std::size_t>(vertex)] = 1;
+                for (const Index vertex : loop) names[vertex] = 1;
         std::vector<Point3> positions;
         for (std::size_t vertex = 0; vertex < names.size(); ++vertex)
             if (names[vertex] != 0) {
@@ -107,7 +107,7 @@ public:
         std::vector<Loops> cells = cells_;
         for (Loops& loops : cells)
             for (auto& loop : loops)
-                for (Index& vertex : loop) vertex = names[static_cast<std::size_t>(vertex)];
+                for (Index& vertex : loop) vertex = names[vertex];
         return {test::lattice(static_cast<Index>(positions.size()), cells), positions, {}, {}};
     }
 
@@ -139,7 +139,7 @@ private:
     static Loops loopsOf(far::StandardCell kind, std::span<const Index> vertices) {
         Loops loops = far::faceLoops(kind);
         for (auto& loop : loops)
-            for (Index& vertex : loop) vertex = vertices[static_cast<std::size_t>(vertex)];
+            for (Index& vertex : loop) vertex = vertices[vertex];
         return loops;
     }
 
@@ -166,8 +166,7 @@ private:
         Point3 middle = {0, 0, 0};
         for (const Index vertex : vertices)
             for (std::size_t c = 0; c < 3; ++c)
-                middle[c] += positions_[static_cast<std::size_t>(vertex)][c] /
-                             static_cast<double>(vertices.size());
+                middle[c] += positions_[vertex][c] / static_cast<double>(vertices.size());
         const auto apex = static_cast<Index>(positions_.size());
         positions_.push_back(middle);
         for (const auto& loop : loops) {

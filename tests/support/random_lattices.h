@@ -61,7 +61,7 @@ inline Lattice randomLattice(unsigned seed) {
     n[2] = 1 + draws.below(2);
     Polyhedra polyhedra(n, draws);
     const Index target = 1 + draws.below(6);
-    polyhedra.mergeCells(static_cast<std::size_t>(target), draws);
+    polyhedra.mergeCells(target, draws);
     for (Index times = draws.below(4); times > 0; --times) polyhedra.mergeFaces(draws);
     Lattice lattice = polyhedra.lattice();
     const bool isUniform = draws.oneIn(2);
@@ -80,8 +80,7 @@ inline Lattice extendedBipyramid(int sides) {
         const auto loop = lattice.complex.relation(2, 0)[face];
         for (const Index vertex : loop)
             for (std::size_t c = 0; c < 3; ++c)
-                middle[c] += lattice.positions[static_cast<std::size_t>(vertex)][c] /
-                             static_cast<double>(loop.size());
+                middle[c] += lattice.positions[vertex][c] / static_cast<double>(loop.size());
         return middle;
     };
     // The bipyramid is about the origin: the middle of a side is outward from it. Away from the

@@ -54,7 +54,7 @@ inline void addRandomSharpness(Lattice& lattice, std::span<const Index> edges,
     const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
     std::vector<int> semiSharpEdges(vertexCount, 0), semiSharp(vertexCount, 0);
     const auto countAt = [](std::vector<int>& counts, Index vertex) -> int& {
-        return counts[static_cast<std::size_t>(vertex)];
+        return counts[vertex];
     };
     std::vector<Index> semiSharpOnes;
     for (const Index edge : edges) {

@@ -80,7 +80,7 @@ void expectSame(Index rowCount, Index columnCount,
         for (int repeat = 0; repeat < 3; ++repeat) {
             std::fill(result.begin(), result.end(), 99.0F);
             evaluate(source, result);
-            EXPECT_EQ(result, expected[static_cast<std::size_t>(thread)]);
+            EXPECT_EQ(result, expected[thread]);
         }
     });
 }

@@ -235,7 +235,7 @@ TEST(Executor, OffersAgainWhatWasTurnedAway) {
     } reluctant;
     const ExecutorScope scope(reluctant);
     std::vector<int> visits(20);
-    parallelFor(20, 1, [&](Offset first, Offset) { ++visits[static_cast<std::size_t>(first)]; });
+    parallelFor(20, 1, [&](Offset first, Offset) { ++visits[first]; });
     EXPECT_EQ(visits, std::vector<int>(20, 1));
     EXPECT_EQ(reluctant.counts, (std::vector<Offset>{20, 10, 5, 2}));
 }
@@ -289,7 +289,7 @@ TEST(Arena, OfAGroupThatIsCancelledComesToItsEnd) {
     group.run([&] {
         parallelFor(500, 1, [&](Offset first, Offset) {
             isBegun = true;
-            ++visits[static_cast<std::size_t>(first)];
+            ++visits[first];
             std::this_thread::sleep_for(std::chrono::microseconds(20));
         });
     });

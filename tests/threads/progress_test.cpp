@@ -255,7 +255,7 @@ TEST(Cancelled, LeavesARefinerAsItWas) {
             } catch (const Cancelled&) {
                 EXPECT_LT(refiner.maxLevel(), 3);
             }
-            isSeen[static_cast<std::size_t>(refiner.maxLevel())] = true;
+            isSeen[refiner.maxLevel()] = true;
             refiner.refineUniform(3);
             ASSERT_EQ(loops(refiner), expected);
         }
