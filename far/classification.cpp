@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/far/fading.h>
 #include <espalier/far/refinement.h>
 #include <espalier/far/strata.h>
 #include <espalier/far/topology_error.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
-#include <espalier/far/level_size.h>
+#include <espalier/far/refinement.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 
