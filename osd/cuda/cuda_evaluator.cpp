@@ -1,15 +1,120 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/osd/cuda/cuda_evaluator.h>
 
+#include <cuda_runtime_api.h>
+
+#include <cstddef>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "../kernels/room.h"
-#include "cuda_calls.h"
 #include "cuda_launch.h"
 #include "device_table.h"
 
+// CUDA's runtime, with exceptions and owners.
+
 namespace espalier::osd {
+
+/// \throws CudaError that names the call, if that has failed
+void check(cudaError_t error, const std::string& call);
+
+/// Makes a device current, and the one before it again.
+class DeviceScope {
+public:
+    explicit DeviceScope(int device);
+    ~DeviceScope();
+    DeviceScope(const DeviceScope&) = delete;
+    DeviceScope& operator=(const DeviceScope&) = delete;
+
+private:
+    int before_ = 0, device_ = 0;
+};
+
+/// The device that is current.
+int currentDevice();
+
+/// Memory of the current device; null for no bytes.
+void* allocateOnDevice(std::size_t bytes);
+
+/// Copies to memory of the current device, and waits until it is there, for any stream:
+/// cudaMemcpy() alone does not, where the memory of the host is not page-locked.
+void copyToDevice(void* to, const void* from, std::size_t bytes);
+
+/// Arrays in memory of the current device.
+class DeviceArrays {
+public:
+    DeviceArrays() = default;
+    ~DeviceArrays();
+    DeviceArrays(const DeviceArrays&) = delete;
+    DeviceArrays& operator=(const DeviceArrays&) = delete;
+
+    /// Copies one there.
+    template <class T>
+    const T* add(std::span<const T> values) {
+        return static_cast<const T*>(add(values.data(), values.size_bytes()));
+    }
+
+    std::size_t byteCount() const { return byteCount_; }
+
+private:
+    void* add(const void* values, std::size_t bytes);
+
+    std::vector<void*> arrays_;
+    std::size_t byteCount_ = 0;
+};
+
+void check(cudaError_t error, const std::string& call) {
+    if (error == cudaSuccess) return;
+    // It is told here, and not once more to whoever asks CUDA for the last error.
+    cudaGetLastError();
+    throw CudaError(error, call + " has failed: " + cudaGetErrorString(error) + " (" +
+                               cudaGetErrorName(error) + ")");
+}
+
+int currentDevice() {
+    int device = 0;
+    check(cudaGetDevice(&device), "cudaGetDevice");
+    return device;
+}
+
+DeviceScope::DeviceScope(int device) : before_(currentDevice()), device_(device) {
+    if (before_ != device_) check(cudaSetDevice(device_), "cudaSetDevice");
+}
+
+DeviceScope::~DeviceScope() {
+    if (before_ != device_) cudaSetDevice(before_);
+}
+
+void* allocateOnDevice(std::size_t bytes) {
+    if (bytes == 0) return nullptr;
+    void* memory = nullptr;
+    check(cudaMalloc(&memory, bytes), "cudaMalloc of " + std::to_string(bytes) + " bytes");
+    return memory;
+}
+
+void copyToDevice(void* to, const void* from, std::size_t bytes) {
+    if (bytes == 0) return;
+    check(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice), "cudaMemcpy to the device");
+    check(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+}
+
+DeviceArrays::~DeviceArrays() {
+    for (void* const array : arrays_) cudaFree(array);
+}
+
+void* DeviceArrays::add(const void* values, std::size_t bytes) {
+    arrays_.reserve(arrays_.size() + 1);
+    void* const memory = allocateOnDevice(bytes);
+    if (memory == nullptr) return nullptr;
+    arrays_.push_back(memory);
+    byteCount_ += bytes;
+    copyToDevice(memory, values, bytes);
+    return memory;
+}
+
 namespace {
 
 /// Bytes of a part of a workspace. Parts start at multiples of 256, as what CUDA allocates does.

@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "../compile/places_of_columns.h"
 #include "../compile/table_compiler.h"
 #include "device_kernels.h"
 #include "device_table.h"
