@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/petsc/distributed_table.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -9,10 +10,19 @@
 #include <optional>
 #include <string>
 
-#include "agreement.h"
-#include "error_capture.h"
+#include "errors.h"
 
 namespace espalier::petsc {
+
+OwnedRange evenRange(Offset total, int rank, int size) {
+    if (total < 0 || rank < 0 || rank >= size)
+        throw Error("cannot split " + std::to_string(total) + " for rank " + std::to_string(rank) +
+                    " of " + std::to_string(size));
+    const Offset each = total / size, more = total % size;
+    const Offset first = each * rank + std::min<Offset>(rank, more);
+    return {first, first + each + (rank < more ? 1 : 0)};
+}
+
 namespace {
 
 using stencils::StencilTable;

@@ -54,8 +54,8 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
         if (vertex < 0 || vertex >= base.count(0))
             throw Error("vertex " + std::to_string(vertex) + " cannot be frozen; the lattice has " +
                         std::to_string(base.count(0)));
-    constexpr double kLeast = 1e-4, kMost = 1e4;
-    if (!(options.strength >= kLeast && options.strength <= kMost))
+    constexpr double kLeast = 1e-4, kMax = 1e4;
+    if (!(options.strength >= kLeast && options.strength <= kMax))
         throw Error("a strength of " + std::to_string(options.strength) +
                     "; expected 0.0001 to 10000");
 }
@@ -141,9 +141,9 @@ public:
     /// them costs no digits; and each change is a multiple of the square, so that it has no part in
     /// open directions but by rounding: what comes out is the smallest solution.
     Columns solve(const Columns& right) const {
-        constexpr int kMostSteps = 100;
+        constexpr int kMaxSteps = 100;
         Columns solution = Columns::Zero(square_.rows(), 3);
-        for (int step = 0; step < kMostSteps; ++step) {
+        for (int step = 0; step < kMaxSteps; ++step) {
             const Columns left = matrix_.transpose() * (right - matrix_ * solution) -
                                  smooth_.transpose() * (smooth_ * solution);
             const Columns change = square_ * Columns(factor_.solve(Columns(factor_.solve(left))));

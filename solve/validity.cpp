@@ -8,8 +8,8 @@
 #include <limits>
 #include <string>
 
-#include "bernstein_bounds.h"
-#include "checked_volume.h"
+#include "bernstein.h"
+#include "validity_pieces.h"
 
 namespace espalier::solve {
 namespace {

@@ -131,7 +131,7 @@ private:
 
 void appendInflated(std::string_view stream, std::uint64_t size, DeflateForm form,
                     std::string& bytes) {
-    if (size / kMostInflation > stream.size())
+    if (size / kMaxInflation > stream.size())
         throw CodingError("a stream of " + std::to_string(stream.size()) +
                           " compressed bytes claims to hold " + std::to_string(size));
     requireMemory(size, "its data");

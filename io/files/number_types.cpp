@@ -175,8 +175,8 @@ Value readNumber(TextReader& text, NumberType type, const char* what) {
 }
 
 std::size_t saturatingProduct(std::size_t a, std::size_t b) {
-    constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
-    return b != 0 && a > kMost / b ? kMost : a * b;
+    constexpr std::size_t kMax = std::numeric_limits<std::size_t>::max();
+    return b != 0 && a > kMax / b ? kMax : a * b;
 }
 
 #define ESPALIER_INSTANTIATE(Value)                                                       \

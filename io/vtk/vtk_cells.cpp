@@ -19,7 +19,7 @@ namespace {
 constexpr std::int64_t kVtkVoxel = 11;
 
 /// Of a standard cell: a hexahedron has the most.
-constexpr std::size_t kMostEdges = 12;
+constexpr std::size_t kMaxEdges = 12;
 
 struct CellType {
     std::int64_t number;
@@ -66,7 +66,7 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
     }
     naming(path_, [&] { return builder_.addCell(*kind, checked); });
     ++cellCount_;
-    mostEdges_ += kMostEdges;
+    mostEdges_ += kMaxEdges;
 }
 
 void VtkCellReader::addPolyhedron(const std::vector<std::span<const std::int64_t>>& loops) {

@@ -77,7 +77,7 @@ std::string decodeCompressed(PayloadReader& reader) {
     std::vector<std::uint64_t> compressedSizes(blockCount);
     for (std::uint64_t& size : compressedSizes) size = reader.readWord();
     requireMemory(std::min(saturatingProduct(blockCount, blockSize),
-                           saturatingProduct(kMostInflation, reader.mostLeft())),
+                           saturatingProduct(kMaxInflation, reader.mostLeft())),
                   "its data");
     std::string bytes;
     for (std::uint64_t block = 0; block < blockCount; ++block) {
@@ -133,8 +133,8 @@ std::uint64_t claimedSize(std::string_view text, PayloadForm form, const VtkCodi
     const std::uint64_t lastSize = reader.readWord();
     if (lastSize == 0) return saturatingProduct(first, blockSize);
     const std::uint64_t whole = saturatingProduct(first - 1, blockSize);
-    constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
-    return whole > kMost - lastSize ? kMost : whole + lastSize;
+    constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
+    return whole > kMax - lastSize ? kMax : whole + lastSize;
 }
 
 std::string decodePayload(std::string_view text, PayloadForm form, const VtkCoding& coding) {
