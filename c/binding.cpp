@@ -30,14 +30,12 @@ espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Poi
     const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
     if (chosen.limit_tolerance != 0) {
-        auto bound =
-            limit::bindLimit<double>(base, positions, refiner.rules, points,
-                                     {.embedding = options, .tolerance = chosen.limit_tolerance});
+        auto bound = limit::bindLimit(base, positions, refiner.rules, points,
+                                      {.embedding = options, .tolerance = chosen.limit_tolerance});
         return {{limit::withoutGradients(std::move(bound.binding)), {}, {}},
                 espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
     }
-    auto bound =
-        embed::bindPoints<double>(base, positions, chosen.level, refiner.rules, points, options);
+    auto bound = embed::bindPoints(base, positions, chosen.level, refiner.rules, points, options);
     return {{std::move(bound.binding), {}, {}},
             espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
 }
@@ -100,7 +98,7 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
         const auto embedding = embed::embedPoints(tensor, model, c::embeddingOptions(chosen));
         espalier_binding::Placement placement{{}, embedding.largestResidual()};
         for (const auto& place : embedding.points) placement.statuses.push_back(place.status);
-        auto bound = embed::makeBinding<double>(tensor, embedding, model);
+        auto bound = embed::makeBinding(tensor, embedding, model);
         out = c::newBinding({{std::move(bound), {}, {}}, std::move(placement)});
     });
 }

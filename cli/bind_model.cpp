@@ -17,7 +17,7 @@
 namespace espalier::cli {
 namespace {
 
-using Binding = embed::Binding<double>;
+using Binding = embed::Binding;
 using embed::PointStatus;
 
 const std::map<std::string, Basis> kBasisWords = {
@@ -47,7 +47,7 @@ auto refineAndBind(Bind bind, const BindOptions& options, std::span<const Point3
 
 BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3> points,
                               const Lattice& lattice, Stages& stages) {
-    auto bound = refineAndBind(embed::bindPoints<double>, options, points, lattice, stages);
+    auto bound = refineAndBind(embed::bindPoints, options, points, lattice, stages);
     const BindingReport report = reportOf(bound, bound.largestResidual);
     return {std::move(bound.binding), report, std::move(bound.statuses)};
 }
@@ -55,11 +55,11 @@ BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3
 BoundPoints bindToLimit(const BindOptions& options, std::span<const Point3> points,
                         const Lattice& lattice, Gradients gradients, Stages& stages) {
     const auto base = refineLattice(options.rest, lattice, options.common, 0);
-    auto bound = limit::bindLimit<double>(base, lattice.positions, options.common.rules, points,
-                                          {.embedding = options.common.embedding,
-                                           .tolerance = options.common.embedding.tolerance,
-                                           .gradients = gradients == Gradients::OfLimit},
-                                          progressOf(stages, points.size()));
+    auto bound = limit::bindLimit(base, lattice.positions, options.common.rules, points,
+                                  {.embedding = options.common.embedding,
+                                   .tolerance = options.common.embedding.tolerance,
+                                   .gradients = gradients == Gradients::OfLimit},
+                                  progressOf(stages, points.size()));
     const BindingReport report = reportOf(bound, bound.largestResidual);
     auto gradientTables = std::move(bound.binding.table.gradients);
     return {limit::withoutGradients(std::move(bound.binding)), report, std::move(bound.statuses),
@@ -86,7 +86,7 @@ BoundPoints bindToTensorProduct(const BindOptions& options, std::span<const Poin
     std::vector<PointStatus> statuses;
     statuses.reserve(embedding.points.size());
     for (const auto& point : embedding.points) statuses.push_back(point.status);
-    return {embed::makeBinding<double>(tensor, embedding, points),
+    return {embed::makeBinding(tensor, embedding, points),
             reportOf(embedding, embedding.largestResidual()), std::move(statuses)};
 }
 
@@ -151,7 +151,7 @@ std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& 
                                                              Stages& stages) {
     if (options.basis != Basis::Subdivision || options.limit) return std::nullopt;
     return stages.run("binding in factors", [&] {
-        auto bound = refineAndBind(embed::bindFactored<double>, options, points, lattice, stages);
+        auto bound = refineAndBind(embed::bindFactored, options, points, lattice, stages);
         stages.addBytes(bytesOf(bound.binding.table));
         return std::move(bound.binding.table);
     });

@@ -51,7 +51,7 @@ struct BindingReport {
 
 /// A model frozen to a lattice.
 struct BoundPoints {
-    embed::Binding<double> binding;
+    embed::Binding binding;
     BindingReport report;
     std::vector<embed::PointStatus> statuses;  ///< one per point
     /// limit::LimitTable::gradients; 0 × 0 if they were not asked for, or bound to a level.

@@ -44,7 +44,7 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///                        points, for each pose
 struct RunReport {
     std::optional<BindingReport> points;  ///< nothing where the binding was read from a file
-    const embed::Binding<double>& binding;
+    const embed::Binding& binding;
     const Stages& stages;
     std::size_t peakMemory;
 };

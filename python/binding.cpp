@@ -41,8 +41,8 @@ const Words<Weights> kBases = {{"subdivision", Weights::Subdivision},
 
 void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
                        std::span<const Point3> points, const embed::EmbeddingOptions& options) {
-    auto found = embed::bindPoints<double>(refiner.base(), refiner.lattice()->positions, level,
-                                           refiner.rules(), points, options);
+    auto found = embed::bindPoints(refiner.base(), refiner.lattice()->positions, level,
+                                   refiner.rules(), points, options);
     result.bound.binding = std::move(found.binding);
     result.placement = {std::move(found.statuses), found.largestResidual};
 }
@@ -51,7 +51,7 @@ void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
 void bindToLimit(BoundPoints& result, const Refiner& refiner, std::span<const Point3> points,
                  const embed::EmbeddingOptions& options, bool gradients) {
     const auto& rest = refiner.lattice()->positions;
-    auto found = limit::bindLimit<double>(
+    auto found = limit::bindLimit(
         refiner.base(), rest, refiner.rules(), points,
         {.embedding = options, .tolerance = options.tolerance, .gradients = gradients});
     if (gradients)
@@ -70,7 +70,7 @@ void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights ba
         lattice.complex, lattice.positions,
         basis == Weights::Bezier ? embed::Basis::Bezier : embed::Basis::BSpline);
     const auto embedding = embed::embedPoints(tensor, points, options);
-    result.bound.binding = embed::makeBinding<double>(tensor, embedding, points);
+    result.bound.binding = embed::makeBinding(tensor, embedding, points);
     Placement placement{{}, embedding.largestResidual()};
     for (const auto& point : embedding.points) placement.statuses.push_back(point.status);
     result.placement = std::move(placement);

@@ -106,8 +106,8 @@ struct FacesOnLevel {
         return result;
     }
     stencils::StencilTable<double> rows(const std::set<Index>& vertices) const {
-        return stencils::buildStencils<double>(
-            refiner, level, rules, std::vector<Index>(vertices.begin(), vertices.end()));
+        return stencils::buildStencils(refiner, level, rules,
+                                       std::vector<Index>(vertices.begin(), vertices.end()));
     }
     std::vector<Index> columns(const std::set<Index>& vertices) const {
         const auto table = rows(vertices);
@@ -222,9 +222,9 @@ struct Held {
     /// How far points go when all that is not frozen moves.
     double largestMove(const std::vector<Index>& frozen, const std::vector<Point3>& points,
                        const EmbeddingOptions& options = {}) const {
-        const auto table = bindPoints<double>(base, lattice.positions, 2,
-                                              stencils::Rules::Siggraph96, points, options)
-                               .binding.table;
+        const auto table =
+            bindPoints(base, lattice.positions, 2, stencils::Rules::Siggraph96, points, options)
+                .binding.table;
         const auto moved = stencils::applyLevelTable(table, pose(frozen));
         const auto atRest = stencils::applyLevelTable(table, lattice.positions);
         double largest = 0;
@@ -344,9 +344,9 @@ TEST(Continuity, PointsOutsideThatAreCarriedStay) {
 
 TEST(Continuity, OfPointsThatHaveBeenBound) {
     const Held held;
-    const auto bound = bindPoints<double>(held.base, held.lattice.positions, 2,
-                                          stencils::Rules::Siggraph96, held.part)
-                           .binding;
+    const auto bound =
+        bindPoints(held.base, held.lattice.positions, 2, stencils::Rules::Siggraph96, held.part)
+            .binding;
     EXPECT_EQ(verticesHoldingRows(bound.table), held.freeze(Continuity::C0));
     EXPECT_TRUE(verticesHoldingRows(stencils::selectRows<double>(bound.table, {})).empty());
 }

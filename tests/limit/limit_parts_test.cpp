@@ -58,7 +58,7 @@ TEST(LimitParts, PatchesAreWhatPointsAreBoundTo) {
                 expected.push_back({to[0], to[1], to[2]});
             }
             const auto bound =
-                bindLimit<double>(base, lattice.positions, stencils::Rules::Siggraph96, points);
+                bindLimit(base, lattice.positions, stencils::Rules::Siggraph96, points);
             const auto got = stencils::applyLevelTable(bound.binding.table.points, pose);
             for (std::size_t i = 0; i < points.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)

@@ -101,7 +101,7 @@ TEST(LimitValidity, NoGradientContradictsIt) {
         const auto points = test::pointsIn(refined, test::kIsSlow ? 20 : 100, 3);
         const far::TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         const auto bound =
-            limit::bindLimit<double>(base, lattice.positions, Rules::Siggraph96, points, options);
+            limit::bindLimit(base, lattice.positions, Rules::Siggraph96, points, options);
         /// The least determinant, of those in cells.
         const auto sampled = [&](const Positions& pose) {
             std::array<Positions, 3> columns;
