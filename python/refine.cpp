@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
@@ -13,11 +12,8 @@
 #include <tuple>
 #include <vector>
 
-#include "arrays.h"
-#include "choices.h"
-#include "module.h"
+#include "arguments.h"
 #include "refiner.h"
-#include "shared.h"
 #include "tables.h"
 
 namespace espalier::python {
@@ -28,21 +24,15 @@ namespace {
 
 using Word = std::optional<std::string>;
 
-template <class Choice>
-std::optional<Choice> chosenIfAny(const Words<Choice>& words, const char* argument,
-                                  const Word& word) {
-    if (!word) return std::nullopt;
-    return chosen(words, argument, *word);
-}
-
 std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::string& rules,
                                      const Word& boundary, const std::string& sharpEdges,
                                      const Word& creasing, const Word& triangles) {
-    auto options = refinerOptions(*lattice, {chosenIfAny(kBoundaries, "boundary", boundary),
-                                             chosenIfAny(kCreasings, "creasing", creasing),
-                                             chosenIfAny(kTriangles, "triangles", triangles)});
-    options.sharpEdges = chosen(kSharpEdges, "sharp_edges", sharpEdges);
-    const auto rule = chosen(kRules, "rules", rules);
+    auto options =
+        refinerOptions(*lattice, {chosen(far::kBoundaryWords, "boundary", boundary),
+                                  chosen(far::kCreasingWords, "creasing", creasing),
+                                  chosen(far::kTriangleSubdivisionWords, "triangles", triangles)});
+    options.sharpEdges = chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges);
+    const auto rule = chosen(stencils::kRulesWords, "rules", rules);
     return withoutGil([&] { return std::make_shared<Refiner>(lattice, options, rule); });
 }
 
@@ -135,7 +125,8 @@ triangles   : "catmark" or "smooth"; as the tags say, or "catmark"
              "triangles"_a = py::none())
         .def_property_readonly("lattice", getter(&Refiner::lattice), "The Lattice at level 0.")
         .def_property_readonly(
-            "rules", [](const Refiner& self) { return wordOf(kRules, self.rules()); },
+            "rules",
+            [](const Refiner& self) { return wordOf(stencils::kRulesWords, {self.rules()}); },
             "The name of the rules: str.")
         .def("counts", &countsOf, "level"_a,
              "Vertices, edges, faces and cells of a level: tuple of 4 int.")
