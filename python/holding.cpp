@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/sort_unique.h>
 #include <espalier/embed/continuity.h>
 #include <espalier/embed/nested_lattices.h>
 #include <pybind11/stl.h>
@@ -42,8 +43,7 @@ py::array_t<Index> hold(const RefinerLike& lattice, const std::optional<ArrayLik
         if (points)
             add(embed::verticesHoldingPoints(refiner->base(), refiner->lattice()->positions, level,
                                              refiner->rules(), heldPoints, wanted, options));
-        std::sort(vertices.begin(), vertices.end());
-        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+        sortUnique(vertices);
         return vertices;
     }));
 }

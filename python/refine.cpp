@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/refined_lattice.h>
 #include <pybind11/stl.h>
 
 #include <cstdint>
@@ -36,19 +36,11 @@ std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::
     return withoutGil([&] { return std::make_shared<Refiner>(lattice, options, rule); });
 }
 
-Lattice refinedLattice(const Refiner& refiner, int level) {
-    const auto levels = refiner.upTo(level);
-    const Lattice& base = *refiner.lattice();
-    const auto refined = [&](std::span<const double> values, int components) {
-        return stencils::refineValues(*levels, level, refiner.rules(), values, components);
-    };
-    Lattice lattice = levelLattice(
-        *levels, level, stencils::refinePositions(*levels, level, refiner.rules(), base.positions));
-    for (const VertexAttribute& attribute : base.attributes)
-        lattice.attributes.push_back({attribute.name, attribute.components,
-                                      refined(attribute.values, attribute.components)});
-    lattice.integers = levelIntegers(*levels, level, base.integers);
-    return lattice;
+std::shared_ptr<Lattice> refined(const Refiner& refiner, int level) {
+    return withoutGil([&] {
+        return std::make_shared<Lattice>(stencils::refinedLattice(
+            *refiner.upTo(level), level, refiner.rules(), *refiner.lattice()));
+    });
 }
 
 py::array_t<double> refinedPositions(const Refiner& refiner, int level,
@@ -141,13 +133,7 @@ Positions of the vertices of a level, in the units of the lattice.
 pose : array (V, 3), where the V vertices of the base are; at rest without
 Returns an array (V_level, 3) of float64.
 )")
-        .def(
-            "refine",
-            [](const Refiner& self, int level) {
-                return withoutGil(
-                    [&] { return std::make_shared<Lattice>(refinedLattice(self, level)); });
-            },
-            "level"_a = 1,
+        .def("refine", &refined, "level"_a = 1,
             "A level as a Lattice of its own, with its attributes, and marks that keep its "
             "features.")
         .def("stencils", &stencilsOf, "level"_a, "vertices"_a = py::none(), R"(
@@ -161,11 +147,7 @@ R_level: a StencilTable of shape (V_level, V_(level-1)), of a level over the one
 )");
     module.def(
         "refine",
-        [](const RefinerLike& lattice, int level) {
-            const auto refiner = refinerOf(lattice);
-            return withoutGil(
-                [&] { return std::make_shared<Lattice>(refinedLattice(*refiner, level)); });
-        },
+        [](const RefinerLike& lattice, int level) { return refined(*refinerOf(lattice), level); },
         "lattice"_a, "level"_a = 1, R"(
 Refines a Lattice, or what a Refiner holds, `level` times. Returns a Lattice.
 
