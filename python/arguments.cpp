@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arrays.h"
-
-#include <espalier/base/error.h>
+#include "arguments.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <memory>
-
-#include "names.h"
 
 namespace espalier::python {
 
