@@ -7,9 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "arguments.h"
-#include "bind_options.h"
-#include "guard.h"
 #include "handles.h"
 
 using namespace espalier;
@@ -72,13 +69,12 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
                                         const double* positions, int32_t point_count,
                                         const double* points, const espalier_bind_options* options,
                                         espalier_binding** binding) {
-    return c::guarded([&] {
-        auto& out = c::deref(binding, "binding");
+    return c::result(binding, "binding", [&] {
         const auto& own = c::deref(refiner, "refiner");
         c::checkCount(vertex_count, own.refiner.level(0).complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
-        out = c::newBinding(c::bind(own, rest, model, c::bindOptionsOr(options)));
+        return c::newBinding(c::bind(own, rest, model, c::bindOptionsOr(options)));
     });
 }
 
@@ -86,8 +82,7 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
                                                int32_t point_count, const double* points,
                                                const espalier_bind_options* options,
                                                espalier_binding** binding) {
-    return c::guarded([&] {
-        auto& out = c::deref(binding, "binding");
+    return c::result(binding, "binding", [&] {
         const auto& own = c::deref(lattice, "lattice").lattice;
         const auto chosenBasis = c::choice(basis, embed::Basis::BSpline, "basis");
         const auto model = c::positions(points, point_count, "points");
@@ -99,7 +94,7 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
         espalier_binding::Placement placement{{}, embedding.largestResidual()};
         for (const auto& place : embedding.points) placement.statuses.push_back(place.status);
         auto bound = embed::makeBinding(tensor, embedding, model);
-        out = c::newBinding({{std::move(bound), {}, {}}, std::move(placement)});
+        return c::newBinding({{std::move(bound), {}, {}}, std::move(placement)});
     });
 }
 
@@ -113,25 +108,19 @@ espalier_status espalier_binding_save(const espalier_binding* binding, const cha
 }
 
 espalier_status espalier_binding_load(const char* path, espalier_binding** binding) {
-    return c::guarded([&] {
-        auto& out = c::deref(binding, "binding");
-        out = c::newBinding({io::readBoundModel(&c::deref(path, "path"))});
-    });
+    return c::result(binding, "binding",
+                     [&] { return c::newBinding({io::readBoundModel(&c::deref(path, "path"))}); });
 }
 
 espalier_status espalier_binding_table(const espalier_binding* binding, espalier_table** table) {
-    return c::guarded([&] {
-        auto& out = c::deref(table, "table");
+    return c::result(table, "table", [&] {
         const auto& own = c::deref(binding, "binding").data;
-        out = new espalier_table{{own, &own->model.binding.table}};
+        return new espalier_table{{own, &own->model.binding.table}};
     });
 }
 
 espalier_status espalier_binding_topology_hash(const espalier_binding* binding, uint64_t* hash) {
-    return c::guarded([&] {
-        auto& out = c::deref(hash, "hash");
-        out = c::dataOf(binding).model.binding.topologyHash;
-    });
+    return c::result(hash, "hash", [&] { return c::dataOf(binding).model.binding.topologyHash; });
 }
 
 espalier_status espalier_binding_statuses(const espalier_binding* binding, int32_t* point_count,
@@ -147,10 +136,7 @@ espalier_status espalier_binding_statuses(const espalier_binding* binding, int32
 
 espalier_status espalier_binding_largest_residual(const espalier_binding* binding,
                                                   double* residual) {
-    return c::guarded([&] {
-        auto& out = c::deref(residual, "residual");
-        out = c::placementOf(binding).largestResidual;
-    });
+    return c::result(residual, "residual", [&] { return c::placementOf(binding).largestResidual; });
 }
 
 espalier_status espalier_binding_kept(const espalier_binding* binding, int32_t* count,

@@ -7,8 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "arguments.h"
-#include "guard.h"
 #include "handles.h"
 
 namespace espalier::c {
@@ -108,32 +106,29 @@ using namespace espalier;
 
 espalier_status espalier_lattice_create(const espalier_cells* cells, const double* positions,
                                         espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
+    return c::result(lattice, "lattice", [&] {
         const auto& given = c::deref(cells, "cells");
         auto complex = c::buildCells(given);
         auto points = c::positions(positions, given.vertex_count, "positions");
-        out = new espalier_lattice{{std::move(complex), std::move(points), {}, {}}};
+        return new espalier_lattice{{std::move(complex), std::move(points), {}, {}}};
     });
 }
 
 espalier_status espalier_lattice_create_hexahedra(int32_t vertex_count, const double* positions,
                                                   int32_t cell_count, const int32_t* vertices,
                                                   espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
+    return c::result(lattice, "lattice", [&] {
         const auto corners = c::array(vertices, cell_count, "vertices", 8);
         c::checkVertexCount(vertex_count, std::ssize(corners));
         auto points = c::positions(positions, vertex_count, "positions");
-        out = new espalier_lattice{
+        return new espalier_lattice{
             {c::buildHexahedra(vertex_count, corners), std::move(points), {}, {}}};
     });
 }
 
 espalier_status espalier_lattice_read(const char* path, espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
-        out = new espalier_lattice{io::readLattice(&c::deref(path, "path"))};
+    return c::result(lattice, "lattice", [&] {
+        return new espalier_lattice{io::readLattice(&c::deref(path, "path"))};
     });
 }
 
@@ -206,8 +201,7 @@ espalier_status espalier_lattice_clear_marks(espalier_lattice* lattice) {
 }
 
 espalier_status espalier_lattice_topology_hash(const espalier_lattice* lattice, uint64_t* hash) {
-    return c::guarded([&] {
-        auto& out = c::deref(hash, "hash");
-        out = far::topologyHash(c::deref(lattice, "lattice").lattice.complex);
+    return c::result(hash, "hash", [&] {
+        return far::topologyHash(c::deref(lattice, "lattice").lattice.complex);
     });
 }

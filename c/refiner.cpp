@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <string>
 
-#include "arguments.h"
-#include "guard.h"
 #include "handles.h"
 
 using namespace espalier;
@@ -58,14 +56,12 @@ far::RefinerOptions refinerOptions(const espalier_refine_options& chosen, const 
 espalier_status espalier_refiner_create(const espalier_lattice* lattice,
                                         const espalier_refine_options* options,
                                         espalier_refiner** refiner) {
-    return c::guarded([&] {
-        auto& out = c::deref(refiner, "refiner");
+    return c::result(refiner, "refiner", [&] {
         const Lattice& base = c::deref(lattice, "lattice").lattice;
-        const auto chosen =
-            c::optionsOr(options, espalier_default_refine_options(),
-                         sizeof(espalier_refine_options), "espalier_default_refine_options");
+        const auto chosen = c::optionsOr(options, espalier_default_refine_options(),
+                                         "espalier_default_refine_options");
         const auto rules = c::choice(chosen.rules, stencils::Rules::Mlca, "rules");
-        out = new espalier_refiner(
+        return new espalier_refiner(
             far::TopologyRefiner(base.complex, c::refinerOptions(chosen, base)), rules);
     });
 }
@@ -83,10 +79,8 @@ espalier_status espalier_refiner_refine(espalier_refiner* refiner, int32_t level
 }
 
 espalier_status espalier_refiner_max_level(const espalier_refiner* refiner, int32_t* level) {
-    return c::guarded([&] {
-        auto& out = c::deref(level, "level");
-        out = c::deref(refiner, "refiner").refiner.maxLevel();
-    });
+    return c::result(level, "level",
+                     [&] { return c::deref(refiner, "refiner").refiner.maxLevel(); });
 }
 
 espalier_status espalier_refiner_counts(const espalier_refiner* refiner, int32_t level,
@@ -117,10 +111,9 @@ espalier_status espalier_refiner_cells(const espalier_refiner* refiner, int32_t 
 
 espalier_status espalier_refiner_face_signs(const espalier_refiner* refiner, int32_t level,
                                             const int8_t** signs) {
-    return c::guarded([&] {
-        auto& out = c::deref(signs, "signs");
+    return c::result(signs, "signs", [&] {
         const auto& complex = c::deref(refiner, "refiner").refiner.level(level).complex;
-        out = complex.boundary(3).signs().data();
+        return complex.boundary(3).signs().data();
     });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/word.h>
 #include <espalier/embed/point_location.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/factored_table.h>
@@ -22,6 +23,9 @@ enum class OutsidePolicy {
     Nearest,  ///< the nearest cell carries it, along the tangent of its map
     Error     ///< binding is refused
 };
+inline constexpr Word<OutsidePolicy> kOutsidePolicyWords[] = {{"keep", OutsidePolicy::Keep},
+                                                              {"nearest", OutsidePolicy::Nearest},
+                                                              {"error", OutsidePolicy::Error}};
 
 /// The finest level that points are bound to. Its cells are a millionth of a base cell across, as
 /// fine as the tolerance below: on levels above it a point would be in ever more cells at once.

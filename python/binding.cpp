@@ -17,13 +17,11 @@
 #include <type_traits>
 #include <utility>
 
-#include "embedding_options.h"
 #include "evaluation.h"
 #include "model.h"
 #include "module.h"
 #include "pickling.h"
 #include "refiner.h"
-#include "shared.h"
 
 namespace espalier::python {
 
@@ -32,12 +30,6 @@ using namespace py::literals;
 namespace {
 
 using Bound = std::shared_ptr<BoundPoints>;
-
-/// What a lattice weighs points by; the words of `espalier deform --basis`.
-enum class Weights { Subdivision, Bezier, BSpline };
-const Words<Weights> kBases = {{"subdivision", Weights::Subdivision},
-                               {"bezier", Weights::Bezier},
-                               {"bspline", Weights::BSpline}};
 
 void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
                        std::span<const Point3> points, const embed::EmbeddingOptions& options) {
@@ -60,15 +52,13 @@ void bindToLimit(BoundPoints& result, const Refiner& refiner, std::span<const Po
     result.placement = {std::move(found.statuses), found.largestResidual};
 }
 
-void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights basis,
+void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, embed::Basis basis,
                          std::span<const Point3> points, const embed::EmbeddingOptions& options) {
     const Lattice& lattice = *refiner.lattice();
     // To go on without them would be another deformation than the lattice asks for.
     if (!lattice.marks.empty())
         throw Error("basis: the lattice has marks, which only subdivision heeds");
-    const embed::TensorLattice tensor(
-        lattice.complex, lattice.positions,
-        basis == Weights::Bezier ? embed::Basis::Bezier : embed::Basis::BSpline);
+    const embed::TensorLattice tensor(lattice.complex, lattice.positions, basis);
     const auto embedding = embed::embedPoints(tensor, points, options);
     result.bound.binding = embed::makeBinding(tensor, embedding, points);
     Placement placement{{}, embedding.largestResidual()};
@@ -79,9 +69,10 @@ void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights ba
 Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
            const std::string& outside, double tolerance, const std::string& basis, bool limit) {
     const auto refiner = refinerOf(lattice);
-    const auto options = embeddingOptions(outside, tolerance);
-    const auto weights = chosen(kBases, "basis", basis);
-    if (limit && weights != Weights::Subdivision)
+    const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
+                                          tolerance};
+    const auto weights = chosen(embed::kBasisWords, "basis", basis);
+    if (limit && weights)
         throw Error("limit: what \"" + basis + "\" weighs has no levels, and no limit of these");
     auto result = std::make_shared<BoundPoints>();
     bool hasDirections = false;
@@ -97,10 +88,10 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
     withoutGil([&] {
         if (limit)
             bindToLimit(*result, *refiner, *result->points, options, hasDirections);
-        else if (weights == Weights::Subdivision)
+        else if (!weights)
             bindToSubdivision(*result, *refiner, level, *result->points, options);
         else
-            bindToTensorProduct(*result, *refiner, weights, *result->points, options);
+            bindToTensorProduct(*result, *refiner, *weights, *result->points, options);
     });
     return result;
 }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/solve/design_variables.h>
 
 #include <pybind11/stl.h>
@@ -11,8 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "arrays.h"
-#include "module.h"
+#include "arguments.h"
 #include "tables.h"
 
 namespace espalier::python {

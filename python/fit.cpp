@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/solve/lattice_fit.h>
 #include <pybind11/stl.h>
@@ -9,22 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "arrays.h"
-#include "module.h"
+#include "arguments.h"
 #include "tables.h"
-#include "words.h"
 
 namespace espalier::python {
 
 using namespace py::literals;
 
 namespace {
-
-const Words<solve::Smoothing> kSmoothings = {{"none", solve::Smoothing::None},
-                                             {"tikhonov", solve::Smoothing::Tikhonov},
-                                             {"laplacian", solve::Smoothing::Laplacian}};
-const Words<solve::Undetermined> kUndetermined = {{"smallest", solve::Undetermined::Smallest},
-                                                  {"refuse", solve::Undetermined::Refuse}};
 
 std::vector<Index> indicesOf(const std::optional<ArrayLike>& indices, const char* name) {
     return indices ? toIndices(*indices, name) : std::vector<Index>();
@@ -43,10 +34,10 @@ solve::LatticeFit fit(const Lattice& lattice, const TableLike& deformation, cons
     const auto wanted = toPoints(
         misses, "misses", rows ? chosenRows.size() : static_cast<std::size_t>(table->rowCount()));
     solve::FitOptions options;
-    options.smoothing = chosen(kSmoothings, "smoothing", smoothing);
+    options.smoothing = chosen(solve::kSmoothingWords, "smoothing", smoothing);
     options.strength = strength;
     options.frozen = indicesOf(frozen, "frozen");
-    options.undetermined = chosen(kUndetermined, "undetermined", undetermined);
+    options.undetermined = chosen(solve::kUndeterminedWords, "undetermined", undetermined);
     return withoutGil([&] {
         if (!rows) return solve::fitLattice(*table, wanted, lattice.complex, options);
         return solve::fitLattice(stencils::selectRows(*table, std::span(chosenRows)), wanted,

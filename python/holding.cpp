@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/embed/continuity.h>
 #include <espalier/embed/nested_lattices.h>
 #include <pybind11/stl.h>
@@ -10,9 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "arrays.h"
-#include "embedding_options.h"
-#include "module.h"
+#include "arguments.h"
 #include "refiner.h"
 #include "tables.h"
 
@@ -24,17 +22,15 @@ namespace {
 
 using embed::Continuity;
 
-const Words<Continuity> kContinuities = {
-    {"c0", Continuity::C0}, {"c1", Continuity::C1}, {"c2", Continuity::C2}};
-
 py::array_t<Index> hold(const RefinerLike& lattice, const std::optional<ArrayLike>& faces,
                         const std::optional<ArrayLike>& points, int level,
                         const std::string& continuity, const std::string& outside,
                         double tolerance) {
     if (!faces && !points) throw Error("hold: expected faces, points, or both");
     const auto refiner = refinerOf(lattice);
-    const auto wanted = chosen(kContinuities, "continuity", continuity);
-    const auto options = embeddingOptions(outside, tolerance);
+    const auto wanted = chosen(embed::kContinuityWords, "continuity", continuity);
+    const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
+                                          tolerance};
     const auto heldFaces = faces ? toIndices(*faces, "faces") : std::vector<Index>();
     const auto heldPoints = points ? toPoints(*points, "points") : std::vector<Point3>();
     return toArray(withoutGil([&] {
@@ -47,8 +43,7 @@ py::array_t<Index> hold(const RefinerLike& lattice, const std::optional<ArrayLik
         if (points)
             add(embed::verticesHoldingPoints(refiner->base(), refiner->lattice()->positions, level,
                                              refiner->rules(), heldPoints, wanted, options));
-        std::sort(vertices.begin(), vertices.end());
-        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+        sortUnique(vertices);
         return vertices;
     }));
 }
@@ -59,7 +54,8 @@ std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
     const auto table = tableOf(child);
     const auto pose = toPoints(childPose, "child_pose", table->columnCount());
     const auto refiner = refinerOf(parent);
-    const auto options = embeddingOptions(outside, tolerance);
+    const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
+                                          tolerance};
     return withoutGil([&] {
         return std::make_shared<Table>(embed::nestTables(*table, pose, refiner->base(),
                                                          refiner->lattice()->positions, level,

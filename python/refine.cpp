@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
-#include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/refined_lattice.h>
 #include <pybind11/stl.h>
 
 #include <cstdint>
@@ -13,11 +12,8 @@
 #include <tuple>
 #include <vector>
 
-#include "arrays.h"
-#include "choices.h"
-#include "module.h"
+#include "arguments.h"
 #include "refiner.h"
-#include "shared.h"
 #include "tables.h"
 
 namespace espalier::python {
@@ -28,37 +24,23 @@ namespace {
 
 using Word = std::optional<std::string>;
 
-template <class Choice>
-std::optional<Choice> chosenIfAny(const Words<Choice>& words, const char* argument,
-                                  const Word& word) {
-    if (!word) return std::nullopt;
-    return chosen(words, argument, *word);
-}
-
 std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::string& rules,
                                      const Word& boundary, const std::string& sharpEdges,
                                      const Word& creasing, const Word& triangles) {
-    auto options = refinerOptions(*lattice, {chosenIfAny(kBoundaries, "boundary", boundary),
-                                             chosenIfAny(kCreasings, "creasing", creasing),
-                                             chosenIfAny(kTriangles, "triangles", triangles)});
-    options.sharpEdges = chosen(kSharpEdges, "sharp_edges", sharpEdges);
-    const auto rule = chosen(kRules, "rules", rules);
+    auto options =
+        refinerOptions(*lattice, {chosen(far::kBoundaryWords, "boundary", boundary),
+                                  chosen(far::kCreasingWords, "creasing", creasing),
+                                  chosen(far::kTriangleSubdivisionWords, "triangles", triangles)});
+    options.sharpEdges = chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges);
+    const auto rule = chosen(stencils::kRulesWords, "rules", rules);
     return withoutGil([&] { return std::make_shared<Refiner>(lattice, options, rule); });
 }
 
-Lattice refinedLattice(const Refiner& refiner, int level) {
-    const auto levels = refiner.upTo(level);
-    const Lattice& base = *refiner.lattice();
-    const auto refined = [&](std::span<const double> values, int components) {
-        return stencils::refineValues(*levels, level, refiner.rules(), values, components);
-    };
-    Lattice lattice = levelLattice(
-        *levels, level, stencils::refinePositions(*levels, level, refiner.rules(), base.positions));
-    for (const VertexAttribute& attribute : base.attributes)
-        lattice.attributes.push_back({attribute.name, attribute.components,
-                                      refined(attribute.values, attribute.components)});
-    lattice.integers = levelIntegers(*levels, level, base.integers);
-    return lattice;
+std::shared_ptr<Lattice> refined(const Refiner& refiner, int level) {
+    return withoutGil([&] {
+        return std::make_shared<Lattice>(stencils::refinedLattice(
+            *refiner.upTo(level), level, refiner.rules(), *refiner.lattice()));
+    });
 }
 
 py::array_t<double> refinedPositions(const Refiner& refiner, int level,
@@ -135,7 +117,8 @@ triangles   : "catmark" or "smooth"; as the tags say, or "catmark"
              "triangles"_a = py::none())
         .def_property_readonly("lattice", getter(&Refiner::lattice), "The Lattice at level 0.")
         .def_property_readonly(
-            "rules", [](const Refiner& self) { return wordOf(kRules, self.rules()); },
+            "rules",
+            [](const Refiner& self) { return wordOf(stencils::kRulesWords, {self.rules()}); },
             "The name of the rules: str.")
         .def("counts", &countsOf, "level"_a,
              "Vertices, edges, faces and cells of a level: tuple of 4 int.")
@@ -150,13 +133,7 @@ Positions of the vertices of a level, in the units of the lattice.
 pose : array (V, 3), where the V vertices of the base are; at rest without
 Returns an array (V_level, 3) of float64.
 )")
-        .def(
-            "refine",
-            [](const Refiner& self, int level) {
-                return withoutGil(
-                    [&] { return std::make_shared<Lattice>(refinedLattice(self, level)); });
-            },
-            "level"_a = 1,
+        .def("refine", &refined, "level"_a = 1,
             "A level as a Lattice of its own, with its attributes, and marks that keep its "
             "features.")
         .def("stencils", &stencilsOf, "level"_a, "vertices"_a = py::none(), R"(
@@ -170,11 +147,7 @@ R_level: a StencilTable of shape (V_level, V_(level-1)), of a level over the one
 )");
     module.def(
         "refine",
-        [](const RefinerLike& lattice, int level) {
-            const auto refiner = refinerOf(lattice);
-            return withoutGil(
-                [&] { return std::make_shared<Lattice>(refinedLattice(*refiner, level)); });
-        },
+        [](const RefinerLike& lattice, int level) { return refined(*refinerOf(lattice), level); },
         "lattice"_a, "level"_a = 1, R"(
 Refines a Lattice, or what a Refiner holds, `level` times. Returns a Lattice.
 

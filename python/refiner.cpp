@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "refiner.h"
 
-#include <espalier/base/error.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 
 #include <string>
 #include <utility>
 
-#include "arrays.h"
+#include "arguments.h"
 
 namespace espalier::python {
 

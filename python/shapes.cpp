@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
@@ -13,10 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "arrays.h"
-#include "module.h"
-#include "shared.h"
-#include "words.h"
+#include "arguments.h"
 
 namespace espalier::python {
 
@@ -24,13 +20,8 @@ using namespace py::literals;
 
 namespace {
 
-const Words<shapes::Core> kCores = {{"wedges", shapes::Core::Wedges},
-                                    {"polygon", shapes::Core::Polygon}};
-const Words<shapes::TorusSection> kSections = {{"grid", shapes::TorusSection::Grid},
-                                               {"disk", shapes::TorusSection::Disk}};
-
 shapes::DiskPattern patternOf(int rings, const std::string& core) {
-    return {rings, chosen(kCores, "core", core)};
+    return {rings, chosen(shapes::kCoreWords, "core", core)};
 }
 
 /// A message of the library about options, about the arguments that they are of: minorRadius is
@@ -94,8 +85,9 @@ radius : of the outermost vertices; start, end : 3 float each, the centres of th
         "torus",
         [](int segments, const std::string& section, int gridCells, int sides, int rings,
            const std::string& core, double majorRadius, double minorRadius) {
-            return make(shapes::torus, {segments, chosen(kSections, "section", section), gridCells,
-                                        sides, patternOf(rings, core), majorRadius, minorRadius});
+            return make(shapes::torus,
+                        {segments, chosen(shapes::kTorusSectionWords, "section", section),
+                         gridCells, sides, patternOf(rings, core), majorRadius, minorRadius});
         },
         py::kw_only(), "segments"_a = 8, "section"_a = "grid", "grid_cells"_a = 1, "sides"_a = 6,
         "rings"_a = 1, "core"_a = "wedges", "major_radius"_a = 1.0, "minor_radius"_a = 0.4, R"(

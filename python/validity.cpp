@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
 
@@ -12,8 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "arrays.h"
-#include "module.h"
+#include "arguments.h"
 #include "refiner.h"
 
 namespace espalier::python {

@@ -13,7 +13,6 @@
 #include <set>
 
 #include "support/refined_lattice.h"
-#include "support/sanitizers.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -141,7 +140,7 @@ std::vector<std::vector<Index>> partsOf(const far::CellComplex& complex) {
 // In lattices of every kind: whatever level is looked at, from the second on, the faces depend on
 // the same vertices, and so do the cells beside them.
 TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
-    for (const auto& [name, lattice] : test::someOf(test::zoo()))
+    for (const auto& [name, lattice] : test::zoo())
         for (const auto boundary : {far::Boundary::Sharp, far::Boundary::EdgeOnly}) {
             const far::TopologyRefiner base(lattice.complex,
                                             {.boundary = boundary, .marks = lattice.marks});
@@ -165,7 +164,7 @@ TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
 // to the next, where distances are halved, the vertices just beyond those that stay move less than
 // a quarter as far. So first and second differences vanish.
 TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
-    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
+    for (const auto& [name, lattice] : test::zoo()) {
         if (lattice.complex.count(3) > 12) continue;
         const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
         for (const auto& faces : partsOf(lattice.complex))

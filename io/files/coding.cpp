@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <new>
+
+#include "bytes.h"
+#include "coding.h"
+
+namespace espalier::io {
+namespace {
+
+constexpr std::string_view kAlphabet =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr char kPadding = '=';
+constexpr std::uint8_t kNoDigit = 64;
+
+constexpr std::array<std::uint8_t, 256> makeDigits() {
+    std::array<std::uint8_t, 256> digits{};
+    for (auto& digit : digits) digit = kNoDigit;
+    for (std::size_t i = 0; i < kAlphabet.size(); ++i)
+        digits[static_cast<unsigned char>(kAlphabet[i])] = static_cast<std::uint8_t>(i);
+    return digits;
+}
+
+constexpr std::array<std::uint8_t, 256> kBase64Digits = makeDigits();
+
+bool isXmlSpace(char c) {
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+}  // namespace
+
+std::string encodeBase64(std::string_view bytes) {
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    const auto byteAt = [&](std::size_t at) -> std::uint32_t {
+        return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0;
+    };
+    for (std::size_t at = 0; at < bytes.size(); at += 3) {
+        const std::uint32_t group = byteAt(at) << 16 | byteAt(at + 1) << 8 | byteAt(at + 2);
+        for (std::size_t i = 0; i < 4; ++i)
+            text += at + i > bytes.size() ? kPadding : kAlphabet[group >> (18 - 6 * i) & 63];
+    }
+    return text;
+}
+
+char Base64Reader::nextCharacter() {
+    while (position_ < text_.size() && isXmlSpace(text_[position_])) ++position_;
+    if (position_ == text_.size()) throw CodingError("the base64 data ends too early");
+    return text_[position_++];
+}
+
+void Base64Reader::readQuad() {
+    std::uint32_t group = 0;
+    std::size_t padding = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const char c = nextCharacter();
+        const std::uint8_t digit = kBase64Digits[static_cast<unsigned char>(c)];
+        if (c == kPadding && i >= 2)
+            ++padding;
+        else if (digit == kNoDigit || padding > 0)
+            throw CodingError("character code " + std::to_string(static_cast<unsigned char>(c)) +
+                              " is out of place in base64 data");
+        group = group << 6 | (c == kPadding ? 0u : digit);
+    }
+    for (std::size_t i = 0; i < 3 - padding; ++i)
+        left_ += static_cast<char>(group >> (16 - 8 * i) & 0xff);
+}
+
+std::string Base64Reader::read(std::size_t count) {
+    if (count > mostLeft())
+        throw CodingError("the base64 data ends too early: " + std::to_string(count) +
+                          " bytes are claimed, at most " + std::to_string(mostLeft()) +
+                          " are there");
+    left_.reserve(count + 3);
+    while (left_.size() < count) readQuad();
+    std::string result = left_.substr(0, count);
+    left_.erase(0, count);
+    return result;
+}
+
+namespace {
+
+/// zlib counts what it is given in fewer bits than a size has: it gets one part after the other.
+uInt takePart(std::size_t& left) {
+    const std::size_t part = std::min<std::size_t>(left, std::numeric_limits<uInt>::max());
+    left -= part;
+    return static_cast<uInt>(part);
+}
+
+class Inflater {
+public:
+    explicit Inflater(DeflateForm form) {
+        constexpr int kLargestWindow = 15;
+        const int window = form == DeflateForm::Raw ? -kLargestWindow : kLargestWindow;
+        if (::inflateInit2(&state_, window) != Z_OK) throw std::bad_alloc();
+    }
+    Inflater(const Inflater&) = delete;
+    Inflater& operator=(const Inflater&) = delete;
+    ~Inflater() { ::inflateEnd(&state_); }
+
+    /// \return whether the stream came to its end with exactly so many bytes
+    bool inflate(std::string_view stream, Bytef* to, std::size_t size) {
+        // zlib's interface is older than const.
+        state_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(stream.data()));
+        state_.next_out = to;
+        std::size_t inLeft = stream.size(), outLeft = size;
+        int status = Z_OK;
+        while (status == Z_OK) {
+            if (state_.avail_in == 0) state_.avail_in = takePart(inLeft);
+            if (state_.avail_out == 0) state_.avail_out = takePart(outLeft);
+            // An error, where it has neither anything to read nor room to write to.
+            status = ::inflate(&state_, Z_NO_FLUSH);
+        }
+        if (status == Z_MEM_ERROR) throw std::bad_alloc();
+        return status == Z_STREAM_END && outLeft == 0 && state_.avail_out == 0;
+    }
+
+private:
+    z_stream state_ = {};
+};
+
+}  // namespace
+
+void appendInflated(std::string_view stream, std::uint64_t size, DeflateForm form,
+                    std::string& bytes) {
+    if (size / kMostInflation > stream.size())
+        throw CodingError("a stream of " + std::to_string(stream.size()) +
+                          " compressed bytes claims to hold " + std::to_string(size));
+    requireMemory(size, "its data");
+    Inflater inflater(form);
+    const std::size_t before = bytes.size();
+    bytes.resize(before + size);
+    // zlib refuses a null destination, which an empty stream could give it.
+    Bytef none = 0;
+    Bytef* to = size == 0 ? &none : reinterpret_cast<Bytef*>(bytes.data() + before);
+    if (!inflater.inflate(stream, to, size))
+        throw CodingError("a compressed stream of " + std::to_string(stream.size()) +
+                          " bytes is damaged (zlib)");
+}
+
+}  // namespace espalier::io

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "descriptor.h"
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <ctime>
+
+namespace espalier::io {
+namespace {
+
+/// Keeps the signals away that come with the errors of a write, and would end a program that does
+/// not expect them. They come to the thread that writes.
+class WithoutWriteSignals {
+public:
+    WithoutWriteSignals() {
+        ::sigemptyset(&signals_);
+        ::sigaddset(&signals_, SIGPIPE);
+        ::sigaddset(&signals_, SIGXFSZ);
+        ::sigpending(&pendingBefore_);
+        ::pthread_sigmask(SIG_BLOCK, &signals_, &maskBefore_);
+    }
+    ~WithoutWriteSignals() { ::pthread_sigmask(SIG_SETMASK, &maskBefore_, nullptr); }
+    WithoutWriteSignals(const WithoutWriteSignals&) = delete;
+    WithoutWriteSignals& operator=(const WithoutWriteSignals&) = delete;
+
+    /// Takes back what came with this error.
+    void drop(int error) const {
+        if (error == EPIPE) drop(SIGPIPE, pendingBefore_);
+        if (error == EFBIG) drop(SIGXFSZ, pendingBefore_);
+    }
+
+private:
+    static void drop(int signal, const ::sigset_t& pendingBefore) {
+        if (::sigismember(&pendingBefore, signal) == 1) return;
+        ::sigset_t one;
+        ::sigemptyset(&one);
+        ::sigaddset(&one, signal);
+        const ::timespec now{};
+        uninterrupted([&] { return ::sigtimedwait(&one, nullptr, &now); });
+    }
+
+    ::sigset_t signals_, pendingBefore_, maskBefore_;
+};
+
+}  // namespace
+
+DescriptorBuffer::DescriptorBuffer(int descriptor) : descriptor_(descriptor), buffer_(1 << 16) {
+    setp(buffer_.data(), buffer_.data() + buffer_.size());
+}
+
+bool DescriptorBuffer::write(const char* from, std::size_t count) {
+    if (count == 0) return error_ == 0;
+    const WithoutWriteSignals quiet;
+    while (count > 0 && error_ == 0) {
+        const ssize_t written = uninterrupted([&] { return ::write(descriptor_, from, count); });
+        if (written < 0) {
+            error_ = errno;
+            quiet.drop(error_);
+            break;
+        }
+        from += written;
+        count -= static_cast<std::size_t>(written);
+    }
+    return error_ == 0;
+}
+
+int DescriptorBuffer::sync() {
+    const bool isWritten = write(pbase(), static_cast<std::size_t>(pptr() - pbase()));
+    setp(buffer_.data(), buffer_.data() + buffer_.size());
+    return isWritten ? 0 : -1;
+}
+
+DescriptorBuffer::int_type DescriptorBuffer::overflow(int_type character) {
+    if (sync() != 0) return traits_type::eof();
+    if (!traits_type::eq_int_type(character, traits_type::eof()))
+        sputc(traits_type::to_char_type(character));
+    return traits_type::not_eof(character);
+}
+
+std::streamsize DescriptorBuffer::xsputn(const char* from, std::streamsize count) {
+    if (count > epptr() - pptr()) {
+        if (sync() != 0) return 0;
+        // No way round for what is large.
+        if (count >= epptr() - pptr())
+            return write(from, static_cast<std::size_t>(count)) ? count : 0;
+    }
+    std::copy_n(from, count, pptr());  // It may be nothing, from nowhere.
+    pbump(static_cast<int>(count));
+    return count;
+}
+
+}  // namespace espalier::io
