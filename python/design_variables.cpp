@@ -79,7 +79,7 @@ tolerance : how far an image may be from its vertex, in the units of the positio
         .def(
             "matrix",
             [](const DesignVariables& self) {
-                return withoutGil([&] { return std::make_shared<Table>(self.matrix()); });
+                return sharedWithoutGil([&] { return self.matrix(); });
             },
             "B: a StencilTable of shape (3 V, variables). Row 3 v + c is coordinate c of vertex "
             "v, so that (B @ variables).reshape(V, 3) are displacements.");
@@ -88,8 +88,7 @@ tolerance : how far an image may be from its vertex, in the units of the positio
         [](const TableLike& deformation, const TableLike& design) {
             const auto d = tableOf(deformation);
             const auto b = tableOf(design);
-            return withoutGil(
-                [&] { return std::make_shared<Table>(solve::buildJacobian(*d, *b)); });
+            return sharedWithoutGil([&] { return solve::buildJacobian(*d, *b); });
         },
         "deformation"_a, "design"_a, R"(
 The derivatives of the points by the variables: a StencilTable of shape (3 N, variables), whose row

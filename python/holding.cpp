@@ -56,10 +56,9 @@ std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
     const auto refiner = refinerOf(parent);
     const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
                                           tolerance};
-    return withoutGil([&] {
-        return std::make_shared<Table>(embed::nestTables(*table, pose, refiner->base(),
-                                                         refiner->lattice()->positions, level,
-                                                         refiner->rules(), options));
+    return sharedWithoutGil([&] {
+        return embed::nestTables(*table, pose, refiner->base(), refiner->lattice()->positions,
+                                 level, refiner->rules(), options);
     });
 }
 

@@ -297,7 +297,7 @@ LatticePointer transformed(const Lattice& lattice, const ArrayLike& linear,
                            const Point3& translation) {
     const auto rows = toPoints(linear, "linear", 3);
     shapes::Affine map{{rows[0], rows[1], rows[2]}, translation};
-    return withoutGil([&] { return std::make_shared<Lattice>(shapes::transformed(lattice, map)); });
+    return sharedWithoutGil([&] { return shapes::transformed(lattice, map); });
 }
 
 // What may derive a relation does so without the GIL. Whoever derives the same at the moment may
@@ -544,8 +544,7 @@ linear : array (3, 3); translation : 3 float
         "read",
         [](const std::filesystem::path& path) {
             io::ReadNotes notes;
-            auto lattice = withoutGil(
-                [&] { return std::make_shared<Lattice>(io::readRefinable(path, &notes)); });
+            auto lattice = sharedWithoutGil([&] { return io::readRefinable(path, &notes); });
             const std::string text = io::describe(path, notes);
             if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
                 throw py::error_already_set();

@@ -37,9 +37,9 @@ std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::
 }
 
 std::shared_ptr<Lattice> refined(const Refiner& refiner, int level) {
-    return withoutGil([&] {
-        return std::make_shared<Lattice>(stencils::refinedLattice(
-            *refiner.upTo(level), level, refiner.rules(), *refiner.lattice()));
+    return sharedWithoutGil([&] {
+        return stencils::refinedLattice(*refiner.upTo(level), level, refiner.rules(),
+                                        *refiner.lattice());
     });
 }
 
@@ -54,24 +54,18 @@ py::array_t<double> refinedPositions(const Refiner& refiner, int level,
 
 std::shared_ptr<Table> stencilsOf(const Refiner& refiner, int level,
                                   const std::optional<ArrayLike>& vertices) {
-    if (!vertices)
-        return withoutGil([&] {
-            return std::make_shared<Table>(
-                stencils::buildStencils(*refiner.upTo(level), level, refiner.rules()));
-        });
-    const auto rows = toIndices(*vertices, "vertices");
-    return withoutGil([&] {
-        return std::make_shared<Table>(
-            stencils::buildStencils(*refiner.upTo(level), level, refiner.rules(), rows));
+    const auto rows = vertices ? toIndices(*vertices, "vertices") : std::vector<Index>();
+    return sharedWithoutGil([&] {
+        const auto levels = refiner.upTo(level);
+        return vertices ? stencils::buildStencils(*levels, level, refiner.rules(), rows)
+                        : stencils::buildStencils(*levels, level, refiner.rules());
     });
 }
 
 std::shared_ptr<Table> levelTable(const Refiner& refiner, int level) {
     checkLevel(level);
-    return withoutGil([&] {
-        return std::make_shared<Table>(
-            stencils::buildLevelTable(*refiner.upTo(level), level, refiner.rules()));
-    });
+    return sharedWithoutGil(
+        [&] { return stencils::buildLevelTable(*refiner.upTo(level), level, refiner.rules()); });
 }
 
 std::tuple<Index, Index, Index, Index> countsOf(const Refiner& refiner, int level) {
@@ -134,8 +128,8 @@ pose : array (V, 3), where the V vertices of the base are; at rest without
 Returns an array (V_level, 3) of float64.
 )")
         .def("refine", &refined, "level"_a = 1,
-            "A level as a Lattice of its own, with its attributes, and marks that keep its "
-            "features.")
+             "A level as a Lattice of its own, with its attributes, and marks that keep its "
+             "features.")
         .def("stencils", &stencilsOf, "level"_a, "vertices"_a = py::none(), R"(
 S_level: a StencilTable of shape (V_level, V). Row i holds the weights of vertex i of the level over
 the base vertices; rows sum to 1.

@@ -122,9 +122,9 @@ std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
         return Array<std::remove_cvref_t<decltype(*array.data())>>(array.data(),
                                                                    array.data() + array.size());
     };
-    return withoutGil([&] {
-        return std::make_shared<Table>(static_cast<Index>(shape.second), copyOf(offsets),
-                                       copyOf(columns), copyOf(weights));
+    return sharedWithoutGil([&] {
+        return Table(static_cast<Index>(shape.second), copyOf(offsets), copyOf(columns),
+                     copyOf(weights));
     });
 }
 
@@ -200,8 +200,7 @@ them in the width of the columns. (With 2^31 entries and more the columns are co
         .def(
             "transpose",
             [](const Table& self) {
-                return withoutGil(
-                    [&] { return std::make_shared<Table>(stencils::transposeTable(self)); });
+                return sharedWithoutGil([&] { return stencils::transposeTable(self); });
             },
             "The transpose: a StencilTable of shape (columns, rows).")
         .def("__repr__", [](const Table& self) {
