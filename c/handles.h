@@ -47,14 +47,12 @@ struct espalier_table {
 };
 
 struct espalier_binding {
-    /// How points were placed, which a file does not say.
-    struct Placement {
-        std::vector<espalier::embed::PointStatus> statuses;
-        double largestResidual = 0;
-    };
     struct Data {
         espalier::io::BoundModel model;
-        std::optional<Placement> placement = {};
+
+        // How points were placed, which a file does not say.
+        std::vector<espalier::embed::PointStatus> statuses = {};
+        std::optional<double> largestResidual = {};
     };
     std::shared_ptr<const Data> data;  ///< shared with its tables
 };

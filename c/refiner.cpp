@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
@@ -41,13 +42,12 @@ const espalier_refiner::LevelOffsets& offsetsOf(const espalier_refiner& refiner,
 }
 
 far::RefinerOptions refinerOptions(const espalier_refine_options& chosen, const Lattice& lattice) {
-    far::RefinerOptions options;
-    options.boundary = choice(chosen.boundary, far::Boundary::Open, "boundary");
-    options.sharpEdges = choice(chosen.sharp_edges, far::SharpEdges::Literal, "sharp_edges");
-    options.creasing = choice(chosen.creasing, far::Creasing::Chaikin, "creasing");
-    options.triangles = choice(chosen.triangles, far::TriangleSubdivision::Smooth, "triangles");
-    options.marks = lattice.marks;
-    return options;
+    return espalier::refinerOptions(
+        lattice,
+        {choice(chosen.boundary, far::Boundary::Open, "boundary"),
+         choice(chosen.creasing, far::Creasing::Chaikin, "creasing"),
+         choice(chosen.triangles, far::TriangleSubdivision::Smooth, "triangles")},
+        choice(chosen.sharp_edges, far::SharpEdges::Literal, "sharp_edges"));
 }
 
 }  // namespace

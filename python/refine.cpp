@@ -27,11 +27,12 @@ using Word = std::optional<std::string>;
 std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::string& rules,
                                      const Word& boundary, const std::string& sharpEdges,
                                      const Word& creasing, const Word& triangles) {
-    auto options =
-        refinerOptions(*lattice, {chosen(far::kBoundaryWords, "boundary", boundary),
-                                  chosen(far::kCreasingWords, "creasing", creasing),
-                                  chosen(far::kTriangleSubdivisionWords, "triangles", triangles)});
-    options.sharpEdges = chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges);
+    const auto options =
+        refinerOptions(*lattice,
+                       {chosen(far::kBoundaryWords, "boundary", boundary),
+                        chosen(far::kCreasingWords, "creasing", creasing),
+                        chosen(far::kTriangleSubdivisionWords, "triangles", triangles)},
+                       chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges));
     const auto rule = chosen(stencils::kRulesWords, "rules", rules);
     return withoutGil([&] { return std::make_shared<Refiner>(lattice, options, rule); });
 }
