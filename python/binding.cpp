@@ -215,8 +215,7 @@ std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
     if (bound.modelName.empty()) return std::nullopt;
     auto points = pointsOf(modelOfBytes(bound.modelName, bound.modelBytes));
     if (points.size() != count)
-        throw Error("binds " + std::to_string(count) + " points; its model has " +
-                    std::to_string(points.size()));
+        throw Error(concat("binds ", count, " points; its model has ", points.size()));
     return points;
 }
 

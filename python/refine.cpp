@@ -82,8 +82,8 @@ py::array_t<std::uint8_t> strataOf(const Refiner& refiner, int level, int dimens
         const auto levels = refiner.upTo(level);
         const auto& [complex, strata, holes] = levels->level(level);
         if (dimension < 0 || dimension > complex.dimension())
-            throw Error("dimension: expected 0 to " + std::to_string(complex.dimension()) +
-                        ", got " + std::to_string(dimension));
+            throw Error(
+                concat("dimension: expected 0 to ", complex.dimension(), ", got ", dimension));
         std::vector<std::uint8_t> result;
         for (Index i = 0; i < complex.count(dimension); ++i)
             result.push_back(static_cast<std::uint8_t>(strata.of({dimension, i})));

@@ -38,8 +38,7 @@ solve::LatticeFit fit(const Lattice& lattice, const TableLike& deformation, cons
     const auto chosenRows = indicesOf(rows, "rows");
     for (const Index row : chosenRows)
         if (row < 0 || row >= table->rowCount())
-            throw Error("rows: there is no row " + std::to_string(row) + " among " +
-                        std::to_string(table->rowCount()));
+            throw Error(concat("rows: there is no row ", row, " among ", table->rowCount()));
     const auto wanted = toPoints(
         misses, "misses", rows ? chosenRows.size() : static_cast<std::size_t>(table->rowCount()));
     solve::FitOptions options;
