@@ -59,10 +59,10 @@ py::sequence sequenceOf(const py::handle& object, const std::string& name,
 }
 
 [[noreturn]] void refuseCell(const std::string& name, std::size_t vertexCount) {
-    throw Error(name +
-                ": expected the 4, 5, 6 or 8 vertices of a tetrahedron, pyramid, wedge or "
-                "hexahedron, or loops of vertices, got " +
-                std::to_string(vertexCount) + " vertices");
+    throw Error(concat(name,
+                       ": expected the 4, 5, 6 or 8 vertices of a tetrahedron, pyramid, wedge or "
+                       "hexahedron, or loops of vertices, got ",
+                       vertexCount, " vertices"));
 }
 
 /// The rows of a two-dimensional array of integers.
@@ -109,8 +109,8 @@ int componentsOf(const py::array& array, const std::string& name, std::size_t ve
     const bool fits = (array.ndim() == 1 || (array.ndim() == 2 && array.shape(1) > 0)) &&
                       static_cast<std::size_t>(array.shape(0)) == vertexCount;
     if (!fits)
-        throw Error(name + ": expected an array of shape (" + std::to_string(vertexCount) +
-                    ",) or (" + std::to_string(vertexCount) + ", k), got " + shapeText(array));
+        throw Error(concat(name, ": expected an array of shape (", vertexCount, ",) or (",
+                           vertexCount, ", k), got ", shapeText(array)));
     return array.ndim() == 1 ? 1 : static_cast<int>(array.shape(1));
 }
 
@@ -213,8 +213,8 @@ far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
         const auto& [a, b] = ends;
         // Which of them were to count would be chance.
         if (a < b && edges.contains({b, a}))
-            throw Error("edge_sharpness: the edge of vertices " + std::to_string(a) + " and " +
-                        std::to_string(b) + " is there twice, in both directions");
+            throw Error(concat("edge_sharpness: the edge of vertices ", a, " and ", b,
+                               " is there twice, in both directions"));
         marks.edges.push_back({{a, b}, sharpness});
     }
     for (const auto& [vertex, sharpness] : vertices) marks.vertices.push_back({vertex, sharpness});
@@ -297,7 +297,7 @@ LatticePointer transformed(const Lattice& lattice, const ArrayLike& linear,
                            const Point3& translation) {
     const auto rows = toPoints(linear, "linear", 3);
     shapes::Affine map{{rows[0], rows[1], rows[2]}, translation};
-    return withoutGil([&] { return std::make_shared<Lattice>(shapes::transformed(lattice, map)); });
+    return sharedWithoutGil([&] { return shapes::transformed(lattice, map); });
 }
 
 // What may derive a relation does so without the GIL. Whoever derives the same at the moment may
@@ -331,8 +331,8 @@ py::array_t<Index> hexahedra(const Lattice& lattice) {
                for (Index cell = 0; cell < count; ++cell) {
                    const auto corners = far::hexahedronVertices(lattice.complex, CellId(cell));
                    if (!corners)
-                       throw Error("cell " + std::to_string(cell) +
-                                   " is not a hexahedron; cells gives the faces of any");
+                       throw Error(concat("cell ", cell,
+                                          " is not a hexahedron; cells gives the faces of any"));
                    vertices.insert(vertices.end(), corners->begin(), corners->end());
                }
                return vertices;
@@ -544,8 +544,7 @@ linear : array (3, 3); translation : 3 float
         "read",
         [](const std::filesystem::path& path) {
             io::ReadNotes notes;
-            auto lattice = withoutGil(
-                [&] { return std::make_shared<Lattice>(io::readRefinable(path, &notes)); });
+            auto lattice = sharedWithoutGil([&] { return io::readRefinable(path, &notes); });
             const std::string text = io::describe(path, notes);
             if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
                 throw py::error_already_set();
