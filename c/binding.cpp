@@ -24,7 +24,7 @@ namespace {
 
 /// \param found what binding found; its binding may have been moved from
 template <class Found>
-espalier_binding::Data dataOf(embed::Binding<double> binding, Found& found) {
+espalier_binding::Data dataOf(embed::Binding binding, Found& found) {
     return {{std::move(binding), {}, {}}, std::move(found.statuses), found.largestResidual};
 }
 

@@ -37,7 +37,7 @@ void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Ba
             bool isLimit, int level, const embed::EmbeddingOptions& options, bool hasDirections) {
     const Lattice& lattice = *refiner.lattice();
     const std::vector<Point3>& points = *result.points;
-    const auto keep = [&](auto& found, embed::Binding<double> binding) {
+    const auto keep = [&](auto& found, embed::Binding binding) {
         result.bound.binding = std::move(binding);
         result.statuses = std::move(found.statuses);
         result.largestResidual = found.largestResidual;
