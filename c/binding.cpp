@@ -7,9 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "arguments.h"
-#include "bind_options.h"
-#include "guard.h"
 #include "handles.h"
 
 using namespace espalier;
@@ -25,21 +22,23 @@ static_assert(sizeof(embed::PointStatus) == sizeof(std::uint8_t));
 namespace espalier::c {
 namespace {
 
+/// \param found what binding found; its binding may have been moved from
+template <class Found>
+espalier_binding::Data dataOf(embed::Binding binding, Found& found) {
+    return {{std::move(binding), {}, {}}, std::move(found.statuses), found.largestResidual};
+}
+
 espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Point3> positions,
                             std::span<const Point3> points, const espalier_bind_options& chosen) {
     const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
     if (chosen.limit_tolerance != 0) {
-        auto bound =
-            limit::bindLimit<double>(base, positions, refiner.rules, points,
-                                     {.embedding = options, .tolerance = chosen.limit_tolerance});
-        return {{limit::withoutGradients(std::move(bound.binding)), {}, {}},
-                espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
+        auto found = limit::bindLimit(base, positions, refiner.rules, points,
+                                      {.embedding = options, .tolerance = chosen.limit_tolerance});
+        return dataOf(limit::withoutGradients(std::move(found.binding)), found);
     }
-    auto bound =
-        embed::bindPoints<double>(base, positions, chosen.level, refiner.rules, points, options);
-    return {{std::move(bound.binding), {}, {}},
-            espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
+    auto found = embed::bindPoints(base, positions, chosen.level, refiner.rules, points, options);
+    return dataOf(std::move(found.binding), found);
 }
 
 espalier_binding* newBinding(espalier_binding::Data data) {
@@ -50,11 +49,11 @@ const espalier_binding::Data& dataOf(const espalier_binding* binding) {
     return *deref(binding, "binding").data;
 }
 
-const espalier_binding::Placement& placementOf(const espalier_binding* binding) {
-    const auto& placement = dataOf(binding).placement;
-    if (!placement)
+const espalier_binding::Data& placedDataOf(const espalier_binding* binding) {
+    const auto& own = dataOf(binding);
+    if (!own.largestResidual)
         throw Error("the binding was loaded from a file, which does not say how points were found");
-    return *placement;
+    return own;
 }
 
 template <class Real>
@@ -74,13 +73,12 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
                                         const double* positions, int32_t point_count,
                                         const double* points, const espalier_bind_options* options,
                                         espalier_binding** binding) {
-    return c::guarded([&] {
-        auto& out = c::deref(binding, "binding");
+    return c::result(binding, "binding", [&] {
         const auto& own = c::deref(refiner, "refiner");
         c::checkCount(vertex_count, own.refiner.level(0).complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
-        out = c::newBinding(c::bind(own, rest, model, c::bindOptionsOr(options)));
+        return c::newBinding(c::bind(own, rest, model, c::bindOptionsOr(options)));
     });
 }
 
@@ -88,8 +86,7 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
                                                int32_t point_count, const double* points,
                                                const espalier_bind_options* options,
                                                espalier_binding** binding) {
-    return c::guarded([&] {
-        auto& out = c::deref(binding, "binding");
+    return c::result(binding, "binding", [&] {
         const auto& own = c::deref(lattice, "lattice").lattice;
         const auto chosenBasis = c::choice(basis, embed::Basis::BSpline, "basis");
         const auto model = c::positions(points, point_count, "points");
@@ -98,10 +95,11 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
             throw Error("the lattice has marks, which only subdivision heeds; clear them");
         const embed::TensorLattice tensor(own.complex, own.positions, chosenBasis);
         const auto embedding = embed::embedPoints(tensor, model, c::embeddingOptions(chosen));
-        espalier_binding::Placement placement{{}, embedding.largestResidual()};
-        for (const auto& place : embedding.points) placement.statuses.push_back(place.status);
-        auto bound = embed::makeBinding<double>(tensor, embedding, model);
-        out = c::newBinding({{std::move(bound), {}, {}}, std::move(placement)});
+        std::vector<embed::PointStatus> statuses;
+        for (const auto& place : embedding.points) statuses.push_back(place.status);
+        return c::newBinding({{embed::makeBinding(tensor, embedding, model), {}, {}},
+                              std::move(statuses),
+                              embedding.largestResidual()});
     });
 }
 
@@ -115,31 +113,25 @@ espalier_status espalier_binding_save(const espalier_binding* binding, const cha
 }
 
 espalier_status espalier_binding_load(const char* path, espalier_binding** binding) {
-    return c::guarded([&] {
-        auto& out = c::deref(binding, "binding");
-        out = c::newBinding({io::readBoundModel(&c::deref(path, "path"))});
-    });
+    return c::result(binding, "binding",
+                     [&] { return c::newBinding({io::readBoundModel(&c::deref(path, "path"))}); });
 }
 
 espalier_status espalier_binding_table(const espalier_binding* binding, espalier_table** table) {
-    return c::guarded([&] {
-        auto& out = c::deref(table, "table");
+    return c::result(table, "table", [&] {
         const auto& own = c::deref(binding, "binding").data;
-        out = new espalier_table{{own, &own->model.binding.table}};
+        return new espalier_table{{own, &own->model.binding.table}};
     });
 }
 
 espalier_status espalier_binding_topology_hash(const espalier_binding* binding, uint64_t* hash) {
-    return c::guarded([&] {
-        auto& out = c::deref(hash, "hash");
-        out = c::dataOf(binding).model.binding.topologyHash;
-    });
+    return c::result(hash, "hash", [&] { return c::dataOf(binding).model.binding.topologyHash; });
 }
 
 espalier_status espalier_binding_statuses(const espalier_binding* binding, int32_t* point_count,
                                           const uint8_t** statuses) {
     return c::guarded([&] {
-        const auto& own = c::placementOf(binding).statuses;
+        const auto& own = c::placedDataOf(binding).statuses;
         auto& count = c::deref(point_count, "point_count");
         // An enumeration over that very type.
         c::deref(statuses, "statuses") = reinterpret_cast<const std::uint8_t*>(own.data());
@@ -149,10 +141,8 @@ espalier_status espalier_binding_statuses(const espalier_binding* binding, int32
 
 espalier_status espalier_binding_largest_residual(const espalier_binding* binding,
                                                   double* residual) {
-    return c::guarded([&] {
-        auto& out = c::deref(residual, "residual");
-        out = c::placementOf(binding).largestResidual;
-    });
+    return c::result(residual, "residual",
+                     [&] { return *c::placedDataOf(binding).largestResidual; });
 }
 
 espalier_status espalier_binding_kept(const espalier_binding* binding, int32_t* count,

@@ -1,109 +1,180 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/osd/change_evaluator.h>
+#include <espalier/osd/compiled_adjoint.h>
+#include <espalier/osd/compiled_table.h>
+#include <espalier/osd/workspace.h>
+
 #include <variant>
 
-#include "arguments.h"
-#include "evaluators.h"
-#include "guard.h"
 #include "handles.h"
 
 using namespace espalier;
 
+struct espalier_workspace {
+    osd::Workspace workspace;
+};
+
 namespace espalier::c {
+
+template <class Real>
+struct Evaluator {
+    std::variant<osd::CompiledTable<Real>, osd::CompiledAdjoint<Real>> compiled;
+};
+
+template <class Real>
+struct ChangeEvaluator {
+    osd::ChangeEvaluator<Real> changes;
+};
+
 namespace {
 
+/// The memory that a caller keeps, or some for this call.
+class WorkspaceOr {
+public:
+    explicit WorkspaceOr(espalier_workspace* kept)
+        : memory_(kept != nullptr ? kept->workspace : own_) {}
+    WorkspaceOr(const WorkspaceOr&) = delete;
+    WorkspaceOr& operator=(const WorkspaceOr&) = delete;
+    osd::Workspace& get() { return memory_; }
+
+private:
+    osd::Workspace own_;
+    osd::Workspace& memory_;
+};
+
+/// Values of C with their layout.
+template <class Real>
+struct Buffer {
+    Real* values;
+    std::int64_t size;
+    const espalier_buffer_layout& layout;
+
+    std::span<Real> array(const char* name) const { return c::array(values, size, name); }
+    osd::BufferDescriptor descriptor() const {
+        return {layout.offset, layout.length, layout.stride};
+    }
+};
+
 /// \tparam Form osd::CompiledTable or osd::CompiledAdjoint
-template <template <class> class Form, class Evaluator>
-espalier_status create(const espalier_table* table, Evaluator** evaluator) {
-    return guarded([&] {
-        using Real = typename Evaluator::Real;
-        auto& out = deref(evaluator, "evaluator");
-        const auto& own = *deref(table, "table").table;
-        if constexpr (std::is_same_v<Real, double>)
-            out = new Evaluator{Form<Real>(own)};
-        else
-            out = new Evaluator{Form<Real>(stencils::convertTable<Real>(own))};
-    });
+template <template <class> class Form, class Real>
+Form<Real> compiled(const espalier_table* table) {
+    const auto& own = *deref(table, "table").table;
+    if constexpr (std::is_same_v<Real, double>)
+        return Form<Real>(own);
+    else
+        return Form<Real>(stencils::convertTable<Real>(own));
 }
 
-template <class Evaluator, class Real>
-espalier_status evaluate(const Evaluator* evaluator, const Real* source, int64_t sourceSize,
-                         const espalier_buffer_layout& sourceLayout, Real* destination,
-                         int64_t destinationSize, const espalier_buffer_layout& destinationLayout,
-                         osd::RowRange rows, espalier_workspace* workspace) {
+template <class Real>
+espalier_status evaluate(const Evaluator<Real>* evaluator, const Buffer<const Real>& source,
+                         const Buffer<Real>& destination, osd::RowRange rows,
+                         espalier_workspace* workspace) {
     return guarded([&] {
         const auto& own = deref(evaluator, "evaluator");
-        const auto from = array(source, sourceSize, "source");
-        const auto to = array(destination, destinationSize, "destination");
+        const auto from = source.array("source");
+        const auto to = destination.array("destination");
         WorkspaceOr memory(workspace);
         std::visit(
             [&](const auto& compiled) {
-                compiled.evaluate(from, layoutOf(sourceLayout), to, layoutOf(destinationLayout),
-                                  rows, memory.get());
+                compiled.evaluate(from, source.descriptor(), to, destination.descriptor(), rows,
+                                  memory.get());
             },
             own.compiled);
+    });
+}
+
+template <class Real>
+osd::ChangeEvaluator<Real> changesOf(const Evaluator<Real>* evaluator) {
+    const auto& own = deref(evaluator, "evaluator").compiled;
+    const auto* table = std::get_if<osd::CompiledTable<Real>>(&own);
+    if (table == nullptr) throw Error("evaluator is an adjoint; expected one that applies a table");
+    return osd::ChangeEvaluator<Real>(*table);
+}
+
+template <class Real>
+espalier_status evaluateChanged(const ChangeEvaluator<Real>* changes,
+                                const Buffer<const Real>& source, const Buffer<Real>& destination,
+                                const int32_t* columns, int32_t count,
+                                espalier_workspace* workspace) {
+    return guarded([&] {
+        const auto& own = deref(changes, "changes").changes;
+        const auto from = source.array("source");
+        const auto to = destination.array("destination");
+        const auto changed = array(columns, count, "changed");
+        WorkspaceOr memory(workspace);
+        own.evaluateChanged(from, source.descriptor(), to, destination.descriptor(), changed,
+                            memory.get());
     });
 }
 
 }  // namespace
 }  // namespace espalier::c
 
-espalier_status espalier_evaluator_f64_create(const espalier_table* table,
-                                              espalier_evaluator_f64** evaluator) {
-    return c::create<osd::CompiledTable>(table, evaluator);
-}
-
-espalier_status espalier_evaluator_f32_create(const espalier_table* table,
-                                              espalier_evaluator_f32** evaluator) {
-    return c::create<osd::CompiledTable>(table, evaluator);
-}
-
-espalier_status espalier_evaluator_f64_create_adjoint(const espalier_table* table,
-                                                      espalier_evaluator_f64** evaluator) {
-    return c::create<osd::CompiledAdjoint>(table, evaluator);
-}
-
-espalier_status espalier_evaluator_f32_create_adjoint(const espalier_table* table,
-                                                      espalier_evaluator_f32** evaluator) {
-    return c::create<osd::CompiledAdjoint>(table, evaluator);
-}
-
-void espalier_evaluator_f64_destroy(espalier_evaluator_f64* evaluator) {
-    delete evaluator;
-}
-
-void espalier_evaluator_f32_destroy(espalier_evaluator_f32* evaluator) {
-    delete evaluator;
-}
-
 espalier_status espalier_workspace_create(espalier_workspace** workspace) {
-    return c::guarded([&] {
-        auto& out = c::deref(workspace, "workspace");
-        out = new espalier_workspace;
-    });
+    return c::result(workspace, "workspace", [] { return new espalier_workspace; });
 }
 
 void espalier_workspace_destroy(espalier_workspace* workspace) {
     delete workspace;
 }
 
-espalier_status espalier_evaluator_f64_evaluate(const espalier_evaluator_f64* evaluator,
-                                                const double* source, int64_t source_size,
-                                                espalier_buffer_layout source_layout,
-                                                double* destination, int64_t destination_size,
-                                                espalier_buffer_layout destination_layout,
-                                                int32_t first_row, int32_t last_row,
-                                                espalier_workspace* workspace) {
-    return c::evaluate(evaluator, source, source_size, source_layout, destination, destination_size,
-                       destination_layout, {first_row, last_row}, workspace);
-}
+// The types and functions of one precision, whose names end in `f32` or `f64`.
+#define ESPALIER_EVALUATORS(Real, precision)                                                      \
+    struct espalier_evaluator_##precision : c::Evaluator<Real> {};                                \
+    struct espalier_change_evaluator_##precision : c::ChangeEvaluator<Real> {};                   \
+                                                                                                  \
+    espalier_status espalier_evaluator_##precision##_create(                                      \
+        const espalier_table* table, espalier_evaluator_##precision** evaluator) {                \
+        return c::result(evaluator, "evaluator", [&] {                                            \
+            return new espalier_evaluator_##precision{                                            \
+                {c::compiled<osd::CompiledTable, Real>(table)}};                                  \
+        });                                                                                       \
+    }                                                                                             \
+                                                                                                  \
+    espalier_status espalier_evaluator_##precision##_create_adjoint(                              \
+        const espalier_table* table, espalier_evaluator_##precision** evaluator) {                \
+        return c::result(evaluator, "evaluator", [&] {                                            \
+            return new espalier_evaluator_##precision{                                            \
+                {c::compiled<osd::CompiledAdjoint, Real>(table)}};                                \
+        });                                                                                       \
+    }                                                                                             \
+                                                                                                  \
+    void espalier_evaluator_##precision##_destroy(espalier_evaluator_##precision* evaluator) {    \
+        delete evaluator;                                                                         \
+    }                                                                                             \
+                                                                                                  \
+    espalier_status espalier_evaluator_##precision##_evaluate(                                    \
+        const espalier_evaluator_##precision* evaluator, const Real* source, int64_t source_size, \
+        espalier_buffer_layout source_layout, Real* destination, int64_t destination_size,        \
+        espalier_buffer_layout destination_layout, int32_t first_row, int32_t last_row,           \
+        espalier_workspace* workspace) {                                                          \
+        return c::evaluate<Real>(evaluator, {source, source_size, source_layout},                 \
+                                 {destination, destination_size, destination_layout},             \
+                                 {first_row, last_row}, workspace);                               \
+    }                                                                                             \
+                                                                                                  \
+    espalier_status espalier_change_evaluator_##precision##_create(                               \
+        const espalier_evaluator_##precision* evaluator,                                          \
+        espalier_change_evaluator_##precision** changes) {                                        \
+        return c::result(changes, "changes", [&] {                                                \
+            return new espalier_change_evaluator_##precision{{c::changesOf<Real>(evaluator)}};    \
+        });                                                                                       \
+    }                                                                                             \
+                                                                                                  \
+    void espalier_change_evaluator_##precision##_destroy(                                         \
+        espalier_change_evaluator_##precision* changes) {                                         \
+        delete changes;                                                                           \
+    }                                                                                             \
+                                                                                                  \
+    espalier_status espalier_change_evaluator_##precision##_evaluate(                             \
+        const espalier_change_evaluator_##precision* changes, const Real* source,                 \
+        int64_t source_size, espalier_buffer_layout source_layout, Real* destination,             \
+        int64_t destination_size, espalier_buffer_layout destination_layout,                      \
+        int32_t changed_count, const int32_t* changed, espalier_workspace* workspace) {           \
+        return c::evaluateChanged<Real>(changes, {source, source_size, source_layout},            \
+                                        {destination, destination_size, destination_layout},      \
+                                        changed, changed_count, workspace);                       \
+    }
 
-espalier_status espalier_evaluator_f32_evaluate(const espalier_evaluator_f32* evaluator,
-                                                const float* source, int64_t source_size,
-                                                espalier_buffer_layout source_layout,
-                                                float* destination, int64_t destination_size,
-                                                espalier_buffer_layout destination_layout,
-                                                int32_t first_row, int32_t last_row,
-                                                espalier_workspace* workspace) {
-    return c::evaluate(evaluator, source, source_size, source_layout, destination, destination_size,
-                       destination_layout, {first_row, last_row}, workspace);
-}
+ESPALIER_EVALUATORS(double, f64)
+ESPALIER_EVALUATORS(float, f32)

@@ -5,18 +5,22 @@
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/binding_file.h>
 #include <espalier/shapes/lattice.h>
+#include <espalier/stencils/stencil_table.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "espalier.h"
+#include "guard.h"
 
-// What is behind the opaque types that more than one file knows.
+// What is behind the opaque types that more than one file knows, and what more than one file does
+// with them.
 
 struct espalier_lattice {
     espalier::Lattice lattice;
@@ -43,14 +47,64 @@ struct espalier_table {
 };
 
 struct espalier_binding {
-    /// How points were placed, which a file does not say.
-    struct Placement {
-        std::vector<espalier::embed::PointStatus> statuses;
-        double largestResidual = 0;
-    };
     struct Data {
         espalier::io::BoundModel model;
-        std::optional<Placement> placement = {};
+
+        // How points were placed, which a file does not say.
+        std::vector<espalier::embed::PointStatus> statuses = {};
+        std::optional<double> largestResidual = {};
     };
     std::shared_ptr<const Data> data;  ///< shared with its tables
 };
+
+namespace espalier::c {
+
+/// \throws Error for options of a wrong size
+inline espalier_bind_options bindOptionsOr(const espalier_bind_options* options) {
+    return optionsOr(options, espalier_default_bind_options(), "espalier_default_bind_options",
+                     offsetof(espalier_bind_options, limit_tolerance));
+}
+
+/// Options for points bound to a level.
+/// \throws Error if the limit is asked for, with the reason
+inline espalier_bind_options levelOptionsOr(const espalier_bind_options* options,
+                                            const char* reason) {
+    const espalier_bind_options chosen = bindOptionsOr(options);
+    if (chosen.limit_tolerance != 0)
+        throw Error(
+            concat("limit_tolerance is ", chosen.limit_tolerance, "; expected 0, since ", reason));
+    return chosen;
+}
+
+/// \throws Error for an unknown policy
+inline embed::EmbeddingOptions embeddingOptions(const espalier_bind_options& chosen) {
+    embed::EmbeddingOptions options;
+    options.outside = choice(chosen.outside, embed::OutsidePolicy::Error, "outside");
+    options.tolerance = chosen.tolerance;
+    return options;
+}
+
+/// A refiner of the same base, which points can be bound to.
+inline far::TopologyRefiner baseOf(const far::TopologyRefiner& refiner) {
+    return far::TopologyRefiner(refiner.level(0).complex, refiner.options());
+}
+
+/// Calls `use` with some rows of a table; with the table itself where `rows` is null.
+/// \param count of rows; where `rows` is null it must be the number of rows of the table
+/// \param what the rows are for: "targets"
+/// \throws Error naming a row that is not there
+template <class Use>
+auto withRows(const stencils::StencilTable<double>& table, std::int32_t count,
+              const std::int32_t* rows, const char* what, const Use& use) {
+    if (rows == nullptr) {
+        checkCount(count, table.rowCount(), what);
+        return use(table);
+    }
+    const auto some = array(rows, count, "rows");
+    for (const std::int32_t row : some)
+        if (row < 0 || row >= table.rowCount())
+            throw Error(concat("rows: there is no row ", row, " among ", table.rowCount()));
+    return use(stencils::selectRows(table, some));
+}
+
+}  // namespace espalier::c

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// The library in its host: version, progress, threads and memory.
 #include <espalier/base/executor.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
@@ -7,10 +8,14 @@
 #include <chrono>
 #include <string>
 
-#include "arguments.h"
 #include "guard.h"
 
 using namespace espalier;
+
+static_assert(ESPALIER_VERSION_MAJOR == ESPALIER_PROJECT_MAJOR &&
+                  ESPALIER_VERSION_MINOR == ESPALIER_PROJECT_MINOR &&
+                  ESPALIER_VERSION_PATCH == ESPALIER_PROJECT_PATCH,
+              "the version in espalier.h is not that of the project");
 
 struct espalier_progress_scope {
     ProgressScope scope;
@@ -62,19 +67,22 @@ struct espalier_memory_limit {
     MemoryLimit limit;
 };
 
+const char* espalier_version(void) {
+    return ESPALIER_PROJECT_VERSION;
+}
+
 espalier_status espalier_progress_scope_create(espalier_progress_callback callback, void* user,
                                                int32_t milliseconds,
                                                espalier_progress_scope** scope) {
-    return c::guarded([&] {
-        auto& out = c::deref(scope, "scope");
+    return c::result(scope, "scope", [&] {
         if (callback == nullptr) throw Error("callback is null");
         if (milliseconds < 0)
-            throw Error("milliseconds is " + std::to_string(milliseconds) + "; expected 0 or more");
+            throw Error(concat("milliseconds is ", milliseconds, "; expected 0 or more"));
         const auto report = [callback, user](const Progress& progress) {
             const espalier_progress given = {progress.stage, progress.done, progress.count};
             return callback(user, &given) != 0;
         };
-        out = new espalier_progress_scope{
+        return new espalier_progress_scope{
             ProgressScope(report, std::chrono::milliseconds(milliseconds))};
     });
 }
@@ -85,10 +93,7 @@ void espalier_progress_scope_destroy(espalier_progress_scope* scope) {
 
 espalier_status espalier_executor_scope_create(espalier_run run, void* user,
                                                espalier_executor_scope** scope) {
-    return c::guarded([&] {
-        auto& out = c::deref(scope, "scope");
-        out = new espalier_executor_scope(run, user);
-    });
+    return c::result(scope, "scope", [&] { return new espalier_executor_scope(run, user); });
 }
 
 void espalier_executor_scope_destroy(espalier_executor_scope* scope) {
@@ -96,11 +101,9 @@ void espalier_executor_scope_destroy(espalier_executor_scope* scope) {
 }
 
 espalier_status espalier_thread_limit_create(int32_t threads, espalier_thread_limit** limit) {
-    return c::guarded([&] {
-        auto& out = c::deref(limit, "limit");
-        if (threads < 1)
-            throw Error("threads is " + std::to_string(threads) + "; expected 1 or more");
-        out = new espalier_thread_limit{ThreadLimit(threads)};
+    return c::result(limit, "limit", [&] {
+        if (threads < 1) throw Error(concat("threads is ", threads, "; expected 1 or more"));
+        return new espalier_thread_limit{ThreadLimit(threads)};
     });
 }
 
@@ -109,10 +112,9 @@ void espalier_thread_limit_destroy(espalier_thread_limit* limit) {
 }
 
 espalier_status espalier_memory_limit_create(int64_t bytes, espalier_memory_limit** limit) {
-    return c::guarded([&] {
-        auto& out = c::deref(limit, "limit");
-        if (bytes < 1) throw Error("bytes is " + std::to_string(bytes) + "; expected 1 or more");
-        out = new espalier_memory_limit(static_cast<std::uint64_t>(bytes));
+    return c::result(limit, "limit", [&] {
+        if (bytes < 1) throw Error(concat("bytes is ", bytes, "; expected 1 or more"));
+        return new espalier_memory_limit(static_cast<std::uint64_t>(bytes));
     });
 }
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
 #include <string>
 
-#include "arguments.h"
-#include "guard.h"
 #include "handles.h"
 
 using namespace espalier;
@@ -43,13 +42,12 @@ const espalier_refiner::LevelOffsets& offsetsOf(const espalier_refiner& refiner,
 }
 
 far::RefinerOptions refinerOptions(const espalier_refine_options& chosen, const Lattice& lattice) {
-    far::RefinerOptions options;
-    options.boundary = choice(chosen.boundary, far::Boundary::Open, "boundary");
-    options.sharpEdges = choice(chosen.sharp_edges, far::SharpEdges::Literal, "sharp_edges");
-    options.creasing = choice(chosen.creasing, far::Creasing::Chaikin, "creasing");
-    options.triangles = choice(chosen.triangles, far::TriangleSubdivision::Smooth, "triangles");
-    options.marks = lattice.marks;
-    return options;
+    return espalier::refinerOptions(
+        lattice,
+        {choice(chosen.boundary, far::Boundary::Open, "boundary"),
+         choice(chosen.creasing, far::Creasing::Chaikin, "creasing"),
+         choice(chosen.triangles, far::TriangleSubdivision::Smooth, "triangles")},
+        choice(chosen.sharp_edges, far::SharpEdges::Literal, "sharp_edges"));
 }
 
 }  // namespace
@@ -58,14 +56,12 @@ far::RefinerOptions refinerOptions(const espalier_refine_options& chosen, const 
 espalier_status espalier_refiner_create(const espalier_lattice* lattice,
                                         const espalier_refine_options* options,
                                         espalier_refiner** refiner) {
-    return c::guarded([&] {
-        auto& out = c::deref(refiner, "refiner");
+    return c::result(refiner, "refiner", [&] {
         const Lattice& base = c::deref(lattice, "lattice").lattice;
-        const auto chosen =
-            c::optionsOr(options, espalier_default_refine_options(),
-                         sizeof(espalier_refine_options), "espalier_default_refine_options");
+        const auto chosen = c::optionsOr(options, espalier_default_refine_options(),
+                                         "espalier_default_refine_options");
         const auto rules = c::choice(chosen.rules, stencils::Rules::Mlca, "rules");
-        out = new espalier_refiner(
+        return new espalier_refiner(
             far::TopologyRefiner(base.complex, c::refinerOptions(chosen, base)), rules);
     });
 }
@@ -77,16 +73,14 @@ void espalier_refiner_destroy(espalier_refiner* refiner) {
 espalier_status espalier_refiner_refine(espalier_refiner* refiner, int32_t level) {
     return c::guarded([&] {
         auto& own = c::deref(refiner, "refiner").refiner;
-        if (level < 0) throw Error("level is " + std::to_string(level) + "; expected 0 or more");
+        if (level < 0) throw Error(concat("level is ", level, "; expected 0 or more"));
         own.refineUniform(level);
     });
 }
 
 espalier_status espalier_refiner_max_level(const espalier_refiner* refiner, int32_t* level) {
-    return c::guarded([&] {
-        auto& out = c::deref(level, "level");
-        out = c::deref(refiner, "refiner").refiner.maxLevel();
-    });
+    return c::result(level, "level",
+                     [&] { return c::deref(refiner, "refiner").refiner.maxLevel(); });
 }
 
 espalier_status espalier_refiner_counts(const espalier_refiner* refiner, int32_t level,
@@ -117,10 +111,9 @@ espalier_status espalier_refiner_cells(const espalier_refiner* refiner, int32_t 
 
 espalier_status espalier_refiner_face_signs(const espalier_refiner* refiner, int32_t level,
                                             const int8_t** signs) {
-    return c::guarded([&] {
-        auto& out = c::deref(signs, "signs");
+    return c::result(signs, "signs", [&] {
         const auto& complex = c::deref(refiner, "refiner").refiner.level(level).complex;
-        out = complex.boundary(3).signs().data();
+        return complex.boundary(3).signs().data();
     });
 }
 
@@ -135,7 +128,7 @@ espalier_status espalier_refiner_carry_values(const espalier_refiner* refiner, i
             return own.refiner.level(each).complex.count(0);
         };
         if (components < 1)
-            throw Error("components is " + std::to_string(components) + "; expected 1 or more");
+            throw Error(concat("components is ", components, "; expected 1 or more"));
         c::checkCount(size, countOf(0) * components, "numbers on the vertices of the lattice");
         c::checkCount(result_size, countOf(level) * components, "numbers of room for the result");
         const auto carried =

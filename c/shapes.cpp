@@ -9,9 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "arguments.h"
 #include "espalier_shapes.h"
-#include "guard.h"
 #include "handles.h"
 
 using namespace espalier;
@@ -56,10 +54,9 @@ constexpr PolygonalSolid kPolygonalSolids[] = {shapes::prism, shapes::pyramid, s
 
 espalier_status espalier_lattice_create_box(const int32_t cells[3], const double min[3],
                                             const double max[3], espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
+    return c::result(lattice, "lattice", [&] {
         const auto counts = c::array(cells, 1, "cells", 3);
-        out = c::make(
+        return c::make(
             shapes::box,
             {{counts[0], counts[1], counts[2]}, c::point(min, "min"), c::point(max, "max")});
     });
@@ -69,111 +66,99 @@ espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings,
                                                  int32_t layers, double radius,
                                                  const double from[3], const double to[3],
                                                  espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
-        out = c::make(shapes::cylinder, {sectors, c::pattern(rings, core), layers, radius,
-                                         c::point(from, "from"), c::point(to, "to")});
+    return c::result(lattice, "lattice", [&] {
+        return c::make(shapes::cylinder, {sectors, c::pattern(rings, core), layers, radius,
+                                          c::point(from, "from"), c::point(to, "to")});
     });
 }
 
 espalier_status espalier_lattice_create_torus(const espalier_torus_options* options,
                                               espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
-        const auto chosen =
-            c::optionsOr(options, espalier_default_torus_options(), sizeof(espalier_torus_options),
-                         "espalier_default_torus_options");
-        out = c::make(shapes::torus,
-                      {.segments = chosen.segments,
-                       .section = c::choice(chosen.section, shapes::TorusSection::Disk, "section"),
-                       .gridCells = chosen.grid_cells,
-                       .sides = chosen.sides,
-                       .pattern = c::pattern(chosen.rings, chosen.core),
-                       .majorRadius = chosen.major_radius,
-                       .minorRadius = chosen.minor_radius});
+    return c::result(lattice, "lattice", [&] {
+        const auto chosen = c::optionsOr(options, espalier_default_torus_options(),
+                                         "espalier_default_torus_options");
+        return c::make(shapes::torus,
+                       {.segments = chosen.segments,
+                        .section = c::choice(chosen.section, shapes::TorusSection::Disk, "section"),
+                        .gridCells = chosen.grid_cells,
+                        .sides = chosen.sides,
+                        .pattern = c::pattern(chosen.rings, chosen.core),
+                        .majorRadius = chosen.major_radius,
+                        .minorRadius = chosen.minor_radius});
     });
 }
 
 espalier_status espalier_lattice_create_star(const espalier_star_options* options,
                                              espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
+    return c::result(lattice, "lattice", [&] {
         const auto chosen =
-            c::optionsOr(options, espalier_default_star_options(), sizeof(espalier_star_options),
-                         "espalier_default_star_options");
-        out = c::make(shapes::star, {.points = chosen.points,
-                                     .pattern = c::pattern(chosen.rings, chosen.core),
-                                     .layers = chosen.layers,
-                                     .innerRadius = chosen.inner_radius,
-                                     .outerRadius = chosen.outer_radius,
-                                     .height = chosen.height});
+            c::optionsOr(options, espalier_default_star_options(), "espalier_default_star_options");
+        return c::make(shapes::star, {.points = chosen.points,
+                                      .pattern = c::pattern(chosen.rings, chosen.core),
+                                      .layers = chosen.layers,
+                                      .innerRadius = chosen.inner_radius,
+                                      .outerRadius = chosen.outer_radius,
+                                      .height = chosen.height});
     });
 }
 
 espalier_status espalier_lattice_create_barbell(const espalier_barbell_options* options,
                                                 espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
-        const auto chosen =
-            c::optionsOr(options, espalier_default_barbell_options(),
-                         sizeof(espalier_barbell_options), "espalier_default_barbell_options");
-        out = c::make(shapes::barbell, {.endSegments = chosen.end_segments,
-                                        .barSegments = chosen.bar_segments,
-                                        .barAcross = chosen.bar_across,
-                                        .pattern = c::pattern(chosen.rings, chosen.core),
-                                        .layers = chosen.layers,
-                                        .endRadius = chosen.end_radius,
-                                        .barLength = chosen.bar_length,
-                                        .barHalfWidth = chosen.bar_half_width,
-                                        .roundness = chosen.roundness,
-                                        .height = chosen.height});
+    return c::result(lattice, "lattice", [&] {
+        const auto chosen = c::optionsOr(options, espalier_default_barbell_options(),
+                                         "espalier_default_barbell_options");
+        return c::make(shapes::barbell, {.endSegments = chosen.end_segments,
+                                         .barSegments = chosen.bar_segments,
+                                         .barAcross = chosen.bar_across,
+                                         .pattern = c::pattern(chosen.rings, chosen.core),
+                                         .layers = chosen.layers,
+                                         .endRadius = chosen.end_radius,
+                                         .barLength = chosen.bar_length,
+                                         .barHalfWidth = chosen.bar_half_width,
+                                         .roundness = chosen.roundness,
+                                         .height = chosen.height});
     });
 }
 
 espalier_status espalier_lattice_create_arm(const espalier_arm_options* options,
                                             espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
+    return c::result(lattice, "lattice", [&] {
         const auto chosen =
-            c::optionsOr(options, espalier_default_arm_options(), sizeof(espalier_arm_options),
-                         "espalier_default_arm_options");
+            c::optionsOr(options, espalier_default_arm_options(), "espalier_default_arm_options");
         std::vector<shapes::ArmJoint> joints;
         for (const auto& joint : c::array(chosen.joints, chosen.joint_count, "joints"))
             joints.push_back({c::point(joint.position, "position"), joint.radius, joint.twist});
-        out = c::make(shapes::arm, {.joints = std::move(joints),
-                                    .segments = chosen.segments,
-                                    .sides = chosen.sides,
-                                    .pattern = c::pattern(chosen.rings, chosen.core),
-                                    .up = c::point(chosen.up, "up")});
+        return c::make(shapes::arm, {.joints = std::move(joints),
+                                     .segments = chosen.segments,
+                                     .sides = chosen.sides,
+                                     .pattern = c::pattern(chosen.rings, chosen.core),
+                                     .up = c::point(chosen.up, "up")});
     });
 }
 
 espalier_status espalier_lattice_create_regular_solid(int32_t solid, double radius,
                                                       espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
+    return c::result(lattice, "lattice", [&] {
         const auto number = c::choice(solid, std::int32_t{ESPALIER_SOLID_ICOSAHEDRON}, "solid");
-        out = c::make(c::kRegularSolids[number], {radius});
+        return c::make(c::kRegularSolids[number], {radius});
     });
 }
 
 espalier_status espalier_lattice_create_polygonal_solid(int32_t solid, int32_t sides, double radius,
                                                         double height, espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
+    return c::result(lattice, "lattice", [&] {
         const auto number = c::choice(solid, std::int32_t{ESPALIER_SOLID_BIPYRAMID}, "solid");
-        out = c::make(c::kPolygonalSolids[number], {sides, radius, height});
+        return c::make(c::kPolygonalSolids[number], {sides, radius, height});
     });
 }
 
 espalier_status espalier_lattice_create_merged(int64_t count,
                                                const espalier_lattice* const* lattices,
                                                double tolerance, espalier_lattice** lattice) {
-    return c::guarded([&] {
-        auto& out = c::deref(lattice, "lattice");
+    return c::result(lattice, "lattice", [&] {
         std::vector<Lattice> parts;  // cheap: their complexes are shared
         for (const espalier_lattice* part : c::array(lattices, count, "lattices"))
             parts.push_back(c::deref(part, "one of the lattices").lattice);
-        out = new espalier_lattice{shapes::merge(parts, {tolerance})};
+        return new espalier_lattice{shapes::merge(parts, {tolerance})};
     });
 }

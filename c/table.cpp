@@ -11,9 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "arguments.h"
-#include "bind_options.h"
-#include "guard.h"
 #include "handles.h"
 
 using namespace espalier;
@@ -43,28 +40,25 @@ std::vector<limit::LimitLocation> limitLocations(std::int32_t count, const std::
 
 espalier_status espalier_table_create_stencils(const espalier_refiner* refiner, int32_t level,
                                                espalier_table** table) {
-    return c::guarded([&] {
-        auto& out = c::deref(table, "table");
+    return c::result(table, "table", [&] {
         const auto& own = c::deref(refiner, "refiner");
-        out = c::newTable(stencils::buildStencils<double>(own.refiner, level, own.rules));
+        return c::newTable(stencils::buildStencils(own.refiner, level, own.rules));
     });
 }
 
 espalier_status espalier_table_create_level(const espalier_refiner* refiner, int32_t level,
                                             espalier_table** table) {
-    return c::guarded([&] {
-        auto& out = c::deref(table, "table");
+    return c::result(table, "table", [&] {
         const auto& own = c::deref(refiner, "refiner");
-        out = c::newTable(stencils::buildLevelTable(own.refiner, level, own.rules));
+        return c::newTable(stencils::buildLevelTable(own.refiner, level, own.rules));
     });
 }
 
 espalier_status espalier_table_create_limits(const espalier_refiner* refiner, int32_t level,
                                              espalier_table** table) {
-    return c::guarded([&] {
-        auto& out = c::deref(table, "table");
+    return c::result(table, "table", [&] {
         const auto& own = c::deref(refiner, "refiner");
-        out = c::newTable(limit::buildVertexLimits<double>(own.refiner, level, own.rules));
+        return c::newTable(limit::buildVertexLimits(own.refiner, level, own.rules));
     });
 }
 
@@ -76,15 +70,13 @@ espalier_status espalier_table_create_limit_stencils(const espalier_refiner* ref
     return c::guarded([&] {
         const auto& own = c::deref(refiner, "refiner");
         const auto chosen = c::optionsOr(options, espalier_default_limit_stencil_options(),
-                                         sizeof(espalier_limit_stencil_options),
                                          "espalier_default_limit_stencil_options");
         if (chosen.derivatives < 0 || chosen.derivatives > 2)
-            throw Error("derivatives is " + std::to_string(chosen.derivatives) +
-                        "; expected 0 to 2");
+            throw Error(concat("derivatives is ", chosen.derivatives, "; expected 0 to 2"));
         c::checkCount(table_count, ESPALIER_LIMIT_STENCIL_TABLES(chosen.derivatives),
                       "tables of room for the result");
         const auto out = c::array(tables, table_count, "tables");
-        auto made = limit::buildLimitStencils<double>(
+        auto made = limit::buildLimitStencils(
             own.refiner, level, own.rules, c::limitLocations(place_count, cells, uvw),
             {.tolerance = chosen.tolerance, .derivatives = chosen.derivatives});
         std::vector<std::unique_ptr<espalier_table>> results;
@@ -104,18 +96,15 @@ espalier_status espalier_table_write(const espalier_table* table, const char* pa
 }
 
 espalier_status espalier_table_read(const char* path, espalier_table** table) {
-    return c::guarded([&] {
-        auto& out = c::deref(table, "table");
-        out = c::newTable(io::readMatrix(&c::deref(path, "path")));
-    });
+    return c::result(table, "table",
+                     [&] { return c::newTable(io::readMatrix(&c::deref(path, "path"))); });
 }
 
 espalier_status espalier_table_create_nested(
     const espalier_table* child, int32_t child_vertex_count, const double* child_pose,
     const espalier_refiner* parent, int32_t parent_vertex_count, const double* parent_positions,
     const espalier_bind_options* options, espalier_table** table) {
-    return c::guarded([&] {
-        auto& out = c::deref(table, "table");
+    return c::result(table, "table", [&] {
         const auto& own = *c::deref(child, "child").table;
         const auto& outer = c::deref(parent, "parent");
         const auto& complex = outer.refiner.level(0).complex;
@@ -124,8 +113,9 @@ espalier_status espalier_table_create_nested(
         const auto pose = c::positions(child_pose, child_vertex_count, "child_pose");
         const auto rest = c::positions(parent_positions, parent_vertex_count, "parent_positions");
         const auto chosen = c::levelOptionsOr(options, "lattices nest in a level");
-        out = c::newTable(embed::nestTables(own, pose, c::baseOf(outer.refiner), rest, chosen.level,
-                                            outer.rules, c::embeddingOptions(chosen)));
+        return c::newTable(embed::nestTables(own, pose, c::baseOf(outer.refiner), rest,
+                                             chosen.level, outer.rules,
+                                             c::embeddingOptions(chosen)));
     });
 }
 

@@ -6,12 +6,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <memory>
 #include <numbers>
 
-#include "byte_counts.h"
-#include "quickest.h"
 #include "result_check.h"
 
 namespace espalier::cli {
@@ -24,6 +25,24 @@ using Precision = ApplyTiming::Precision;
 template <class Real>
 constexpr Precision kPrecision = sizeof(Real) == sizeof(float) ? Precision::Float
                                                                : Precision::Double;
+
+/// Seconds of the quickest of repeated runs, as a neighbour on the machine can only make one
+/// slower: of one run at least, and of as many as begin within `seconds`.
+template <class Work>
+double quickest(double seconds, Work work) {
+    using Clock = std::chrono::steady_clock;
+    using Seconds = std::chrono::duration<double>;
+    double least = std::numeric_limits<double>::infinity();
+    const auto begin = Clock::now();
+    auto end = begin;
+    do {
+        const auto start = Clock::now();
+        work();
+        end = Clock::now();
+        least = std::min(least, Seconds(end - start).count());
+    } while (Seconds(end - begin).count() < seconds);
+    return least;
+}
 
 /// Poses of `count` at once.
 struct Poses {
@@ -137,6 +156,18 @@ ApplyTiming timeForm(const Form<Real>& form, const Poses& poses, int threads, do
             .speedup = 1};
 }
 
+constexpr Offset kTriadLength = 64'000'000;
+constexpr Offset kTriadGrain = 1 << 18;
+
+/// Written first by the threads that will read it, so that its pages lie near them.
+std::unique_ptr<float[]> filled(float value) {
+    auto array = std::make_unique_for_overwrite<float[]>(std::size_t{kTriadLength});
+    parallelFor(kTriadLength, kTriadGrain, [&](Offset first, Offset last) {
+        std::fill(array.get() + first, array.get() + last, value);
+    });
+    return array;
+}
+
 }  // namespace
 
 std::string nameOf(Evaluator evaluator) {
@@ -202,6 +233,19 @@ std::vector<ApplyTiming> timeApplying(const BenchTables& tables, std::span<const
         timing.speedup = plain->seconds / timing.seconds;
     }
     return timings;
+}
+
+double triadBytesPerSecond(int threads, double seconds) {
+    const ThreadLimit limit(threads);
+    const auto a = filled(0), b = filled(1), c = filled(2);
+    const double least = quickest(seconds, [&] {
+        parallelFor(kTriadLength, kTriadGrain, [&](Offset first, Offset last) {
+            float* to = a.get();
+            const float *from = b.get(), *other = c.get();
+            for (Offset i = first; i < last; ++i) to[i] = from[i] + 3.0F * other[i];
+        });
+    });
+    return 3.0 * sizeof(float) * kTriadLength / least;
 }
 
 }  // namespace espalier::cli

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
 #include <espalier/io/files/file.h>
 #include <espalier/osd/kernels/simd.h>
@@ -6,18 +7,19 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "apply_timing.h"
-#include "bench_report.h"
 #include "bind_model.h"
-#include "byte_counts.h"
 #include "commands.h"
-#include "pipeline.h"
+#include "files.h"
 #include "run_report.h"
-#include "triad.h"
 
 namespace espalier::cli {
 namespace {
@@ -79,15 +81,105 @@ void checkRange(const BenchOptions& options, const Lattice& lattice) {
                                               vertex, coordinate));
 }
 
+/// What was measured of applying.
+struct BenchReport {
+    osd::Simd simd;
+    const BenchTables& tables;
+    std::vector<ApplyTiming> timings;
+    std::map<int, double> triad;  ///< bytes a second, by number of threads: triadBytesPerSecond()
+};
+
+using Json = nlohmann::ordered_json;
+
+std::string nameOf(osd::Simd simd) {
+    switch (simd) {
+        case osd::Simd::Avx2:
+            return "avx2";
+        case osd::Simd::Avx512:
+            return "avx512";
+        default:
+            return "baseline";
+    }
+}
+
+double shareOfTriad(const BenchReport& bench, const ApplyTiming& timing) {
+    return timing.bytesPerSecond() / bench.triad.at(timing.threads);
+}
+
+double millionPointsPerSecond(const RunReport& run, const ApplyTiming& timing) {
+    return run.binding.table.rowCount() / timing.seconds / 1e6;
+}
+
+Json toJson(const RunReport& run, const BenchReport& bench) {
+    Json json = toJson(run);
+    json["kernels"] = nameOf(bench.simd);
+    if (bench.tables.factors) {
+        const auto& factors = bench.tables.factors->inDouble;
+        json["factors"] = {{"vertices", factors.vertices.rowCount()},
+                           {"entries", factors.entryCount()}};
+    }
+    Json& rows = json["apply"] = Json::array();
+    for (const ApplyTiming& timing : bench.timings)
+        rows.push_back({{"evaluator", nameOf(timing.evaluator)},
+                        {"precision", nameOf(timing.precision)},
+                        {"poses", timing.poses},
+                        {"threads", timing.threads},
+                        {"milliseconds", timing.seconds * 1e3},
+                        {"million_points_per_second", millionPointsPerSecond(run, timing)},
+                        {"bytes", timing.bytes},
+                        {"gigabytes_per_second", timing.bytesPerSecond() / 1e9},
+                        {"speedup", timing.speedup},
+                        {"share_of_triad", shareOfTriad(bench, timing)}});
+    Json& triads = json["triad"] = Json::array();
+    for (const auto& [threads, bytesPerSecond] : bench.triad)
+        triads.push_back({{"threads", threads}, {"gigabytes_per_second", bytesPerSecond / 1e9}});
+    return json;
+}
+
+void printText(const RunReport& run, const BenchReport& bench) {
+    printText(run);
+    fmt::print("\n{:<9} {:<9} {:>5} {:>7} {:>10} {:>10} {:>9} {:>8} {:>8} {:>8}\n", "evaluator",
+               "precision", "poses", "threads", "ms a pose", "Mpoints/s", "bytes", "GB/s",
+               "speed-up", "of triad");
+    for (const ApplyTiming& timing : bench.timings)
+        fmt::print("{:<9} {:<9} {:>5} {:>7} {:>10.4f} {:>10.2f} {:>9} {:>8.3f} {:>8.2f} {:>8.2f}\n",
+                   nameOf(timing.evaluator), nameOf(timing.precision), timing.poses, timing.threads,
+                   timing.seconds * 1e3, millionPointsPerSecond(run, timing),
+                   formatBytes(static_cast<std::size_t>(timing.bytes)),
+                   timing.bytesPerSecond() / 1e9, timing.speedup, shareOfTriad(bench, timing));
+    for (const auto& [threads, bytesPerSecond] : bench.triad)
+        fmt::print("{:<25} {:>7} {:>40.3f}\n", "triad", threads, bytesPerSecond / 1e9);
+    fmt::print("kernels: {}\n", nameOf(bench.simd));
+}
+
+/// Prints what the other commands report of binding, with the peak memory of before the triad, and
+/// what was measured. In JSON, besides what run_report.h says:
+///
+///     kernels  baseline, avx2 or avx512: what compiled tables are evaluated with
+///     factors  {vertices, entries} of the matrix left in its factors: rows of the table that moves
+///              the vertices of the level, and entries of both; with --basis subdivision only
+///     apply    [{evaluator, precision, poses, threads, milliseconds, million_points_per_second,
+///              bytes, gigabytes_per_second, speedup, share_of_triad}], all a pose (ApplyTiming)
+///     triad    [{threads, gigabytes_per_second}]
+///
+/// The share of the triad is the bytes that a row moves over those that the triad moves in the same
+/// time, with as many threads. It is no share of the memory where a cache holds the table.
+void print(const RunReport& run, const BenchReport& bench, ReportFormat format) {
+    if (format == ReportFormat::Json)
+        fmt::print("{}\n", toJson(run, bench).dump(2));
+    else
+        printText(run, bench);
+}
+
 void runBench(const BenchOptions& options) {
     checkBasis(options);
     const ThreadLimit limit(options.common.threads);
     checkInputs({{"MODEL", options.model}, {"--rest", options.rest}});
     Stages stages(options.common.quiet);
-    const auto model = readModel(options.model, stages);
+    const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
     const Lattice lattice = readLattice(options.rest, stages);
     checkRange(options, lattice);
-    const BoundPoints bound = bindPoints(options, model->positions(), lattice, stages);
+    const auto bound = bindModel(options, model->positions(), lattice, stages).points;
     auto factors = bindInFactors(options, model->positions(), lattice, stages);
     const BenchTables tables = prepare(bound.binding.table, std::move(factors), stages);
     std::vector<int> threadCounts = {1};
@@ -100,7 +192,7 @@ void runBench(const BenchOptions& options) {
         tables,
         timeApplying(tables, lattice.positions, threadCounts, options.seconds, progress),
         {}};
-    const RunReport report{bound.report, bound.binding, stages, peakMemory()};
+    const RunReport report{&bound, bound.binding, stages, peakMemory()};
     for (const int threads : threadCounts)
         bench.triad[threads] =
             progress.run("triad", [&] { return triadBytesPerSecond(threads, options.seconds); });
@@ -110,12 +202,12 @@ void runBench(const BenchOptions& options) {
 }  // namespace
 
 void addBenchCommand(CLI::App& program) {
-    auto options = std::make_shared<BenchOptions>();
-    CLI::App& command = *program.add_subcommand(
-        "bench",
-        "Bind a model to a lattice, and measure that and applying poses: nothing is written");
-    addModelAndRest(command, *options);
-    addBindingOptions(command, *options);
+    const auto [command, options] = addCommand(
+        program, "bench",
+        "Bind a model to a lattice, and measure that and applying poses: nothing is written",
+        runBench);
+    addModelAndRest(command, options);
+    addBindingOptions(command, options);
     // Not CLI::PositiveNumber, which lets infinity pass.
     const CLI::Validator isDuration(
         [](std::string& text) {
@@ -126,13 +218,12 @@ void addBenchCommand(CLI::App& program) {
         },
         "");
     command
-        .add_option("--seconds", options->seconds,
+        .add_option("--seconds", options.seconds,
                     "For the repeated runs of each measurement, of which the quickest counts")
         ->check(isDuration)
         ->capture_default_str();
-    addRunOptions(command, options->common);
-    addReportOption(command, options->report);
-    command.callback([options] { runBench(*options); });
+    addRunOptions(command, options.common);
+    addReportOption(command, options.report);
 }
 
 }  // namespace espalier::cli

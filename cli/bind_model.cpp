@@ -2,92 +2,55 @@
 #include "bind_model.h"
 
 #include <espalier/base/error.h>
-#include <espalier/embed/local_binding.h>
 #include <espalier/io/files/file.h>
 #include <espalier/limit/limit_binding.h>
 
 #include <functional>
-#include <map>
 #include <utility>
 
-#include "byte_counts.h"
-#include "choice.h"
-#include "pipeline.h"
+#include "files.h"
 
 namespace espalier::cli {
 namespace {
 
-using Binding = embed::Binding<double>;
-using embed::PointStatus;
-
-const std::map<std::string, Basis> kBasisWords = {
-    {"subdivision", Basis::Subdivision}, {"bezier", Basis::Bezier}, {"bspline", Basis::BSpline}};
-
-/// Of an embedding or of a bound model.
-template <class Found>
-BindingReport reportOf(const Found& found, double largestResidual) {
-    return {found.count(PointStatus::Inside), found.count(PointStatus::Outside),
-            found.count(PointStatus::NotConverged), largestResidual};
+/// MacCracken & Joy 1996, section 5; without subdivision their section 1.
+BoundPoints bindByOptions(const BindOptions& options, std::span<const Point3> points,
+                          const Lattice& lattice, bool hasGradients,
+                          const std::function<void(Offset)>& progress) {
+    const auto& embedding = options.common.embedding;
+    if (options.basis) {
+        // To go on without them would be another deformation than the file asks for.
+        if (!lattice.marks.empty())
+            throw io::FileError(options.rest, "has marks, which only --basis subdivision heeds");
+        const auto tensor = ofFile(options.rest, [&] {
+            return embed::TensorLattice(lattice.complex, lattice.positions, *options.basis);
+        });
+        const auto placed = embed::embedPoints(tensor, points, embedding, progress);
+        embed::BindingResult bound{
+            embed::makeBinding(tensor, placed, points), {}, placed.largestResidual()};
+        for (const auto& point : placed.points) bound.statuses.push_back(point.status);
+        return {std::move(bound)};
+    }
+    const auto base = refineLattice(options.rest, lattice, options.common, 0);
+    const auto& rules = options.common.rules;
+    if (!options.limit)
+        return {embed::bindPoints(base, lattice.positions, options.level, rules, points, embedding,
+                                  progress)};
+    auto bound = limit::bindLimit(
+        base, lattice.positions, rules, points,
+        {.embedding = embedding, .tolerance = embedding.tolerance, .gradients = hasGradients},
+        progress);
+    BoundPoints result;
+    if (hasGradients)
+        result.gradients = {std::move(bound.binding.table.gradients), lattice.positions};
+    result.points = {limit::withoutGradients(std::move(bound.binding)), std::move(bound.statuses),
+                     bound.largestResidual};
+    return result;
 }
 
-/// Shows how far the stage is that embeds so many points.
+/// Shows how far the stage is that binds so many points.
 std::function<void(Offset)> progressOf(Stages& stages, std::size_t pointCount) {
     return [&stages, pointCount](Offset done) { stages.showProgress(done, pointCount); };
-}
-
-/// MacCracken & Joy 1996, section 5.
-/// \param bind embed::bindPoints(), or bindFactored()
-template <class Bind>
-auto refineAndBind(Bind bind, const BindOptions& options, std::span<const Point3> points,
-                   const Lattice& lattice, Stages& stages) {
-    const auto base = refineLattice(options.rest, lattice, options.common, 0);
-    return bind(base, lattice.positions, options.level, options.common.rules, points,
-                options.common.embedding, progressOf(stages, points.size()));
-}
-
-BoundPoints bindToSubdivision(const BindOptions& options, std::span<const Point3> points,
-                              const Lattice& lattice, Stages& stages) {
-    auto bound = refineAndBind(embed::bindPoints<double>, options, points, lattice, stages);
-    const BindingReport report = reportOf(bound, bound.largestResidual);
-    return {std::move(bound.binding), report, std::move(bound.statuses)};
-}
-
-BoundPoints bindToLimit(const BindOptions& options, std::span<const Point3> points,
-                        const Lattice& lattice, Gradients gradients, Stages& stages) {
-    const auto base = refineLattice(options.rest, lattice, options.common, 0);
-    auto bound = limit::bindLimit<double>(base, lattice.positions, options.common.rules, points,
-                                          {.embedding = options.common.embedding,
-                                           .tolerance = options.common.embedding.tolerance,
-                                           .gradients = gradients == Gradients::OfLimit},
-                                          progressOf(stages, points.size()));
-    const BindingReport report = reportOf(bound, bound.largestResidual);
-    auto gradientTables = std::move(bound.binding.table.gradients);
-    return {limit::withoutGradients(std::move(bound.binding)), report, std::move(bound.statuses),
-            std::move(gradientTables)};
-}
-
-embed::TensorLattice tensorLattice(const BindOptions& options, const Lattice& lattice) {
-    return ofFile(options.rest, [&] {
-        return embed::TensorLattice(
-            lattice.complex, lattice.positions,
-            options.basis == Basis::Bezier ? embed::Basis::Bezier : embed::Basis::BSpline);
-    });
-}
-
-/// The same for the lattices of the paper's section 1.
-BoundPoints bindToTensorProduct(const BindOptions& options, std::span<const Point3> points,
-                                const Lattice& lattice, Stages& stages) {
-    // To go on without them would be another deformation than the file asks for.
-    if (!lattice.marks.empty())
-        throw io::FileError(options.rest, "has marks, which only --basis subdivision heeds");
-    const embed::TensorLattice tensor = tensorLattice(options, lattice);
-    const auto embedding = embed::embedPoints(tensor, points, options.common.embedding,
-                                              progressOf(stages, points.size()));
-    std::vector<PointStatus> statuses;
-    statuses.reserve(embedding.points.size());
-    for (const auto& point : embedding.points) statuses.push_back(point.status);
-    return {embed::makeBinding<double>(tensor, embedding, points),
-            reportOf(embedding, embedding.largestResidual()), std::move(statuses)};
 }
 
 }  // namespace
@@ -101,9 +64,10 @@ void addModelAndRest(CLI::App& command, BindOptions& options) {
 }
 
 void addBasisOptions(CLI::App& command, BindOptions& options) {
-    addChoice<Basis>(command, "--basis", options.basis, kBasisWords,
-                     "What weighs the lattice: its subdivision; or, of a box that lies on a "
-                     "parallelepiped, Bernstein polynomials or cubic B-splines");
+    addChoice<std::optional<embed::Basis>>(
+        command, "--basis", options.basis, embed::kBasisWords,
+        "What weighs the lattice: its subdivision; or, of a box that lies on a "
+        "parallelepiped, Bernstein polynomials or cubic B-splines");
     command
         .add_flag(
             "--limit", options.limit,
@@ -125,22 +89,19 @@ void addBindingOptions(CLI::App& command, BindOptions& options) {
 }
 
 void checkBasis(const BindOptions& options) {
-    if (options.basis == Basis::Subdivision) return;
+    if (!options.basis) return;
     for (const CLI::Option* option : options.ofSubdivision)
         if (option->count() > 0)
             throw CLI::ValidationError(option->get_name(),
                                        "is of use with --basis subdivision only");
 }
 
-BoundPoints bindPoints(const BindOptions& options, std::span<const Point3> points,
-                       const Lattice& lattice, Stages& stages, Gradients gradients) {
+BoundPoints bindModel(const BindOptions& options, std::span<const Point3> points,
+                      const Lattice& lattice, Stages& stages, bool hasGradients) {
     return stages.run("binding", [&] {
-        BoundPoints bound = options.basis != Basis::Subdivision
-                                ? bindToTensorProduct(options, points, lattice, stages)
-                            : options.limit
-                                ? bindToLimit(options, points, lattice, gradients, stages)
-                                : bindToSubdivision(options, points, lattice, stages);
-        stages.addBytes(bytesOf(bound.binding.table));
+        auto bound = bindByOptions(options, points, lattice, hasGradients,
+                                   progressOf(stages, points.size()));
+        stages.addBytes(bytesOf(bound.points.binding.table));
         return bound;
     });
 }
@@ -149,9 +110,12 @@ std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& 
                                                              std::span<const Point3> points,
                                                              const Lattice& lattice,
                                                              Stages& stages) {
-    if (options.basis != Basis::Subdivision || options.limit) return std::nullopt;
+    if (options.basis || options.limit) return std::nullopt;
     return stages.run("binding in factors", [&] {
-        auto bound = refineAndBind(embed::bindFactored<double>, options, points, lattice, stages);
+        const auto base = refineLattice(options.rest, lattice, options.common, 0);
+        auto bound = embed::bindFactored(base, lattice.positions, options.level,
+                                         options.common.rules, points, options.common.embedding,
+                                         progressOf(stages, points.size()));
         stages.addBytes(bytesOf(bound.binding.table));
         return std::move(bound.binding.table);
     });

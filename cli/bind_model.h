@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/embed/binding.h>
+#include <espalier/embed/local_binding.h>
+#include <espalier/io/binding_file.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/factored_table.h>
 
@@ -16,15 +17,12 @@
 
 namespace espalier::cli {
 
-/// What weighs the vertices of the lattice: subdivision, or what there was before it.
-enum class Basis { Subdivision, Bezier, BSpline };
-
 /// What the commands take that bind a model to a lattice.
 struct BindOptions {
     CommonOptions common;
     std::string model;
     std::string rest;
-    Basis basis = Basis::Subdivision;
+    std::optional<embed::Basis> basis;  ///< none: subdivision
     int level = 3;
     bool limit = false;                       ///< to the limit volume instead of a level
     std::vector<CLI::Option*> ofSubdivision;  ///< the options that no other basis has a use for
@@ -43,31 +41,20 @@ void addBindingOptions(CLI::App& command, BindOptions& options);
 /// \throws CLI::ValidationError
 void checkBasis(const BindOptions& options);
 
-/// What binding found.
-struct BindingReport {
-    Index inside, outside, notConverged;
-    double largestResidual;
-};
-
-/// A model frozen to a lattice.
+/// Points that are bound to a lattice.
 struct BoundPoints {
-    embed::Binding<double> binding;
-    BindingReport report;
-    std::vector<embed::PointStatus> statuses;  ///< one per point
-    /// limit::LimitTable::gradients; 0 × 0 if they were not asked for, or bound to a level.
-    std::array<stencils::StencilTable<double>, 3> gradients = {};
+    embed::BindingResult points;
+    std::optional<io::BoundGradients> gradients = {};  ///< if they were asked for
 };
 
-/// What else binding may make.
-enum class Gradients { No, OfLimit };
-
-/// Freezes points to a lattice that was read from options.rest. Errors in the lattice name it.
+/// Binds points to a lattice that was read from options.rest. Errors in the lattice name it.
 /// Stage: binding.
-BoundPoints bindPoints(const BindOptions& options, std::span<const Point3> points,
-                       const Lattice& lattice, Stages& stages, Gradients gradients = Gradients::No);
+/// \param hasGradients whether to make the gradients of a binding to the limit
+BoundPoints bindModel(const BindOptions& options, std::span<const Point3> points,
+                      const Lattice& lattice, Stages& stages, bool hasGradients = false);
 
-/// The matrix that bindPoints() finds, left in its factors; nothing for a basis without any: those
-/// other than subdivision, and the limit. Stage: binding in factors.
+/// The matrix that bindModel() finds, left in its factors; nothing for the limit and for the
+/// bases other than subdivision. Stage: binding in factors.
 std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& options,
                                                              std::span<const Point3> points,
                                                              const Lattice& lattice,

@@ -16,7 +16,7 @@
 #include <optional>
 
 #include "commands.h"
-#include "pipeline.h"
+#include "files.h"
 #include "run_report.h"
 
 namespace espalier::cli {
@@ -212,11 +212,8 @@ void runCheck(const CheckOptions& options) {
         io::checkLatticeTarget(options.output);
     }
     Stages stages(options.common.quiet);
-    Lattice lattice = readLattice(options.rest, stages);
-    io::ReadNotes notes;
-    const auto pose =
-        stages.run("reading", [&] { return readPose(options.pose, lattice, options.rest, notes); });
-    printNotes(options.pose, notes);
+    const Lattice lattice = readLattice(options.rest, stages);
+    const auto pose = readPoses({options.pose}, lattice, options.rest, stages).front();
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.rest, lattice, options.common,
                              options.limit ? 0 : options.level);
@@ -241,35 +238,33 @@ void runCheck(const CheckOptions& options) {
 }  // namespace
 
 void addCheckCommand(CLI::App& program) {
-    auto options = std::make_shared<CheckOptions>();
-    CLI::App& command = *program.add_subcommand(
-        "check",
+    const auto [command, options] = addCommand(
+        program, "check",
         "Find the cells that a pose of a lattice turns inside out, and the largest step towards "
-        "the pose that turns none; exit code 3 if there are such cells, 1 for bad input");
-    command.add_option("LATTICE", options->pose, "The pose: .ovm, .vtu or .vtk")->required();
-    command.add_option("--rest", options->rest, "The lattice at rest: same topology")->required();
-    addLevelOption(command, options->level, 1);
+        "the pose that turns none; exit code 3 if there are such cells, 1 for bad input",
+        runCheck);
+    command.add_option("LATTICE", options.pose, "The pose: .ovm, .vtu or .vtk")->required();
+    command.add_option("--rest", options.rest, "The lattice at rest: same topology")->required();
+    addLevelOption(command, options.level, 1);
     command.add_flag(
-        "--limit", options->limit,
+        "--limit", options.limit,
         "Check the limit volume of the cells of LATTICE instead: its tricubic patches, "
         "and what is left around irregular features that are refined to level N");
     command
-        .add_option("--max-step", options->maxStep,
+        .add_option("--max-step", options.maxStep,
                     "How far to look for the largest step: 1 is the way from rest to pose")
         ->check(CLI::Range(std::numeric_limits<double>::min(), 1e6))
         ->capture_default_str();
     command
-        .add_option("--list", options->listed,
-                    "How many cells of a kind to name, the first of them")
+        .add_option("--list", options.listed, "How many cells of a kind to name, the first of them")
         ->capture_default_str();
-    command.add_option("-o,--output", options->output,
+    command.add_option("-o,--output", options.output,
                        "Write the pose at level N (at level 0 with --limit) with the vertex "
                        "attributes volume_ratio, the smallest of the cells around, and "
                        "bad_at_rest, how many of them are: .ovm, .vtu or .vtk");
-    addRefinementOptions(command, options->common);
-    addRunOptions(command, options->common);
-    addReportOption(command, options->report);
-    command.callback([options] { runCheck(*options); });
+    addRefinementOptions(command, options.common);
+    addRunOptions(command, options.common);
+    addReportOption(command, options.report);
 }
 
 }  // namespace espalier::cli

@@ -4,6 +4,8 @@
 #include <espalier/base/error.h>
 
 #include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
 
 namespace espalier::cli {
 
@@ -17,6 +19,23 @@ class Finding : public Error {
 public:
     using Error::Error;
 };
+
+/// A command, and the options that its arguments are parsed into.
+template <class Options>
+struct Command {
+    CLI::App& app;
+    Options& options;
+};
+
+/// Adds a command without arguments, which calls `run` with its options once they are parsed.
+template <class Options>
+Command<Options> addCommand(CLI::App& program, const std::string& name, const std::string& help,
+                            void (*run)(const Options&)) {
+    const auto options = std::make_shared<Options>();
+    CLI::App& app = *program.add_subcommand(name, help);
+    app.callback([options, run] { run(*options); });
+    return {app, *options};
+}
 
 void addInfoCommand(CLI::App& program);
 void addShapeCommand(CLI::App& program);

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+
+#include "commands.h"
+
+#ifdef ESPALIER_WITH_COMPARE
+
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/compare/comparison.h>
@@ -12,8 +17,7 @@
 #include <memory>
 #include <ostream>
 
-#include "commands.h"
-#include "pipeline.h"
+#include "files.h"
 
 namespace espalier::cli {
 namespace {
@@ -31,11 +35,9 @@ compare::ReportedShape compareFile(const CompareOptions& options, const std::str
     compare::ReportedShape shape;
     shape.name = printable(file);
     try {
-        const Lattice lattice = readLattice(file, stages, FileKind::Refinable);
-        const auto refiner = stages.run("refining", [&] {
-            return refineLattice(file, lattice, options.common, options.level);
-        });
-        shape.agreement = stages.run("comparing", [&] {
+        const auto [lattice, refiner] =
+            readAndRefine({options.common, file, options.level}, FileKind::Refinable, stages);
+        shape.agreement = stages.run("comparing", [&, &lattice = lattice, &refiner = refiner] {
             return compare::Comparison(refiner).compareAll(options.common.rules, lattice.positions);
         });
     } catch (const Error& error) {
@@ -134,19 +136,38 @@ void runCompare(const CompareOptions& options) {
 }  // namespace
 
 void addCompareCommand(CLI::App& program) {
-    auto options = std::make_shared<CompareOptions>();
-    CLI::App& command = *program.add_subcommand(
-        "compare",
+    const auto [command, options] = addCommand(
+        program, "compare",
         "Compare meshes, and the boundaries of lattices, with OpenSubdiv's refinement of them, "
-        "level by level; exit code 3 if they differ, 1 for bad input");
-    command.add_option("FILE", options->files, "Meshes: .obj; lattices: .ovm, .vtu or .vtk")
+        "level by level; exit code 3 if they differ, 1 for bad input",
+        runCompare);
+    command.add_option("FILE", options.files, "Meshes: .obj; lattices: .ovm, .vtu or .vtk")
         ->required();
-    addLevelOption(command, options->level, 1);
-    command.add_option("--html", options->html,
+    addLevelOption(command, options.level, 1);
+    command.add_option("--html", options.html,
                        "Write a report: all shapes and levels, and pictures of the error");
-    addRefinementOptions(command, options->common, RulesFor::OpenSubdiv);
-    addRunOptions(command, options->common);
-    command.callback([options] { runCompare(*options); });
+    addRefinementOptions(command, options.common, RulesFor::OpenSubdiv);
+    addRunOptions(command, options.common);
 }
 
 }  // namespace espalier::cli
+
+#else
+
+namespace espalier::cli {
+
+/// In a build without OpenSubdiv: the command says so.
+void addCompareCommand(CLI::App& program) {
+    CLI::App& command =
+        *program.add_subcommand("compare", "Not in this build, which has no OpenSubdiv");
+    command.allow_extras();
+    command.callback([] {
+        throw Error(
+            "compare: this program was built without OpenSubdiv; install libosd-dev, and build it "
+            "again");
+    });
+}
+
+}  // namespace espalier::cli
+
+#endif

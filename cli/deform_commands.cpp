@@ -12,21 +12,17 @@
 #include <espalier/osd/cpu_evaluator.h>
 #include <fmt/format.h>
 
-#include <functional>
-#include <memory>
 #include <optional>
 
 #include "bind_model.h"
-#include "byte_counts.h"
 #include "commands.h"
-#include "distinct_outputs.h"
-#include "pipeline.h"
+#include "files.h"
 #include "run_report.h"
 
 namespace espalier::cli {
 namespace {
 
-using Binding = embed::Binding<double>;
+using Binding = embed::Binding;
 
 struct DeformOptions : BindOptions {
     std::vector<std::string> poses;
@@ -49,25 +45,6 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     }
     checkDistinct(paths);
     return paths;
-}
-
-/// Reads all poses, each with `read`, before any is written: a bad one leaves nothing half done.
-/// If consecutive poses have the same notes, only the notes of the first are printed.
-std::vector<std::vector<Point3>> readPoses(
-    const DeformOptions& options, Stages& stages,
-    const std::function<std::vector<Point3>(const std::string&, io::ReadNotes&)>& read) {
-    std::vector<std::vector<Point3>> poses;
-    io::ReadNotes before;
-    for (const std::string& path : options.poses) {
-        io::ReadNotes notes;
-        poses.push_back(stages.run("reading", [&] {
-            stages.addFile(path);
-            return read(path, notes);
-        }));
-        if (notes != before) printNotes(path, notes);
-        before = std::move(notes);
-    }
-    return poses;
 }
 
 /// The deformation gradient of each point for a pose of the lattice.
@@ -110,40 +87,20 @@ void writePose(const io::Model& model, const Binding& binding,
     });
 }
 
-/// A model bound to the lattice of the options. Gradients are there if they have directions to
-/// carry.
-struct Bound {
-    BoundPoints points;
-    std::optional<io::BoundGradients> gradients = {};
-};
-
-Bound bindModel(const DeformOptions& options, const io::Model& model, const Lattice& lattice,
-                Stages& stages) {
-    const bool carries = options.limit && model.hasDirections();
-    Bound bound{bindPoints(options, model.positions(), lattice, stages,
-                           carries ? Gradients::OfLimit : Gradients::No)};
-    if (carries)
-        bound.gradients = io::BoundGradients{std::move(bound.points.gradients), lattice.positions};
-    return bound;
-}
-
 void runDeform(const DeformOptions& options) {
     checkBasis(options);
     const ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
-    const auto model = readModel(options.model, stages);
+    const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
     model->checkTarget(paths.front());
-    const Lattice lattice = readLattice(options.rest, stages);
-    const auto poses =
-        readPoses(options, stages, [&](const std::string& path, io::ReadNotes& notes) {
-            return readPose(path, lattice, options.rest, notes);
-        });
-    const Bound bound = bindModel(options, *model, lattice, stages);
+    const Lattice rest = readLattice(options.rest, stages);
+    const auto poses = readPoses(options.poses, rest, options.rest, stages);
+    const auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
+                                              options.limit && model->hasDirections());
     for (std::size_t i = 0; i < poses.size(); ++i)
-        writePose(*model, bound.points.binding, bound.gradients, poses[i], paths[i], stages);
-    if (!options.common.quiet)
-        print({bound.points.report, bound.points.binding, stages, peakMemory()}, options.report);
+        writePose(*model, bound.binding, gradients, poses[i], paths[i], stages);
+    print({&bound, bound.binding, stages, peakMemory()}, options.report, options.common);
 }
 
 void runBind(const DeformOptions& options) {
@@ -154,35 +111,22 @@ void runBind(const DeformOptions& options) {
     checkOutput(options.output, inputs, {".espb"});
     Stages stages(options.common.quiet);
     io::BoundModel file;
+    file.modelName = std::filesystem::path(options.model).filename().string();
     const auto model = stages.run("reading", [&] {
         file.modelBytes = io::readFile(options.model);
         stages.addBytes(file.modelBytes.size());
         return io::readModel(options.model, file.modelBytes);
     });
-    const Lattice lattice = readLattice(options.rest, stages);
-    Bound bound = bindModel(options, *model, lattice, stages);
-    file.binding = std::move(bound.points.binding);
-    file.gradients = std::move(bound.gradients);
-    file.modelName = std::filesystem::path(options.model).filename().string();
+    const Lattice rest = readLattice(options.rest, stages);
+    auto [bound, gradients] = bindModel(options, model->positions(), rest, stages,
+                                        options.limit && model->hasDirections());
+    file.binding = std::move(bound.binding);
+    file.gradients = std::move(gradients);
     stages.run("writing", [&] {
         io::writeBoundModel(options.output, file);
         stages.addFile(options.output);
     });
-    if (!options.common.quiet)
-        print({bound.points.report, file.binding, stages, peakMemory()}, options.report);
-}
-
-/// Reads a pose of the lattice that a model was bound to.
-std::vector<Point3> readPoseOf(const Binding& binding, const std::string& path,
-                               const DeformOptions& options, io::ReadNotes& notes) {
-    Lattice pose = io::readLattice(path, &notes);
-    if (far::topologyHash(pose.complex) != binding.topologyHash)
-        throw io::FileError(
-            path, fmt::format("is not a pose of the lattice that {} was bound to, which has "
-                              "{} vertices: this one has {}, or its cells differ",
-                              printable(options.model), binding.table.columnCount(),
-                              pose.complex.count(0)));
-    return std::move(pose.positions);
+    print({&bound, file.binding, stages, peakMemory()}, options.report, options.common);
 }
 
 void runApply(const DeformOptions& options) {
@@ -190,22 +134,25 @@ void runApply(const DeformOptions& options) {
     Stages stages(options.common.quiet);
     const auto paths = posePaths(options);
     io::BoundModel bound;
-    const auto model = stages.run("reading", [&] {
-        stages.addFile(options.model);
+    const auto model = stages.read(options.model, [&] {
         bound = io::readBoundModel(options.model);
         return io::readModel(bound.modelName, bound.modelBytes);
     });
     model->checkTarget(paths.front());
-    if (model->positions().size() != static_cast<std::size_t>(bound.binding.table.rowCount()))
+    const auto& table = bound.binding.table;
+    if (std::ssize(model->positions()) != table.rowCount())
         throw io::FileError(options.model, "holds a model of other points than were bound");
-    const auto poses =
-        readPoses(options, stages, [&](const std::string& path, io::ReadNotes& notes) {
-            return readPoseOf(bound.binding, path, options, notes);
-        });
+    const auto difference = [&](const Lattice& pose) -> std::optional<std::string> {
+        if (far::topologyHash(pose.complex) == bound.binding.topologyHash) return std::nullopt;
+        return fmt::format(
+            "the lattice that {} was bound to, which has {} vertices: this one has {}, or its "
+            "cells differ",
+            printable(options.model), table.columnCount(), pose.complex.count(0));
+    };
+    const auto poses = readPoses(options.poses, difference, stages);
     for (std::size_t i = 0; i < poses.size(); ++i)
         writePose(*model, bound.binding, bound.gradients, poses[i], paths[i], stages);
-    if (!options.common.quiet)
-        print({std::nullopt, bound.binding, stages, peakMemory()}, options.report);
+    print({nullptr, bound.binding, stages, peakMemory()}, options.report, options.common);
 }
 
 void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
@@ -220,41 +167,34 @@ void addPosesAndOutput(CLI::App& command, DeformOptions& options) {
         ->required();
 }
 
+void addRunAndReport(CLI::App& command, DeformOptions& options) {
+    addRunOptions(command, options.common);
+    addReportOption(command, options.report);
+}
+
 }  // namespace
 
 void addDeformCommands(CLI::App& program) {
-    {
-        auto options = std::make_shared<DeformOptions>();
-        CLI::App& command = *program.add_subcommand(
-            "deform", "Bind a model to a lattice, and apply each pose of the lattice to it");
-        addModelAndRest(command, *options);
-        addPosesAndOutput(command, *options);
-        addBindingOptions(command, *options);
-        addRunOptions(command, options->common);
-        addReportOption(command, options->report);
-        command.callback([options] { runDeform(*options); });
-    }
-    {
-        auto options = std::make_shared<DeformOptions>();
-        CLI::App& command =
-            *program.add_subcommand("bind", "Bind a model to a lattice, and keep the binding");
-        addModelAndRest(command, *options);
-        command.add_option("-o,--output", options->output, "The bound model: .espb")->required();
-        addBindingOptions(command, *options);
-        addRunOptions(command, options->common);
-        addReportOption(command, options->report);
-        command.callback([options] { runBind(*options); });
-    }
-    {
-        auto options = std::make_shared<DeformOptions>();
-        CLI::App& command =
-            *program.add_subcommand("apply", "Apply poses of its lattice to a bound model");
-        command.add_option("BINDING", options->model, "The bound model: .espb")->required();
-        addPosesAndOutput(command, *options);
-        addRunOptions(command, options->common);
-        addReportOption(command, options->report);
-        command.callback([options] { runApply(*options); });
-    }
+    const auto [deform, deformOptions] = addCommand(
+        program, "deform", "Bind a model to a lattice, and apply each pose of the lattice to it",
+        runDeform);
+    addModelAndRest(deform, deformOptions);
+    addPosesAndOutput(deform, deformOptions);
+    addBindingOptions(deform, deformOptions);
+    addRunAndReport(deform, deformOptions);
+
+    const auto [bind, bindOptions] =
+        addCommand(program, "bind", "Bind a model to a lattice, and keep the binding", runBind);
+    addModelAndRest(bind, bindOptions);
+    bind.add_option("-o,--output", bindOptions.output, "The bound model: .espb")->required();
+    addBindingOptions(bind, bindOptions);
+    addRunAndReport(bind, bindOptions);
+
+    const auto [apply, applyOptions] =
+        addCommand(program, "apply", "Apply poses of its lattice to a bound model", runApply);
+    apply.add_option("BINDING", applyOptions.model, "The bound model: .espb")->required();
+    addPosesAndOutput(apply, applyOptions);
+    addRunAndReport(apply, applyOptions);
 }
 
 }  // namespace espalier::cli

@@ -2,29 +2,49 @@
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
+#include <espalier/base/sort_unique.h>
+#include <espalier/embed/continuity.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/targets.h>
+#include <espalier/shapes/refiner_options.h>
 #include <espalier/solve/lattice_fit.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <unordered_map>
+#include <vector>
 
 #include "bind_model.h"
-#include "choice.h"
 #include "commands.h"
-#include "held_part.h"
-#include "pipeline.h"
+#include "files.h"
+#include "run.h"
 #include "run_report.h"
 
 namespace espalier::cli {
 namespace {
+
+using embed::Continuity;
+
+/// A part of a model, and of the boundary of its lattice, that is to stay as it is: what lies in a
+/// box.
+struct HoldOptions {
+    std::optional<std::array<double, 6>> box;  ///< its least coordinates, then its largest
+    embed::Continuity continuity = embed::Continuity::C0;
+};
+
+/// What lies in the box.
+struct HeldPart {
+    std::vector<Index> points;  ///< of the model, ascending
+    std::vector<Index> faces;   ///< of the lattice's boundary, ascending
+};
 
 struct FitCommandOptions : BindOptions {
     std::string targets;
@@ -34,13 +54,102 @@ struct FitCommandOptions : BindOptions {
     ReportFormat report = ReportFormat::Text;
 };
 
-const std::map<std::string, solve::Smoothing> kSmoothings = {
-    {"none", solve::Smoothing::None},
-    {"tikhonov", solve::Smoothing::Tikhonov},
-    {"laplacian", solve::Smoothing::Laplacian}};
+bool isIn(const std::array<double, 6>& box, const Point3& point) {
+    for (std::size_t c = 0; c < 3; ++c)
+        if (!(point[c] >= box[c] && point[c] <= box[c + 3])) return false;
+    return true;
+}
 
-const std::map<std::string, solve::Undetermined> kUndetermined = {
-    {"smallest", solve::Undetermined::Smallest}, {"refuse", solve::Undetermined::Refuse}};
+/// The faces of the boundary that lie in a box with all their vertices.
+std::vector<Index> boundaryFacesIn(const std::array<double, 6>& box, const Lattice& lattice) {
+    std::vector<Index> faces;
+    for (Index face = 0; face < lattice.complex.count(2); ++face) {
+        if (lattice.complex.relation(2, 3)[face].size() != 1) continue;
+        const auto vertices = lattice.complex.relation(2, 0)[face];
+        if (std::all_of(vertices.begin(), vertices.end(),
+                        [&](Index vertex) { return isIn(box, lattice.positions[vertex]); }))
+            faces.push_back(face);
+    }
+    return faces;
+}
+
+/// Adds --hold and --continuity to a command that binds with the basis of subdivision only.
+void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options) {
+    CLI::Option* box =
+        command
+            .add_option("--hold", hold.box,
+                        "What lies in this box stays: points of the model, and faces of the "
+                        "lattice's boundary")
+            ->type_name("X0 Y0 Z0 X1 Y1 Z1");
+    addChoice<Continuity>(command, "--continuity", hold.continuity, embed::kContinuityWords,
+                          "How what is held meets what moves: in its place, with its tangent "
+                          "planes, or with its curvatures; c1 and c2 hold the same vertices");
+    CLI::Option* continuity = command.get_option("--continuity")->needs(box);
+    for (CLI::Option* option : {box, continuity}) options.ofSubdivision.push_back(option);
+}
+
+/// Finds what is to be held. Nothing without --hold.
+/// \param points of the model
+/// \throws Error if the box is none, or neither a point nor a face of the boundary lies in it
+HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
+                      std::span<const Point3> points, const Lattice& lattice) {
+    if (!hold.box) return {};
+    const auto& box = *hold.box;
+    for (std::size_t c = 0; c < 3; ++c)
+        if (!(box[c] <= box[c + 3]))
+            throw Error(fmt::format("--hold: the box runs from {} to {}; expected it to ascend",
+                                    box[c], box[c + 3]));
+    HeldPart part;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (isIn(box, points[i])) part.points.push_back(static_cast<Index>(i));
+    // Without boundary control a level does not reach as far as its faces.
+    const auto boundary = refinerOptions(lattice, options.common.refinement).boundary;
+    if (boundary != far::Boundary::Open) part.faces = boundaryFacesIn(box, lattice);
+    if (part.points.empty() && part.faces.empty())
+        throw Error(
+            fmt::format("--hold: no point of {} lies in the box, and no face of the "
+                        "boundary of {}",
+                        printable(options.model), printable(options.rest)));
+    return part;
+}
+
+/// The vertices of the lattice that must stay, ascending. Stage: holding, if there is a part.
+/// \param points of the model
+/// \param rows of D, of the points of the part, as the options say to bind them
+/// \throws Error if there is a part but none of it asks for a vertex
+std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
+                                const BindOptions& options, std::span<const Point3> points,
+                                const stencils::StencilTable<double>& rows, const Lattice& lattice,
+                                Stages& stages) {
+    if (part.points.empty() && part.faces.empty()) return {};
+    if (rows.entryCount() == 0 && part.faces.empty())
+        throw Error(
+            fmt::format("--hold: point {} of {}, and what else lies in the box, is outside "
+                        "the lattice {}, and stays anyway",
+                        part.points.front(), printable(options.model), printable(options.rest)));
+    return stages.run("holding", [&] {
+        // What D says of its points needs no second look at the lattice.
+        auto held = embed::verticesHoldingRows(rows);
+        const bool isBeyondPlaces = hold.continuity != Continuity::C0 && rows.entryCount() > 0;
+        if (part.faces.empty() && !isBeyondPlaces) return held;
+        const auto base = refineLattice(options.rest, lattice, options.common, 0);
+        const auto add = [&](const std::vector<Index>& vertices) {
+            held.insert(held.end(), vertices.begin(), vertices.end());
+        };
+        if (isBeyondPlaces) {
+            std::vector<Point3> own;
+            for (const Index point : part.points) own.push_back(points[point]);
+            add(embed::verticesHoldingPoints(base, lattice.positions, options.level,
+                                             options.common.rules, own, hold.continuity,
+                                             options.common.embedding));
+        }
+        if (!part.faces.empty())
+            add(embed::verticesHoldingFaces(base, options.common.rules, part.faces,
+                                            hold.continuity));
+        sortUnique(held);
+        return held;
+    });
+}
 
 /// Some points of a model, and where they are wanted.
 struct Wishes {
@@ -76,14 +185,14 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
     const auto points = model.positions();
     Wishes wishes;
     if (isList(options.targets)) {
-        const auto targets = stages.run("reading", [&] {
-            stages.addFile(options.targets);
+        const auto targets = stages.read(options.targets, [&] {
             return io::readTargets(options.targets, static_cast<Index>(points.size()));
         });
         for (const io::Target& target : targets) wishes.add(points[target.point], target);
         return wishes;
     }
-    const auto wanted = readModel(options.targets, stages);
+    const auto wanted =
+        stages.read(options.targets, [&] { return io::readModel(options.targets); });
     if (wanted->positions().size() != points.size())
         throw io::FileError(options.targets,
                             fmt::format("has {} points; {} has {}", wanted->positions().size(),
@@ -119,8 +228,8 @@ std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus s
 /// The targets that the lattice carries its points to, by their rows. Leaves out points that the
 /// lattice does not carry but that are wanted where they are, unless points outside are errors.
 /// \throws FileError for other points that it does not carry, and if no target is left
-std::vector<Index> carriedTargets(const FitCommandOptions& options, const BoundPoints& bound,
-                                  const Wishes& wishes) {
+std::vector<Index> carriedTargets(const FitCommandOptions& options,
+                                  const embed::BindingResult& bound, const Wishes& wishes) {
     const bool isOutsideRefused = options.common.embedding.outside == embed::OutsidePolicy::Error;
     std::vector<Index> carried;
     for (std::size_t i = 0; i < wishes.targets.size(); ++i) {
@@ -173,7 +282,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
             heldRows.push_back(row->second);
         }
     }
-    BoundPoints bound = bindPoints(bind, points, lattice, stages);
+    auto bound = bindModel(bind, points, lattice, stages).points;
     const auto carried = carriedTargets(options, bound, wishes);
     stencils::StencilTable<double>& table = bound.binding.table;
     FitRows rows{{}, stencils::selectRows<double>(table, heldRows)};
@@ -192,8 +301,7 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
 
 /// How many vertices of a lattice are among some. What is no vertex of it, fitting refuses.
 std::size_t countAmong(std::vector<Index> vertices, const Lattice& lattice) {
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sortUnique(vertices);
     return static_cast<std::size_t>(std::count_if(
         vertices.begin(), vertices.end(),
         [&](Index vertex) { return vertex >= 0 && vertex < lattice.complex.count(0); }));
@@ -255,7 +363,7 @@ void runFit(const FitCommandOptions& options) {
     checkOutput(options.output, inputs);
     io::checkLatticeTarget(options.output);
     Stages stages(options.common.quiet);
-    const auto model = readModel(options.model, stages);
+    const auto model = stages.read(options.model, [&] { return io::readModel(options.model); });
     Lattice lattice = readLattice(options.rest, stages);
     Wishes wishes = readWishes(options, *model, stages);
     const std::size_t wishCount = wishes.targets.size();
@@ -281,35 +389,34 @@ void runFit(const FitCommandOptions& options) {
 }  // namespace
 
 void addFitCommand(CLI::App& program) {
-    auto options = std::make_shared<FitCommandOptions>();
-    CLI::App& command = *program.add_subcommand(
-        "fit",
-        "Find the pose of a lattice that carries points of a model to where they are wanted");
-    addModelAndRest(command, *options);
+    const auto [command, options] = addCommand(
+        program, "fit",
+        "Find the pose of a lattice that carries points of a model to where they are wanted",
+        runFit);
+    addModelAndRest(command, options);
     command
         .add_option(
-            "--targets", options->targets,
+            "--targets", options.targets,
             "Where points are wanted: a .txt of the number of a point and three coordinates "
             "a line; or the whole model as it is wanted, in a file of any model format")
         ->required();
-    addBindingOptions(command, *options);
-    addChoice<solve::Smoothing>(command, "--smoothing", options->fit.smoothing, kSmoothings,
-                                "What is asked of displacements besides");
+    addBindingOptions(command, options);
+    addChoice<solve::Smoothing>(command, "--smoothing", options.fit.smoothing,
+                                solve::kSmoothingWords, "What is asked of displacements besides");
     command
-        .add_option("--strength", options->fit.strength,
+        .add_option("--strength", options.fit.strength,
                     "How much smoothness weighs against the targets")
         ->capture_default_str();
-    command.add_option("--freeze", options->fit.frozen, "Vertices of the lattice that stay")
+    command.add_option("--freeze", options.fit.frozen, "Vertices of the lattice that stay")
         ->delimiter(',');
-    addHoldOptions(command, options->hold, *options);
-    addChoice<solve::Undetermined>(command, "--undetermined", options->fit.undetermined,
-                                   kUndetermined,
+    addHoldOptions(command, options.hold, options);
+    addChoice<solve::Undetermined>(command, "--undetermined", options.fit.undetermined,
+                                   solve::kUndeterminedWords,
                                    "Where the targets leave vertices open: take the smallest "
                                    "displacements, or refuse");
-    command.add_option("-o,--output", options->output, "The pose: .ovm, .vtu or .vtk")->required();
-    addRunOptions(command, options->common);
-    addReportOption(command, options->report);
-    command.callback([options] { runFit(*options); });
+    command.add_option("-o,--output", options.output, "The pose: .ovm, .vtu or .vtk")->required();
+    addRunOptions(command, options.common);
+    addReportOption(command, options.report);
 }
 
 }  // namespace espalier::cli

@@ -1,17 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
+#include <espalier/embed/regular_cells.h>
+#include <espalier/far/standard_cells.h>
+#include <espalier/far/topology_refiner.h>
+#include <espalier/limit/vertex_ring.h>
+#include <espalier/shapes/lattice.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/masks.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <complex>
+#include <limits>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "commands.h"
-#include "lattice_report.h"
-#include "pipeline.h"
-#include "smoothness_report.h"
+#include "files.h"
 
 namespace espalier::cli {
 namespace {
@@ -20,6 +32,232 @@ struct InfoOptions : LatticeOptions {
     bool json = false;
     bool smoothness = false;
 };
+
+/// How many there are of each value.
+using Histogram = std::map<Index, Index>;
+
+/// One level of a lattice.
+struct LevelReport {
+    std::array<Index, 4> counts;  ///< vertices, edges, faces, cells
+    Index eulerCharacteristic;
+    std::array<std::array<Index, 4>, 4> strata;  ///< [dimension][stratum]
+    Histogram vertexValences;                    ///< edges at a vertex
+    Histogram edgeValences;                      ///< faces at an interior edge
+    Histogram cellTypes;                   ///< level 0: edges of its cell at a vertex, for each
+                                           ///< pair of vertex and cell; above: n of a type-n cell
+    double smallestVolume, largestVolume;  ///< of a cell, signed
+    Index invertedCells;                   ///< of a volume that is not positive
+    double smallestScaledJacobian;         ///< at the corners of hexahedra: 1 for a cube, 0 for a
+                                           ///< flat corner, below for a folded one; 1 without any
+};
+
+struct LatticeReport {
+    Point3 boundsMin, boundsMax;
+    std::size_t marks;
+    std::vector<std::string> attributes;
+    std::vector<LevelReport> levels;
+
+    /// Interior edges of two faces: by the rules `siggraph96` their midpoint has a negative weight,
+    /// and the refined lattice may leave the convex hull of the lattice near them (MacCracken & Joy
+    /// 1996, section 2.2, n = 2).
+    Index edgesOfTwoFaces;
+};
+
+using Eigen::Vector3d;
+using far::CellComplex;
+
+Vector3d at(const std::vector<Point3>& positions, Index vertex) {
+    return Vector3d(positions[vertex].data());
+}
+
+Vector3d mean(const std::vector<Point3>& positions, std::span<const Index> vertices) {
+    Vector3d sum = Vector3d::Zero();
+    for (const Index vertex : vertices) sum += at(positions, vertex);
+    return sum / static_cast<double>(vertices.size());
+}
+
+/// The signed volume of a cell whose faces are fans of triangles about their centroids.
+double cellVolume(const CellComplex& complex, const std::vector<Point3>& positions, Index cell) {
+    // Measured from the cell's own centroid, so that far-off lattices lose no digits.
+    const Vector3d origin = mean(positions, complex.relation(3, 0)[cell]);
+    const auto faces = complex.relation(3, 2)[cell];
+    double volume = 0;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const auto loop = complex.relation(2, 0)[faces[f]];
+        const Vector3d centre = mean(positions, loop) - origin;
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const Vector3d a = at(positions, loop[i]) - origin;
+            const Vector3d b = at(positions, loop[(i + 1) % loop.size()]) - origin;
+            volume += complex.boundary(3).signs(cell)[f] * centre.dot(a.cross(b)) / 6;
+        }
+    }
+    return volume;
+}
+
+/// The smallest determinant of the three unit edges at a corner of a hexahedron.
+double scaledJacobian(const std::array<Index, 8>& corners, const std::vector<Point3>& positions) {
+    constexpr std::size_t kNeighbours[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
+                                               {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
+    double smallest = 1;
+    for (std::size_t i = 0; i < 8; ++i) {
+        Vector3d edges[3];
+        for (std::size_t k = 0; k < 3; ++k)
+            edges[k] = (at(positions, corners[kNeighbours[i][k]]) - at(positions, corners[i]))
+                           .normalized();
+        smallest = std::min(smallest, edges[0].dot(edges[1].cross(edges[2])));
+    }
+    return smallest;
+}
+
+/// n of each cell: of the vertices in their cells for a base lattice, of the cells themselves
+/// above.
+Histogram cellTypes(const CellComplex& complex, bool isBase) {
+    Histogram types;
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        if (!isBase) {
+            ++types[static_cast<Index>(complex.relation(3, 2)[cell].size()) / 2];
+            continue;
+        }
+        Histogram valence;
+        for (const Index edge : complex.relation(3, 1)[cell])
+            for (const Index end : complex.relation(1, 0)[edge]) ++valence[end];
+        for (const auto& [vertex, n] : valence) ++types[n];
+    }
+    return types;
+}
+
+LevelReport reportLevel(const far::Level& level, const std::vector<Point3>& positions,
+                        bool isBase) {
+    const CellComplex& complex = level.complex;
+    LevelReport report{};
+    for (int d = 0; d <= 3; ++d) {
+        report.counts[d] = complex.count(d);
+        for (int s = 0; s <= 3; ++s) report.strata[d][s] = level.strata.count(d, s);
+    }
+    report.eulerCharacteristic = complex.eulerCharacteristic();
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex)
+        ++report.vertexValences[static_cast<Index>(complex.relation(0, 1)[vertex].size())];
+    for (Index edge = 0; edge < complex.count(1); ++edge)
+        if (level.strata.of({1, edge}) == 3)
+            ++report.edgeValences[static_cast<Index>(complex.relation(1, 2)[edge].size())];
+    report.cellTypes = cellTypes(complex, isBase);
+
+    report.smallestVolume = std::numeric_limits<double>::infinity();
+    report.largestVolume = -report.smallestVolume;
+    report.smallestScaledJacobian = 1;
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        const double volume = cellVolume(complex, positions, cell);
+        report.smallestVolume = std::min(report.smallestVolume, volume);
+        report.largestVolume = std::max(report.largestVolume, volume);
+        report.invertedCells += !(volume > 0);
+        if (const auto corners = far::hexahedronVertices(complex, CellId(cell)))
+            report.smallestScaledJacobian =
+                std::min(report.smallestScaledJacobian, scaledJacobian(*corners, positions));
+    }
+    return report;
+}
+
+/// \param positions one list a level of `refiner`
+LatticeReport reportLattice(const Lattice& lattice, const far::TopologyRefiner& refiner,
+                            const std::vector<std::vector<Point3>>& positions) {
+    LatticeReport report{};
+    report.boundsMin = report.boundsMax = lattice.positions.front();
+    for (const Point3& position : lattice.positions)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            report.boundsMin[axis] = std::min(report.boundsMin[axis], position[axis]);
+            report.boundsMax[axis] = std::max(report.boundsMax[axis], position[axis]);
+        }
+    report.marks = lattice.marks.edges.size() + lattice.marks.vertices.size();
+    for (const VertexAttribute& attribute : lattice.attributes)
+        report.attributes.push_back(attribute.name);
+    for (const VertexIntegers& integers : lattice.integers)
+        report.attributes.push_back(integers.name);
+    for (int level = 0; level <= refiner.maxLevel(); ++level)
+        report.levels.push_back(reportLevel(refiner.level(level), positions[level], level == 0));
+    const auto& valences = report.levels.front().edgeValences;
+    report.edgesOfTwoFaces = valences.count(2) > 0 ? valences.at(2) : 0;
+    return report;
+}
+
+/// What refining does around an irregular vertex or edge of a lattice, for ever.
+struct Smoothness {
+    Entity entity;  ///< of level 0: a vertex or an edge
+    int stratum;
+    Index ringPoints;  ///< points of the ring, the point itself among them
+    /// False for rings of more than kMaxRingPoints: they have no eigenvalues and no mask here.
+    bool isKnown = false;
+    /// Of the matrix from ring to ring, without the first one, 1; by descending modulus, six at
+    /// most. Where the lattice is regular inside they are 1/2 three times, then 1/4.
+    std::vector<std::complex<double>> eigenvalues = {};
+    /// The limit: shares of the point itself, and of all points across edges, faces and cells, in
+    /// the ring. Where the lattice is regular inside 8/27, 12/27, 6/27 and 1/27.
+    std::array<double, 4> mask = {};
+};
+
+/// Largest ring whose eigenvalues are computed: they take seconds there, and eight times as long
+/// for twice the points.
+inline constexpr Index kMaxRingPoints = limit::kMaxEigenvalues;
+
+/// The number of points in the ring of a vertex: one for each entity that contains it.
+Index ringPointsAt(const far::CellComplex& complex, Index vertex) {
+    std::size_t count = 0;
+    for (int d = 0; d <= complex.dimension(); ++d) count += complex.relation(0, d)[vertex].size();
+    return static_cast<Index>(count);
+}
+
+/// The number of vertices of the cells at a vertex, all of which its ring is refined with.
+std::size_t cornersAt(const far::CellComplex& complex, Index vertex) {
+    std::size_t count = 0;
+    for (const Index cell : complex.relation(0, 3)[vertex])
+        count += complex.relation(3, 0)[cell].size();
+    return count;
+}
+
+Smoothness smoothnessOf(const Entity& entity, const far::Level& level, Index vertex,
+                        const far::RefinerOptions& options, stencils::Rules rules) {
+    constexpr std::size_t kMaxEigenvalues = 6;
+    Smoothness result{entity, level.strata.of({0, vertex}), ringPointsAt(level.complex, vertex)};
+    if (result.ringPoints > kMaxRingPoints ||
+        cornersAt(level.complex, vertex) > static_cast<std::size_t>(kMaxRingPoints))
+        return result;
+    const auto ring = limit::ringOf(level, options, rules, vertex);
+    auto values = limit::eigenvalues(ring);
+    values.erase(values.begin());
+    values.resize(std::min(values.size(), kMaxEigenvalues));
+    result.isKnown = true;
+    result.eigenvalues = std::move(values);
+    const Eigen::VectorXd mask = limit::limitMask(ring);
+    for (std::size_t i = 0; i < ring.entities.size(); ++i)
+        result.mask[ring.entities[i].dimension] += mask[static_cast<Eigen::Index>(i)];
+    return result;
+}
+
+/// One for each vertex and each edge of level 0 whose ring is not regular, in their order. An edge
+/// is judged by the ring of its new point: those of the further ones on it are the same.
+/// \cost O(n³) in the points of a ring, for each of up to kMaxRingPoints points
+std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
+                                         stencils::Rules rules) {
+    far::TopologyRefiner refiner(lattice.level(0), lattice.options());
+    refiner.refineUniform(1);
+    const far::Level& level = refiner.level(1);
+    std::vector<std::pair<Entity, Index>> irregular;
+    for (int d = 0; d <= 1; ++d)
+        for (Index index = 0; index < refiner.level(0).complex.count(d); ++index) {
+            const Entity entity{d, index};
+            const auto point = refiner.refinement(1).childOf({entity, entity});
+            if (point && !level.strata.isOpen(*point) &&
+                !embed::isRegularVertex(level, point->index))
+                irregular.emplace_back(entity, point->index);
+        }
+    std::vector<Smoothness> result(irregular.size());
+    parallelFor(std::ssize(irregular), 1, [&](Offset first, Offset last) {
+        for (Offset i = first; i < last; ++i) {
+            const auto& [entity, vertex] = irregular[i];
+            result[i] = smoothnessOf(entity, level, vertex, refiner.options(), rules);
+        }
+    });
+    return result;
+}
 
 constexpr const char* kStrata[] = {"corner", "sharp", "boundary", "interior"};
 
@@ -189,16 +427,14 @@ void runInfo(const InfoOptions& options) {
 }  // namespace
 
 void addInfoCommand(CLI::App& program) {
-    auto options = std::make_shared<InfoOptions>();
-    CLI::App& command = addLatticeCommand(
+    const auto [command, options] = addCommand(
         program, "info",
-        "Counts per level, valences, types of cells, strata and quality of a lattice",
-        FileKind::Lattice, *options);
-    command.add_flag("--json", options->json, "Print JSON");
-    command.add_flag("--smoothness", options->smoothness,
+        "Counts per level, valences, types of cells, strata and quality of a lattice", runInfo);
+    addLatticeOptions(command, FileKind::Lattice, options);
+    command.add_flag("--json", options.json, "Print JSON");
+    command.add_flag("--smoothness", options.smoothness,
                      "Of each irregular vertex and edge the leading eigenvalues of refinement, and "
                      "the limit mask");
-    command.callback([options] { runInfo(*options); });
 }
 
 }  // namespace espalier::cli

@@ -1,17 +1,101 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/memory.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
 #include <exception>
+#include <fstream>
+#include <memory>
 #include <new>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <system_error>
+#include <thread>
+
+#ifdef ESPALIER_WITH_TBB
+#include <tbb/task_scheduler_observer.h>
+#endif
 
 #include "commands.h"
-#include "memory_option.h"
 #include "run.h"
 #include "standard_streams.h"
-#include "worker_signals.h"
 
 namespace {
+
+using namespace espalier;
+
+#ifdef ESPALIER_WITH_TBB
+
+/// While this lives, signals that end the program come to the main thread alone: the threads that
+/// work for it block them. So where the main thread blocks them too (io::SignalsBlocked), they
+/// wait.
+class SignalsToMainThread : public tbb::task_scheduler_observer {
+public:
+    SignalsToMainThread() { observe(true); }
+    ~SignalsToMainThread() override { observe(false); }
+
+    /// A thread begins to work.
+    void on_scheduler_entry(bool isWorker) override {
+        if (!isWorker) return;
+        ::sigset_t all;
+        ::sigfillset(&all);
+        ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    }
+};
+
+#endif
+
+/// Bytes of memory that there are for this process: the machine's, or its container's.
+std::uint64_t machineMemory() {
+    auto bytes = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                 static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+    std::uint64_t ofContainer = 0;
+    if (std::ifstream("/sys/fs/cgroup/memory.max") >> ofContainer)  // "max" is no number
+        bytes = std::min(bytes, ofContainer);
+    return bytes;
+}
+
+/// What --max-memory is set to, and what comes of it: work that is known to take more is refused,
+/// and so is work that turns out to (MemoryLimit). From the system the process gets no more either.
+struct MemoryOption {
+    std::uint64_t bytes = machineMemory() / 2;
+    std::optional<MemoryLimit> limit;
+
+    void apply() {
+        limit.emplace(bytes);
+        // The system counts what is promised, not what is used, and the stacks of threads.
+        constexpr std::uint64_t kPerThread = 16 << 20;
+        const std::uint64_t slack = kPerThread * (2 + std::thread::hardware_concurrency());
+        const std::uint64_t most = std::max(bytes, bytes + slack);  // It may be the largest number.
+        ::rlimit data{};
+        if (::getrlimit(RLIMIT_DATA, &data) != 0) return;
+        data.rlim_cur = std::min<std::uint64_t>(data.rlim_max, most);
+        ::setrlimit(RLIMIT_DATA, &data);  // Where it fails, the limit of the library remains.
+    }
+};
+
+/// Adds --max-memory to a command and those in it.
+void addTo(CLI::App& command, MemoryOption& setting) {
+    const CLI::Validator asSize(
+        [](std::string& text) {
+            // Not for CLI::AsSizeValue, to which -1 is the largest number.
+            const std::string error =
+                text.starts_with('-') ? "expected more than 0" : CLI::AsSizeValue(true)(text);
+            return error.empty() && text == "0" ? "expected more than 0" : error;
+        },
+        "");
+    command
+        .add_option("--max-memory", setting.bytes,
+                    "Memory at most: work that would take more is an error. 500MB, 4GB ...")
+        ->transform(asSize)
+        ->option_text("SIZE [half of the machine's]");
+    for (CLI::App* inner : command.get_subcommands({})) addTo(*inner, setting);
+}
 
 /// Exit codes of the program.
 enum Exit { kSuccess = 0, kBadInput = 1, kUsage = 2, kFinding = 3 };
@@ -33,8 +117,12 @@ int run(int argumentCount, char** arguments) {
     addFitCommand(program);
     addCheckCommand(program);
     addCompareCommand(program);
-    addMemoryOption(program);
+    const auto memory = std::make_shared<MemoryOption>();
+    for (CLI::App* command : program.get_subcommands({})) addTo(*command, *memory);
+    program.parse_complete_callback([memory] { memory->apply(); });
+#ifdef ESPALIER_WITH_TBB
     const SignalsToMainThread signals;
+#endif
     try {
         program.parse(argumentCount, arguments);
     } catch (const CLI::Success& helpOrVersion) {

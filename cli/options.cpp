@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options.h"
 
-#include "choice.h"
-
-#include <map>
+#include <vector>
 
 namespace espalier::cli {
 
-CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,
-                            FileKind kind, LatticeOptions& options) {
-    CLI::App& command = *program.add_subcommand(name, help);
+void addLatticeOptions(CLI::App& command, FileKind kind, LatticeOptions& options) {
     const bool isAny = kind == FileKind::Refinable;
     command
         .add_option(isAny ? "LATTICE|MESH|CURVE" : "LATTICE", options.lattice,
@@ -19,43 +15,32 @@ CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const st
     addLevelOption(command, options.level, 0);
     addRefinementOptions(command, options.common, isAny ? RulesFor::Anything : RulesFor::Lattices);
     addRunOptions(command, options.common);
-    return command;
 }
 
 void addRefinementOptions(CLI::App& command, CommonOptions& options, RulesFor rulesFor) {
     const std::string unlessTagged = ", unless the file says otherwise";
     addChoice<far::Boundary>(
-        command, "--boundary", options.refinement.boundary,
-        {{"sharp", far::Boundary::Sharp},
-         {"edge-only", far::Boundary::EdgeOnly},
-         {"open", far::Boundary::Open}},
+        command, "--boundary", options.refinement.boundary, far::kBoundaryWords,
         "Corners, sharp edges and boundary surfaces by their own rules; the same without the "
         "corners of single cells or faces; or a region that shrinks",
         "sharp" + unlessTagged);
-    addChoice<far::Creasing>(
-        command, "--creasing", options.refinement.creasing,
-        {{"uniform", far::Creasing::Uniform}, {"chaikin", far::Creasing::Chaikin}},
-        "How semi-sharp edges lose sharpness", "uniform" + unlessTagged);
-    addChoice<far::TriangleSubdivision>(command, "--triangles", options.refinement.triangles,
-                                        {{"catmark", far::TriangleSubdivision::Catmark},
-                                         {"smooth", far::TriangleSubdivision::Smooth}},
-                                        "Weights of triangles on a surface",
-                                        "catmark" + unlessTagged);
+    addChoice<far::Creasing>(command, "--creasing", options.refinement.creasing,
+                             far::kCreasingWords, "How semi-sharp edges lose sharpness",
+                             "uniform" + unlessTagged);
+    addChoice<far::TriangleSubdivision>(
+        command, "--triangles", options.refinement.triangles, far::kTriangleSubdivisionWords,
+        "Weights of triangles on a surface", "catmark" + unlessTagged);
     addChoice<far::SharpEdges>(
-        command, "--sharp-edges", options.sharpEdges,
-        {{"single-cell", far::SharpEdges::SingleCell}, {"literal", far::SharpEdges::Literal}},
+        command, "--sharp-edges", options.sharpEdges, far::kSharpEdgesWords,
         "Sharp are boundary edges in one cell, or those between vertices of at most two cells");
-    std::map<std::string, stencils::Rules> rules = {{"siggraph96", stencils::Rules::Siggraph96},
-                                                    {"cse96", stencils::Rules::Cse96}};
+    std::vector<Word<stencils::Rules>> rules;
+    for (const auto& word : stencils::kRulesWords)
+        if ((word.choice != stencils::Rules::Mlca || rulesFor != RulesFor::OpenSubdiv) &&
+            (word.choice != stencils::Rules::Rats || rulesFor == RulesFor::Anything))
+            rules.push_back(word);
     std::string help = "Catmull-Clark, in two editions for the edges inside a lattice";
-    if (rulesFor != RulesFor::OpenSubdiv) {
-        rules["mlca"] = stencils::Rules::Mlca;
-        help += "; multilinear cell averaging";
-    }
-    if (rulesFor == RulesFor::Anything) {
-        rules["rats"] = stencils::Rules::Rats;
-        help += "; or RATS splines, for curves and meshes";
-    }
+    if (rulesFor != RulesFor::OpenSubdiv) help += "; multilinear cell averaging";
+    if (rulesFor == RulesFor::Anything) help += "; or RATS splines, for curves and meshes";
     addChoice<stencils::Rules>(command, "--rules", options.rules, rules, help);
 }
 
@@ -70,9 +55,7 @@ void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
         },
         "");
     addChoice<embed::OutsidePolicy>(command, "--outside", options.embedding.outside,
-                                    {{"keep", embed::OutsidePolicy::Keep},
-                                     {"nearest", embed::OutsidePolicy::Nearest},
-                                     {"error", embed::OutsidePolicy::Error}},
+                                    embed::kOutsidePolicyWords,
                                     "Points outside the lattice stay in place, go with the "
                                     "nearest place in it, or are an error");
     command
@@ -91,9 +74,9 @@ void addRunOptions(CLI::App& command, CommonOptions& options) {
 
 void addLevelOption(CLI::App& command, int& level, int least) {
     // Level 15 of a single cell would have 8¹⁵ cells, far more than an index counts.
-    constexpr int kMost = 15;
+    constexpr int kMaxLevel = 15;
     command.add_option("-n,--level", level, "Refinement level")
-        ->check(CLI::Range(least, kMost))
+        ->check(CLI::Range(least, kMaxLevel))
         ->capture_default_str();
 }
 

@@ -1,15 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/word.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/far/strata.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/masks.h>
 
 #include <CLI/CLI.hpp>
+#include <map>
+#include <span>
 #include <string>
+#include <type_traits>
 
 namespace espalier::cli {
+
+/// An option that takes one of a few words; the help shows them and the default.
+///
+/// \param value a Choice, or a std::optional of one that says what is done without the option
+template <class Choice, class Value>
+CLI::Option* addChoice(CLI::App& command, const std::string& name, Value& value,
+                       std::type_identity_t<std::span<const Word<Choice>>> words,
+                       const std::string& help, std::string fallback = {}) {
+    std::map<std::string, Choice> choices;
+    for (const Word<Choice>& word : words) {
+        choices.emplace(word.text, word.choice);
+        if (value == word.choice) fallback = word.text;
+    }
+    std::string names;
+    for (const auto& [word, choice] : choices) names += (names.empty() ? "" : "|") + word;
+    const CLI::Validator isWord(
+        [choices, names](std::string& text) {
+            return choices.contains(text) ? std::string() : "expected " + names + ", got " + text;
+        },
+        "");
+    return command
+        .add_option_function<std::string>(
+            name, [&value, choices](const std::string& text) { value = choices.at(text); }, help)
+        ->check(isWord)
+        ->type_name(names)
+        ->default_str(fallback);
+}
 
 /// What every command takes.
 struct CommonOptions {
@@ -34,9 +65,8 @@ enum class FileKind {
     Refinable  ///< a lattice, a mesh or a curve
 };
 
-/// Adds a command with LATTICE, -n, and the options of refinement and of the run.
-CLI::App& addLatticeCommand(CLI::App& program, const std::string& name, const std::string& help,
-                            FileKind kind, LatticeOptions& options);
+/// Adds LATTICE, -n, and the options of refinement and of the run.
+void addLatticeOptions(CLI::App& command, FileKind kind, LatticeOptions& options);
 
 /// The rules that a command offers.
 enum class RulesFor {

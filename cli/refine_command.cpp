@@ -2,12 +2,16 @@
 #include <espalier/base/parallel.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/lattice_file.h>
+#include <espalier/stencils/refined_lattice.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "commands.h"
-#include "pipeline.h"
+#include "files.h"
+#include "standard_streams.h"
 
 namespace espalier::cli {
 namespace {
@@ -15,6 +19,24 @@ namespace {
 struct RefineOptions : LatticeOptions {
     std::string output;
 };
+
+/// Says on standard error, in one line per attribute, how many values of a lattice that was read
+/// from `path` are not finite, and where the first stands. To be called between stages.
+void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) {
+    const auto isNotFinite = [](double value) { return !std::isfinite(value); };
+    for (const auto& [name, components, values] : lattice.attributes) {
+        const auto first = std::ranges::find_if(values, isNotFinite);
+        if (first == values.end()) continue;
+        const auto count = std::count_if(first, values.end(), isNotFinite);
+        const std::string text = fmt::format(
+            "{}: the attribute {} has {} {} not finite, the first at vertex {} ({}); values that "
+            "are refined from such are not finite either",
+            io::shownPath(path), inQuotes(name), count,
+            count == 1 ? "value that is" : "values that are", (first - values.begin()) / components,
+            *first);
+        printError(text.c_str());
+    }
+}
 
 void runRefine(const RefineOptions& options) {
     const ThreadLimit limit(options.common.threads);
@@ -27,8 +49,9 @@ void runRefine(const RefineOptions& options) {
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, base, options.common, options.level);
     });
-    const Lattice refined = stages.run(
-        "placing", [&] { return refinedLattice(refiner, options.level, options.common, base); });
+    const Lattice refined = stages.run("placing", [&] {
+        return stencils::refinedLattice(refiner, options.level, options.common.rules, base);
+    });
     stages.run("writing", [&] { io::writeRefinable(options.output, refined); });
     if (!options.common.quiet)
         fmt::print("{}: level {}, {} vertices, {} {}\n", printable(options.output), options.level,
@@ -39,16 +62,15 @@ void runRefine(const RefineOptions& options) {
 }  // namespace
 
 void addRefineCommand(CLI::App& program) {
-    auto options = std::make_shared<RefineOptions>();
-    CLI::App& command = addLatticeCommand(
+    const auto [command, options] = addCommand(
         program, "refine",
         "Write level N of a lattice, a mesh or a curve: positions, topology, attributes and marks",
-        FileKind::Refinable, *options);
+        runRefine);
+    addLatticeOptions(command, FileKind::Refinable, options);
     command
-        .add_option("-o,--output", options->output,
+        .add_option("-o,--output", options.output,
                     "The refined lattice: .ovm, .vtu or .vtk; or mesh or curve: .obj")
         ->required();
-    command.callback([options] { runRefine(*options); });
 }
 
 }  // namespace espalier::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/memory.h>
+#include <espalier/stencils/factored_table.h>
 
 #include <array>
 #include <chrono>
@@ -79,6 +80,15 @@ public:
         }
     }
 
+    /// Reads a file, and counts its bytes, in the stage "reading".
+    template <class Read>
+    auto read(const std::filesystem::path& path, Read read) {
+        return run("reading", [&] {
+            addFile(path);
+            return read();
+        });
+    }
+
     /// Says, from within the work of a stage, that it has read or made so many bytes more.
     void addBytes(std::size_t bytes);
 
@@ -103,6 +113,19 @@ private:
     std::vector<Finished> finished_;
     std::optional<LineOnTerminal> line_;
 };
+
+/// A table's offsets, columns and weights.
+template <class Real>
+std::size_t bytesOf(const stencils::StencilTable<Real>& table) {
+    return table.offsets().size_bytes() + table.columns().size_bytes() +
+           table.weights().size_bytes();
+}
+
+/// Both tables'.
+template <class Real>
+std::size_t bytesOf(const stencils::FactoredTable<Real>& table) {
+    return bytesOf(table.vertices) + bytesOf(table.points);
+}
 
 /// The most memory that this process has had, in bytes.
 std::size_t peakMemory();

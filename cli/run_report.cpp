@@ -8,13 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "byte_counts.h"
-#include "choice.h"
-
 namespace espalier::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using embed::PointStatus;
 
 /// Billions of bytes a second; nothing if the bytes are not known.
 std::optional<double> gigabytesPerSecond(const Stages::Finished& stage) {
@@ -55,8 +53,7 @@ void printStage(const Stages::Finished& stage, std::size_t labelWidth) {
 }  // namespace
 
 void addReportOption(CLI::App& command, ReportFormat& format) {
-    addChoice<ReportFormat>(command, "--report", format,
-                            {{"text", ReportFormat::Text}, {"json", ReportFormat::Json}},
+    addChoice<ReportFormat>(command, "--report", format, kReportFormatWords,
                             "How to say what was done, on standard output");
 }
 
@@ -64,9 +61,9 @@ Json toJson(const RunReport& report) {
     const auto& table = report.binding.table;
     Json json = Json::object();  // null is left broken if there is no memory to make it one
     if (report.points) {
-        json["points"] = {{"inside", report.points->inside},
-                          {"outside", report.points->outside},
-                          {"not_converged", report.points->notConverged}};
+        json["points"] = {{"inside", report.points->count(PointStatus::Inside)},
+                          {"outside", report.points->count(PointStatus::Outside)},
+                          {"not_converged", report.points->count(PointStatus::NotConverged)}};
         json["largest_residual"] = report.points->largestResidual;
     }
     json["kept"] = report.binding.kept.size();
@@ -88,9 +85,10 @@ void printText(const RunReport& report) {
         fmt::print("{:<{}} {}\n", label, width, text);
     };
     if (report.points)
-        printLine("points",
-                  fmt::format("{} inside, {} outside, {} not converged", report.points->inside,
-                              report.points->outside, report.points->notConverged));
+        printLine("points", fmt::format("{} inside, {} outside, {} not converged",
+                                        report.points->count(PointStatus::Inside),
+                                        report.points->count(PointStatus::Outside),
+                                        report.points->count(PointStatus::NotConverged)));
     if (kept > 0) printLine("kept in place", std::to_string(kept));
     if (report.points)
         printLine("largest residual", fmt::format("{:.2g}", report.points->largestResidual));
@@ -102,7 +100,8 @@ void printText(const RunReport& report) {
     printLine("peak memory", formatBytes(report.peakMemory));
 }
 
-void print(const RunReport& report, ReportFormat format) {
+void print(const RunReport& report, ReportFormat format, const CommonOptions& options) {
+    if (options.quiet) return;
     if (format == ReportFormat::Json)
         fmt::print("{}\n", toJson(report).dump(2));
     else

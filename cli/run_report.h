@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/embed/binding.h>
+#include <espalier/embed/local_binding.h>
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 
 #include "bind_model.h"
 #include "run.h"
@@ -18,6 +17,8 @@ enum class ReportFormat {
     Text,
     Json  ///< one object
 };
+inline constexpr Word<ReportFormat> kReportFormatWords[] = {{"text", ReportFormat::Text},
+                                                            {"json", ReportFormat::Json}};
 
 /// Adds --report to a command.
 void addReportOption(CLI::App& command, ReportFormat& format);
@@ -43,8 +44,8 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///     applying           that must move: the matrix, the vertices of the pose and the deformed
 ///                        points, for each pose
 struct RunReport {
-    std::optional<BindingReport> points;  ///< nothing where the binding was read from a file
-    const embed::Binding<double>& binding;
+    const embed::BindingResult* points;  ///< null where the binding was read from a file
+    const embed::Binding& binding;
     const Stages& stages;
     std::size_t peakMemory;
 };
@@ -53,7 +54,7 @@ nlohmann::ordered_json toJson(const RunReport& report);
 
 void printText(const RunReport& report);
 
-/// Prints it to standard output in the format that was asked for.
-void print(const RunReport& report, ReportFormat format);
+/// Prints it to standard output in the format that was asked for, unless the run is quiet.
+void print(const RunReport& report, ReportFormat format, const CommonOptions& options);
 
 }  // namespace espalier::cli

@@ -12,10 +12,9 @@
 #include <memory>
 #include <numbers>
 
-#include "choice.h"
 #include "commands.h"
+#include "files.h"
 #include "options.h"
-#include "pipeline.h"
 
 namespace espalier::cli {
 namespace {
@@ -59,8 +58,7 @@ void add(CLI::App& command, const std::string& name, Value& value, const std::st
 
 void addPattern(CLI::App& command, shapes::DiskPattern& pattern) {
     add(command, "--rings", pattern.rings, "Rings of cells in the disk, the core counted");
-    addChoice<shapes::Core>(command, "--core", pattern.core,
-                            {{"wedges", shapes::Core::Wedges}, {"polygon", shapes::Core::Polygon}},
+    addChoice<shapes::Core>(command, "--core", pattern.core, shapes::kCoreWords,
                             "Middle of the disk: wedges round a vertex, or one prism");
 }
 
@@ -97,10 +95,9 @@ void addRoundShapes(CLI::App& shape) {
         shape, "torus", "A cross-section swept round the z axis",
         [](CLI::App& command, shapes::TorusOptions& options) {
             add(command, "--segments", options.segments, "Cells round the ring");
-            addChoice<shapes::TorusSection>(
-                command, "--section", options.section,
-                {{"grid", shapes::TorusSection::Grid}, {"disk", shapes::TorusSection::Disk}},
-                "Cross-section: a square, or a disk");
+            addChoice<shapes::TorusSection>(command, "--section", options.section,
+                                            shapes::kTorusSectionWords,
+                                            "Cross-section: a square, or a disk");
             add(command, "--grid", options.gridCells, "Cells along each side of the square");
             add(command, "--sides", options.sides, "Sides of the disk");
             addPattern(command, options.pattern);

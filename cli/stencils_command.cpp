@@ -4,34 +4,32 @@
 #include <espalier/io/files/file.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/matrix_market.h>
+#include <espalier/io/model.h>
 #include <espalier/io/numbered_path.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <memory>
 
 #include "bind_model.h"
-#include "choice.h"
 #include "commands.h"
-#include "distinct_outputs.h"
-#include "pipeline.h"
+#include "files.h"
 
 namespace espalier::cli {
 namespace {
 
 struct StencilsOptions : LatticeOptions {
     std::string points;
-    BindOptions bind;  ///< --basis and --limit; runStencils() fills in the rest
+    BindOptions bind;  ///< --basis and --limit alone
     bool gradients = false;
     bool levelTables = false;
     io::PetscInt petscIntegers = io::PetscInt::Bits32;
     std::string output;
 };
 
-const std::map<std::string, io::PetscInt> kPetscIntegers = {{"32", io::PetscInt::Bits32},
-                                                            {"64", io::PetscInt::Bits64}};
+constexpr Word<io::PetscInt> kPetscIntWords[] = {{"32", io::PetscInt::Bits32},
+                                                 {"64", io::PetscInt::Bits64}};
 
 /// A matrix, the file that it goes to, and what its rows and columns are.
 struct Export {
@@ -65,29 +63,38 @@ std::vector<std::filesystem::path> matrixPaths(const StencilsOptions& options) {
 }
 
 /// The name of D in comments of files: "D at level 3".
-std::string nameOfD(const BindOptions& bind) {
-    if (bind.basis == Basis::Bezier) return "D of the Bézier volume";
-    if (bind.basis == Basis::BSpline) return "D of the uniform cubic B-splines";
-    if (bind.limit) return "D in the limit";
-    return fmt::format("D at level {}", bind.level);
+std::string nameOfD(const StencilsOptions& options) {
+    if (options.bind.basis == embed::Basis::Bezier) return "D of the Bézier volume";
+    if (options.bind.basis == embed::Basis::BSpline) return "D of the uniform cubic B-splines";
+    if (options.bind.limit) return "D in the limit";
+    return fmt::format("D at level {}", options.level);
+}
+
+/// How the points are bound, by the options of the lattice.
+BindOptions bindOptions(const StencilsOptions& options) {
+    BindOptions bind = options.bind;
+    bind.common = options.common;
+    bind.rest = options.lattice;
+    bind.level = options.level;
+    return bind;
 }
 
 /// D, and its gradients if they were asked for.
 std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) {
-    const auto model = readModel(options.points, stages);
+    const auto model = stages.read(options.points, [&] { return io::readModel(options.points); });
     const Lattice lattice = readLattice(options.lattice, stages);
-    auto bound = bindPoints(options.bind, model->positions(), lattice, stages,
-                            options.gradients ? Gradients::OfLimit : Gradients::No);
+    auto [bound, gradients] =
+        bindModel(bindOptions(options), model->positions(), lattice, stages, options.gradients);
     const std::string rowsAndColumns = fmt::format(
         "rows are the points of {}, in the order of the file, and "
         "empty where a point stays in place; columns are the vertices of {}",
         printable(options.points), printable(options.lattice));
     std::vector<Export> result;
     result.push_back({options.output, std::move(bound.binding.table),
-                      fmt::format("{}: {}", nameOfD(options.bind), rowsAndColumns)});
-    for (std::size_t axis = 0; options.gradients && axis < 3; ++axis)
+                      fmt::format("{}: {}", nameOfD(options), rowsAndColumns)});
+    for (std::size_t axis = 0; gradients && axis < 3; ++axis)
         result.push_back(
-            {gradientPath(options, axis), std::move(bound.gradients[axis]),
+            {gradientPath(options, axis), std::move(gradients->tables[axis]),
              fmt::format("Gradient of D in the limit: its product with a pose is column {} of the "
                          "deformation gradient, the derivative by {} of the rest pose; {}",
                          axis, "xyz"[axis], rowsAndColumns)});
@@ -137,11 +144,8 @@ void write(const Export& matrix, const StencilsOptions& options) {
         io::writeMatrix(matrix.path, matrix.table, format);
 }
 
-void runStencils(StencilsOptions& options) {
+void runStencils(const StencilsOptions& options) {
     checkBasis(options.bind);
-    options.bind.common = options.common;
-    options.bind.rest = options.lattice;
-    options.bind.level = options.level;
     const ThreadLimit limit(options.common.threads);
     std::vector<Input> inputs = {{"LATTICE", options.lattice}};
     if (!options.points.empty()) inputs.push_back({"--points", options.points});
@@ -169,20 +173,20 @@ void runStencils(StencilsOptions& options) {
 }  // namespace
 
 void addStencilsCommand(CLI::App& program) {
-    auto options = std::make_shared<StencilsOptions>();
-    CLI::App& command = addLatticeCommand(program, "stencils",
-                                          "Write the matrix that refines a lattice, mesh or curve, "
-                                          "or that deforms a model by a lattice",
-                                          FileKind::Refinable, *options);
+    const auto [command, options] = addCommand(program, "stencils",
+                                               "Write the matrix that refines a lattice, mesh or "
+                                               "curve, or that deforms a model by a lattice",
+                                               runStencils);
+    addLatticeOptions(command, FileKind::Refinable, options);
     CLI::Option* const points = command.add_option(
-        "--points", options->points,
+        "--points", options.points,
         "A model: write D, the weights of its points over the vertices of the lattice, in place of "
         "S_N, those of the level-N vertices");
     const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
-    addBasisOptions(command, options->bind);
-    addEmbeddingOptions(command, options->common);
+    addBasisOptions(command, options.bind);
+    addEmbeddingOptions(command, options.common);
     command
-        .add_flag("--gradients", options->gradients,
+        .add_flag("--gradients", options.gradients,
                   "Write the gradients of D too, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "
                   "their products with a pose are the columns of the deformation gradient")
         ->needs(command.get_option("--limit"));
@@ -190,18 +194,17 @@ void addStencilsCommand(CLI::App& program) {
     for (auto option = all.begin() + others; option != all.end(); ++option)
         (*option)->needs(points);
     command
-        .add_flag("--level-tables", options->levelTables,
+        .add_flag("--level-tables", options.levelTables,
                   "Write R_1 to R_N, each level over the one before, to a numbered file each")
         ->excludes(points);
     command
         .add_option(
-            "-o,--output", options->output,
+            "-o,--output", options.output,
             "The matrix: Matrix Market (.mtx), SciPy's archive (.npz), its arrays as a file "
             "each (.npy), or PETSc's binary (.petsc)")
         ->required();
-    addChoice<io::PetscInt>(command, "--petsc-indices", options->petscIntegers, kPetscIntegers,
+    addChoice<io::PetscInt>(command, "--petsc-indices", options.petscIntegers, kPetscIntWords,
                             "The bits of an index in the PETSc that is to read .petsc");
-    command.callback([options] { runStencils(*options); });
 }
 
 }  // namespace espalier::cli

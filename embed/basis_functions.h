@@ -3,8 +3,10 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
+#include <espalier/base/word.h>
 
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace espalier::embed {
@@ -14,6 +16,10 @@ enum class Basis {
     Bezier,  ///< Bernstein polynomials over the whole lattice (Sederberg & Parry 1986)
     BSpline  ///< uniform cubic B-splines (Griessmair & Purgathofer 1989)
 };
+
+/// What a lattice weighs points by: a basis, or its subdivision.
+inline constexpr Word<std::optional<Basis>> kBasisWords[] = {
+    {"subdivision", std::nullopt}, {"bezier", Basis::Bezier}, {"bspline", Basis::BSpline}};
 
 /// A range of places along an axis of n cells, which runs from 0 to n.
 struct AxisRange {

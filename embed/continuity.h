@@ -3,6 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
+#include <espalier/base/word.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
@@ -32,6 +33,8 @@ enum class Continuity {
     C1,  ///< and with its tangent planes
     C2   ///< and with its curvatures: by the same vertices as C1, as said above
 };
+inline constexpr Word<Continuity> kContinuityWords[] = {
+    {"c0", Continuity::C0}, {"c1", Continuity::C1}, {"c2", Continuity::C2}};
 
 /// The vertices to freeze, ascending, to hold faces of a lattice: the side where a model leaves it,
 /// say, so that what is inside fits on what stays outside.

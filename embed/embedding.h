@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/word.h>
 #include <espalier/embed/point_location.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/factored_table.h>
@@ -22,6 +23,9 @@ enum class OutsidePolicy {
     Nearest,  ///< the nearest cell carries it, along the tangent of its map
     Error     ///< binding is refused
 };
+inline constexpr Word<OutsidePolicy> kOutsidePolicyWords[] = {{"keep", OutsidePolicy::Keep},
+                                                              {"nearest", OutsidePolicy::Nearest},
+                                                              {"error", OutsidePolicy::Error}};
 
 /// The finest level that points are bound to. Its cells are a millionth of a base cell across, as
 /// fine as the tolerance below: on levels above it a point would be in ever more cells at once.
@@ -94,14 +98,12 @@ ESPALIER_API stencils::RowOrder orderByBaseCell(const Embedding& embedding,
 ///
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries), in parallel
-template <class Real = double>
-ESPALIER_API stencils::StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
-                                                                int level, stencils::Rules rules,
-                                                                const Embedding& embedding);
+ESPALIER_API stencils::StencilTable<double> buildDeformationTable(
+    const far::TopologyRefiner& refiner, int level, stencils::Rules rules,
+    const Embedding& embedding);
 
 /// The same from the level tables R_1 to R_level: see composeStencils().
-template <class Real = double>
-ESPALIER_API stencils::StencilTable<Real> buildDeformationTable(
+ESPALIER_API stencils::StencilTable<double> buildDeformationTable(
     const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
     const Embedding& embedding);
 
@@ -109,14 +111,12 @@ ESPALIER_API stencils::StencilTable<Real> buildDeformationTable(
 ///
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries of S_level), in parallel
-template <class Real = double>
-ESPALIER_API stencils::FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner,
-                                                              int level, stencils::Rules rules,
-                                                              const Embedding& embedding);
+ESPALIER_API stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner& refiner,
+                                                                int level, stencils::Rules rules,
+                                                                const Embedding& embedding);
 
 /// The same from the level tables R_1 to R_level: see composeStencils().
-template <class Real = double>
-ESPALIER_API stencils::FactoredTable<Real> buildFactoredTable(
+ESPALIER_API stencils::FactoredTable<double> buildFactoredTable(
     const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
     const Embedding& embedding);
 

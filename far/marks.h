@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/word.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/topology_error.h>
 
@@ -37,6 +38,8 @@ enum class Creasing {
     Uniform,  ///< less 1 at both ends
     Chaikin   ///< less 1 after it is averaged with the other semi-sharp edges at that end
 };
+inline constexpr Word<Creasing> kCreasingWords[] = {{"uniform", Creasing::Uniform},
+                                                    {"chaikin", Creasing::Chaikin}};
 
 /// A sharpness as it is stored: in single precision, and infinite from kLeastInfinite on.
 /// \param sharpness 0 or more

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/word.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/marks.h>
 #include <espalier/far/topology_error.h>
@@ -29,6 +30,8 @@ enum class Boundary {
                ///< OpenSubdiv's "none" leaves out the faces that shrink away; here, what is left
                ///< of them stays
 };
+inline constexpr Word<Boundary> kBoundaryWords[] = {
+    {"sharp", Boundary::Sharp}, {"edge-only", Boundary::EdgeOnly}, {"open", Boundary::Open}};
 
 /// Which boundary edges of a lattice are sharp when no mark says otherwise.
 enum class SharpEdges {
@@ -36,6 +39,8 @@ enum class SharpEdges {
     Literal      ///< those that join two vertices of at most two cells each: the paper's words,
                  ///< which make more edges sharp where a lattice is one cell thick
 };
+inline constexpr Word<SharpEdges> kSharpEdgesWords[] = {{"single-cell", SharpEdges::SingleCell},
+                                                        {"literal", SharpEdges::Literal}};
 
 /// A number for each vertex and each edge of a complex.
 struct SharpnessValues {

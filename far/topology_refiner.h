@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/word.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/far/refinement.h>
 #include <espalier/far/strata.h>
@@ -29,6 +30,8 @@ enum class TriangleSubdivision {
     Catmark,  ///< those of every face
     Smooth    ///< 0.47 in place of 1/4 for its centroid: OpenSubdiv's "smooth triangles"
 };
+inline constexpr Word<TriangleSubdivision> kTriangleSubdivisionWords[] = {
+    {"catmark", TriangleSubdivision::Catmark}, {"smooth", TriangleSubdivision::Smooth}};
 
 /// How a complex is refined; decided once, at level 0.
 struct RefinerOptions {

@@ -17,13 +17,11 @@
 #include <type_traits>
 #include <utility>
 
-#include "embedding_options.h"
 #include "evaluation.h"
 #include "model.h"
 #include "module.h"
 #include "pickling.h"
 #include "refiner.h"
-#include "shared.h"
 
 namespace espalier::python {
 
@@ -33,55 +31,47 @@ namespace {
 
 using Bound = std::shared_ptr<BoundPoints>;
 
-/// What a lattice weighs points by; the words of `espalier deform --basis`.
-enum class Weights { Subdivision, Bezier, BSpline };
-const Words<Weights> kBases = {{"subdivision", Weights::Subdivision},
-                               {"bezier", Weights::Bezier},
-                               {"bspline", Weights::BSpline}};
-
-void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
-                       std::span<const Point3> points, const embed::EmbeddingOptions& options) {
-    auto found = embed::bindPoints<double>(refiner.base(), refiner.lattice()->positions, level,
-                                           refiner.rules(), points, options);
-    result.bound.binding = std::move(found.binding);
-    result.placement = {std::move(found.statuses), found.largestResidual};
-}
-
-/// \param gradients whether the binding keeps those, for directions of the model
-void bindToLimit(BoundPoints& result, const Refiner& refiner, std::span<const Point3> points,
-                 const embed::EmbeddingOptions& options, bool gradients) {
-    const auto& rest = refiner.lattice()->positions;
-    auto found = limit::bindLimit<double>(
-        refiner.base(), rest, refiner.rules(), points,
-        {.embedding = options, .tolerance = options.tolerance, .gradients = gradients});
-    if (gradients)
-        result.bound.gradients = io::BoundGradients{std::move(found.binding.table.gradients), rest};
-    result.bound.binding = limit::withoutGradients(std::move(found.binding));
-    result.placement = {std::move(found.statuses), found.largestResidual};
-}
-
-void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, Weights basis,
-                         std::span<const Point3> points, const embed::EmbeddingOptions& options) {
+/// \param hasDirections whether the binding to the limit keeps gradients, for directions of the
+/// model
+void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Basis> basis,
+            bool isLimit, int level, const embed::EmbeddingOptions& options, bool hasDirections) {
     const Lattice& lattice = *refiner.lattice();
-    // To go on without them would be another deformation than the lattice asks for.
-    if (!lattice.marks.empty())
-        throw Error("basis: the lattice has marks, which only subdivision heeds");
-    const embed::TensorLattice tensor(
-        lattice.complex, lattice.positions,
-        basis == Weights::Bezier ? embed::Basis::Bezier : embed::Basis::BSpline);
-    const auto embedding = embed::embedPoints(tensor, points, options);
-    result.bound.binding = embed::makeBinding<double>(tensor, embedding, points);
-    Placement placement{{}, embedding.largestResidual()};
-    for (const auto& point : embedding.points) placement.statuses.push_back(point.status);
-    result.placement = std::move(placement);
+    const std::vector<Point3>& points = *result.points;
+    const auto keep = [&](auto& found, embed::Binding binding) {
+        result.bound.binding = std::move(binding);
+        result.statuses = std::move(found.statuses);
+        result.largestResidual = found.largestResidual;
+    };
+    if (basis) {
+        // To go on without them would be another deformation than the lattice asks for.
+        if (!lattice.marks.empty())
+            throw Error("basis: the lattice has marks, which only subdivision heeds");
+        const embed::TensorLattice tensor(lattice.complex, lattice.positions, *basis);
+        const auto embedding = embed::embedPoints(tensor, points, options);
+        result.bound.binding = embed::makeBinding(tensor, embedding, points);
+        for (const auto& point : embedding.points) result.statuses.push_back(point.status);
+        result.largestResidual = embedding.largestResidual();
+    } else if (isLimit) {
+        auto found = limit::bindLimit(
+            refiner.base(), lattice.positions, refiner.rules(), points,
+            {.embedding = options, .tolerance = options.tolerance, .gradients = hasDirections});
+        if (hasDirections)
+            result.bound.gradients = {std::move(found.binding.table.gradients), lattice.positions};
+        keep(found, limit::withoutGradients(std::move(found.binding)));
+    } else {
+        auto found = embed::bindPoints(refiner.base(), lattice.positions, level, refiner.rules(),
+                                       points, options);
+        keep(found, std::move(found.binding));
+    }
 }
 
 Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
            const std::string& outside, double tolerance, const std::string& basis, bool limit) {
     const auto refiner = refinerOf(lattice);
-    const auto options = embeddingOptions(outside, tolerance);
-    const auto weights = chosen(kBases, "basis", basis);
-    if (limit && weights != Weights::Subdivision)
+    const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
+                                          tolerance};
+    const auto weights = chosen(embed::kBasisWords, "basis", basis);
+    if (limit && weights)
         throw Error("limit: what \"" + basis + "\" weighs has no levels, and no limit of these");
     auto result = std::make_shared<BoundPoints>();
     bool hasDirections = false;
@@ -94,14 +84,7 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
     } else {
         result->points = toPoints(points, "points");
     }
-    withoutGil([&] {
-        if (limit)
-            bindToLimit(*result, *refiner, *result->points, options, hasDirections);
-        else if (weights == Weights::Subdivision)
-            bindToSubdivision(*result, *refiner, level, *result->points, options);
-        else
-            bindToTensorProduct(*result, *refiner, weights, *result->points, options);
-    });
+    withoutGil([&] { bindTo(*result, *refiner, weights, limit, level, options, hasDirections); });
     return result;
 }
 
@@ -128,36 +111,27 @@ void save(const BoundPoints& self, const std::filesystem::path& path) {
                                self.bound.gradients});
 }
 
-template <class Real>
-BoundPoints::Compiled<Real>& compiledOf(BoundPoints& self) {
-    if constexpr (std::is_same_v<Real, float>)
-        return self.single;
-    else
-        return self.twofold;
-}
-
-/// Calls function(Real) with float for an array of float32, with double for all else.
-template <class Function>
-py::array inPrecisionOf(const py::object& values, Function function) {
+/// Evaluates a form of D, `to` results of `from` values each: in float for an array of float32, in
+/// double for all else.
+/// \param finish called with the result and its layout
+template <template <class> class Form, class Finish>
+py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to,
+                       const ArrayLike& values, const std::optional<ArrayLike>& out,
+                       Finish finish) {
+    const auto inPrecision = [&]<class Real>(Real) {
+        const auto run = [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
+                             std::span<Real> result) {
+            const auto& form = std::get<Lazy<Form<Real>>>(self.forms).get([&] {
+                return compile<Form, Real>(self.bound.binding.table);
+            });
+            form.evaluate(source, layout, result, layout, {0, to});
+            finish(result, layout);
+        };
+        return evaluate<Real>({name, from, to, 3, run}, values, out);
+    };
     const bool isSingle = py::isinstance<py::array>(values) &&
                           isFloat32(py::reinterpret_borrow<py::array>(values).dtype());
-    return isSingle ? function(float{}) : function(double{});
-}
-
-template <class Real>
-py::array deformIn(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
-    const auto& binding = self.bound.binding;
-    const Index rows = binding.table.rowCount();
-    return evaluate<Real>({"pose", binding.table.columnCount(), rows, 3,
-                           [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
-                               std::span<Real> result) {
-                               const auto& compiled = compiledOf<Real>(self).table.get([&] {
-                                   return compile<osd::CompiledTable, Real>(binding.table);
-                               });
-                               compiled.evaluate(source, layout, result, layout, {0, rows});
-                               osd::writeKept<Real>(binding, result, layout);
-                           }},
-                          pose, out);
+    return isSingle ? inPrecision(float{}) : inPrecision(double{});
 }
 
 /// The positions of a pose that is a lattice, which has to be one of this lattice.
@@ -172,38 +146,29 @@ ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
     return viewOf(lattice.positions, pose);
 }
 
-py::array deform(BoundPoints& self, const ArrayLike& like, const std::optional<ArrayLike>& out) {
-    const ArrayLike pose = positionsOf(self, like);
-    return inPrecisionOf(pose,
-                         [&](auto zero) { return deformIn<decltype(zero)>(self, pose, out); });
-}
-
-template <class Real>
-py::array adjointIn(BoundPoints& self, const ArrayLike& gradients,
-                    const std::optional<ArrayLike>& out) {
-    const auto& table = self.bound.binding.table;
-    return evaluate<Real>(
-        {"gradients", table.rowCount(), table.columnCount(), 3,
-         [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
-             std::span<Real> result) {
-             const auto& compiled = compiledOf<Real>(self).adjoint.get(
-                 [&] { return compile<osd::CompiledAdjoint, Real>(table); });
-             compiled.evaluate(source, layout, result, layout, {0, table.columnCount()});
-         }},
-        gradients, out);
+py::array deform(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
+    const auto& binding = self.bound.binding;
+    const auto writeKept = [&]<class Real>(std::span<Real> result,
+                                           const osd::BufferDescriptor& layout) {
+        osd::writeKept<Real>(binding, result, layout);
+    };
+    return evaluateForm<osd::CompiledTable>(self, "pose", binding.table.columnCount(),
+                                            binding.table.rowCount(), positionsOf(self, pose), out,
+                                            writeKept);
 }
 
 py::array adjoint(BoundPoints& self, const ArrayLike& gradients,
                   const std::optional<ArrayLike>& out) {
-    return inPrecisionOf(
-        gradients, [&](auto zero) { return adjointIn<decltype(zero)>(self, gradients, out); });
+    const auto& table = self.bound.binding.table;
+    return evaluateForm<osd::CompiledAdjoint>(self, "gradients", table.rowCount(),
+                                              table.columnCount(), gradients, out,
+                                              [](const auto&, const auto&) {});
 }
 
 py::object statusesOf(const py::object& self) {
-    const auto& placement = self.cast<const BoundPoints&>().placement;
-    if (!placement) return py::none();
-    const auto statuses = bytesOf(placement->statuses);
-    return viewOf(statuses, {static_cast<py::ssize_t>(statuses.size())}, self);
+    const auto& bound = self.cast<const BoundPoints&>();
+    if (!bound.largestResidual) return py::none();
+    return viewOf(bytesOf(bound.statuses), self);
 }
 
 void addPoints(py::class_<BoundPoints, Bound>& type) {
@@ -220,7 +185,7 @@ void addPoints(py::class_<BoundPoints, Bound>& type) {
             "kept",
             [](const py::object& self) {
                 const auto& kept = self.cast<const BoundPoints&>().bound.binding.kept;
-                return viewOf(std::span(kept), {static_cast<py::ssize_t>(kept.size())}, self);
+                return viewOf(std::span(kept), self);
             },
             "The points that stay where they are, since nothing carries them; their rows of D are "
             "empty. Array (K,) of int32, ascending, read-only.")
@@ -228,11 +193,7 @@ void addPoints(py::class_<BoundPoints, Bound>& type) {
                                "How binding went for each point: array (N,) of uint8, of the "
                                "values of PointStatus; None of a binding that was loaded.")
         .def_property_readonly(
-            "largest_residual",
-            [](const BoundPoints& self) {
-                return self.placement ? std::optional(self.placement->largestResidual)
-                                      : std::nullopt;
-            },
+            "largest_residual", [](const BoundPoints& self) { return self.largestResidual; },
             "The largest distance of a point from the position of its place, in the units of the "
             "lattice: float; None of a binding that was loaded.");
 }
@@ -254,8 +215,7 @@ std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
     if (bound.modelName.empty()) return std::nullopt;
     auto points = pointsOf(modelOfBytes(bound.modelName, bound.modelBytes));
     if (points.size() != count)
-        throw Error("binds " + std::to_string(count) + " points; its model has " +
-                    std::to_string(points.size()));
+        throw Error(concat("binds ", count, " points; its model has ", points.size()));
     return points;
 }
 

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "tables.h"
@@ -44,28 +45,21 @@ private:
     std::atomic<const T*> known_ = nullptr;
 };
 
-/// How binding went for each point.
-struct Placement {
-    std::vector<embed::PointStatus> statuses;
-    double largestResidual = 0;
-};
-
-/// Points that are bound to a lattice; what io::BoundModel has, where they were, and the forms of D
-/// that were asked for.
+/// Points that are bound to a lattice; what io::BoundModel has, where they were, how binding went,
+/// and the forms of D that were asked for.
 struct BoundPoints {
     /// Without a name for the model where the points are those of an array, or of a model that is
     /// not there.
     io::BoundModel bound;
-    std::optional<std::vector<Point3>> points;  ///< as far as they are known
-    std::optional<Placement> placement;         ///< a file does not tell
+    std::optional<std::vector<Point3>> points = {};  ///< as far as they are known
 
-    template <class Real>
-    struct Compiled {
-        Lazy<osd::CompiledTable<Real>> table;
-        Lazy<osd::CompiledAdjoint<Real>> adjoint;
-    };
-    Compiled<float> single;
-    Compiled<double> twofold;
+    // A file tells neither of these.
+    std::vector<embed::PointStatus> statuses = {};
+    std::optional<double> largestResidual = {};
+
+    std::tuple<Lazy<osd::CompiledTable<float>>, Lazy<osd::CompiledTable<double>>,
+               Lazy<osd::CompiledAdjoint<float>>, Lazy<osd::CompiledAdjoint<double>>>
+        forms = {};
 };
 
 /// How binding went, as NumPy has it: PointStatus in espalier/__init__.py.

@@ -7,8 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "arrays.h"
-#include "module.h"
+#include "arguments.h"
 #include "refiner.h"
 
 namespace espalier::python {

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "evaluation.h"
-#include "in_either.h"
 #include "module.h"
 #include "tables.h"
 
@@ -21,6 +20,66 @@ namespace espalier::python {
 using namespace py::literals;
 
 namespace {
+
+/// What evaluates a table in either precision. Evaluator is osd::CompiledTable,
+/// osd::CompiledAdjoint or osd::ChangeEvaluator.
+template <template <class> class Evaluator>
+class InEither {
+public:
+    using Variant = std::variant<Evaluator<float>, Evaluator<double>>;
+
+    explicit InEither(Variant variant) : variant_(std::move(variant)) {}
+
+    const Variant& variant() const { return variant_; }
+
+    std::pair<Index, Index> shape() const {
+        return std::visit(
+            [](const auto& evaluator) {
+                return std::pair(evaluator.rowCount(), evaluator.columnCount());
+            },
+            variant_);
+    }
+
+    std::size_t byteCount() const {
+        return std::visit([](const auto& evaluator) { return evaluator.byteCount(); }, variant_);
+    }
+
+    py::dtype dtype() const {
+        return std::holds_alternative<Evaluator<float>>(variant_) ? py::dtype::of<float>()
+                                                                  : py::dtype::of<double>();
+    }
+
+private:
+    Variant variant_;
+};
+
+/// Evaluates arrays of any number of components by run(evaluator, source, layout, result).
+template <template <class> class Evaluator, class Run>
+py::array evaluateBy(const InEither<Evaluator>& either, const ArrayLike& values,
+                     const std::optional<ArrayLike>& out, Run run) {
+    return std::visit(
+        [&]<class Real>(const Evaluator<Real>& evaluator) {
+            return evaluate<Real>(
+                {"values",
+                 evaluator.columnCount(),
+                 evaluator.rowCount(),
+                 {},
+                 [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
+                     std::span<Real> result) { run(evaluator, source, layout, result); }},
+                values, out);
+        },
+        either.variant());
+}
+
+/// The properties that all of them have.
+template <template <class> class Evaluator>
+void addProperties(py::class_<InEither<Evaluator>>& type) {
+    using Either = InEither<Evaluator>;
+    type.def_property_readonly("shape", getter(&Either::shape), "Rows and columns: tuple of 2 int.")
+        .def_property_readonly("dtype", getter(&Either::dtype), "numpy.float32 or float64.")
+        .def_property_readonly("nbytes", getter(&Either::byteCount),
+                               "Memory that it takes, in bytes.");
+}
 
 /// Whether a dtype is float32; of others only float64 will do.
 bool isSingle(const py::object& dtype) {
@@ -76,8 +135,7 @@ std::vector<Index> columnsOf(const ArrayLike& changed,
     const Index count = evaluator.shape().second;
     for (const Index column : columns)
         if (column < 0 || column >= count)
-            throw Error("changed: there is no column " + std::to_string(column) + " among " +
-                        std::to_string(count));
+            throw Error(concat("changed: there is no column ", column, " among ", count));
     return columns;
 }
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "arrays.h"
+#include "arguments.h"
 
 // What all evaluators do with arrays: several poses at once, and results into arrays of the caller.
 namespace espalier::python {

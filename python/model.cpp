@@ -10,8 +10,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "arrays.h"
-#include "module.h"
+#include "arguments.h"
 
 namespace espalier::python {
 

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/progress.h>
 #include <pybind11/pybind11.h>
 
-// What each source of the module adds to it; types before the functions that take them.
+#include <memory>
+#include <utility>
+
 namespace espalier::python {
 
 namespace py = pybind11;
 
+// What each source of the module adds to it; types before the functions that take them.
 void addLattice(py::module_& module);
 void addShapes(py::module_& module);
 void addModel(py::module_& module);
@@ -32,5 +36,30 @@ void protectClasses(const py::module_& module);
 
 /// Makes ValueError of Error, with the same text, in what this shared object throws.
 void translateErrors();
+
+/// Ends what this thread asks of the library when a signal comes that Python answers by an
+/// exception: Ctrl-C. The exception arrives where the call was. Made without the GIL.
+class InterruptScope {
+public:
+    InterruptScope();
+
+private:
+    ProgressScope scope_;
+};
+
+/// Calls a function that touches no Python object, while other threads run Python.
+template <class Function>
+auto withoutGil(Function&& function) {
+    const py::gil_scoped_release release;
+    const InterruptScope scope;
+    return std::forward<Function>(function)();
+}
+
+/// The same for an object that Python is to hold.
+template <class Function>
+auto sharedWithoutGil(Function&& function) {
+    return withoutGil(
+        [&] { return std::make_shared<decltype(function())>(std::forward<Function>(function)()); });
+}
 
 }  // namespace espalier::python

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
-#include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/refined_lattice.h>
 #include <pybind11/stl.h>
 
 #include <cstdint>
@@ -13,11 +12,8 @@
 #include <tuple>
 #include <vector>
 
-#include "arrays.h"
-#include "choices.h"
-#include "module.h"
+#include "arguments.h"
 #include "refiner.h"
-#include "shared.h"
 #include "tables.h"
 
 namespace espalier::python {
@@ -28,37 +24,24 @@ namespace {
 
 using Word = std::optional<std::string>;
 
-template <class Choice>
-std::optional<Choice> chosenIfAny(const Words<Choice>& words, const char* argument,
-                                  const Word& word) {
-    if (!word) return std::nullopt;
-    return chosen(words, argument, *word);
-}
-
 std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::string& rules,
                                      const Word& boundary, const std::string& sharpEdges,
                                      const Word& creasing, const Word& triangles) {
-    auto options = refinerOptions(*lattice, {chosenIfAny(kBoundaries, "boundary", boundary),
-                                             chosenIfAny(kCreasings, "creasing", creasing),
-                                             chosenIfAny(kTriangles, "triangles", triangles)});
-    options.sharpEdges = chosen(kSharpEdges, "sharp_edges", sharpEdges);
-    const auto rule = chosen(kRules, "rules", rules);
+    const auto options =
+        refinerOptions(*lattice,
+                       {chosen(far::kBoundaryWords, "boundary", boundary),
+                        chosen(far::kCreasingWords, "creasing", creasing),
+                        chosen(far::kTriangleSubdivisionWords, "triangles", triangles)},
+                       chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges));
+    const auto rule = chosen(stencils::kRulesWords, "rules", rules);
     return withoutGil([&] { return std::make_shared<Refiner>(lattice, options, rule); });
 }
 
-Lattice refinedLattice(const Refiner& refiner, int level) {
-    const auto levels = refiner.upTo(level);
-    const Lattice& base = *refiner.lattice();
-    const auto refined = [&](std::span<const double> values, int components) {
-        return stencils::refineValues(*levels, level, refiner.rules(), values, components);
-    };
-    Lattice lattice = levelLattice(
-        *levels, level, stencils::refinePositions(*levels, level, refiner.rules(), base.positions));
-    for (const VertexAttribute& attribute : base.attributes)
-        lattice.attributes.push_back({attribute.name, attribute.components,
-                                      refined(attribute.values, attribute.components)});
-    lattice.integers = levelIntegers(*levels, level, base.integers);
-    return lattice;
+std::shared_ptr<Lattice> refined(const Refiner& refiner, int level) {
+    return sharedWithoutGil([&] {
+        return stencils::refinedLattice(*refiner.upTo(level), level, refiner.rules(),
+                                        *refiner.lattice());
+    });
 }
 
 py::array_t<double> refinedPositions(const Refiner& refiner, int level,
@@ -72,24 +55,18 @@ py::array_t<double> refinedPositions(const Refiner& refiner, int level,
 
 std::shared_ptr<Table> stencilsOf(const Refiner& refiner, int level,
                                   const std::optional<ArrayLike>& vertices) {
-    if (!vertices)
-        return withoutGil([&] {
-            return std::make_shared<Table>(
-                stencils::buildStencils(*refiner.upTo(level), level, refiner.rules()));
-        });
-    const auto rows = toIndices(*vertices, "vertices");
-    return withoutGil([&] {
-        return std::make_shared<Table>(
-            stencils::buildStencils(*refiner.upTo(level), level, refiner.rules(), rows));
+    const auto rows = vertices ? toIndices(*vertices, "vertices") : std::vector<Index>();
+    return sharedWithoutGil([&] {
+        const auto levels = refiner.upTo(level);
+        return vertices ? stencils::buildStencils(*levels, level, refiner.rules(), rows)
+                        : stencils::buildStencils(*levels, level, refiner.rules());
     });
 }
 
 std::shared_ptr<Table> levelTable(const Refiner& refiner, int level) {
     checkLevel(level);
-    return withoutGil([&] {
-        return std::make_shared<Table>(
-            stencils::buildLevelTable(*refiner.upTo(level), level, refiner.rules()));
-    });
+    return sharedWithoutGil(
+        [&] { return stencils::buildLevelTable(*refiner.upTo(level), level, refiner.rules()); });
 }
 
 std::tuple<Index, Index, Index, Index> countsOf(const Refiner& refiner, int level) {
@@ -105,8 +82,8 @@ py::array_t<std::uint8_t> strataOf(const Refiner& refiner, int level, int dimens
         const auto levels = refiner.upTo(level);
         const auto& [complex, strata, holes] = levels->level(level);
         if (dimension < 0 || dimension > complex.dimension())
-            throw Error("dimension: expected 0 to " + std::to_string(complex.dimension()) +
-                        ", got " + std::to_string(dimension));
+            throw Error(
+                concat("dimension: expected 0 to ", complex.dimension(), ", got ", dimension));
         std::vector<std::uint8_t> result;
         for (Index i = 0; i < complex.count(dimension); ++i)
             result.push_back(static_cast<std::uint8_t>(strata.of({dimension, i})));
@@ -135,7 +112,8 @@ triangles   : "catmark" or "smooth"; as the tags say, or "catmark"
              "triangles"_a = py::none())
         .def_property_readonly("lattice", getter(&Refiner::lattice), "The Lattice at level 0.")
         .def_property_readonly(
-            "rules", [](const Refiner& self) { return wordOf(kRules, self.rules()); },
+            "rules",
+            [](const Refiner& self) { return wordOf(stencils::kRulesWords, {self.rules()}); },
             "The name of the rules: str.")
         .def("counts", &countsOf, "level"_a,
              "Vertices, edges, faces and cells of a level: tuple of 4 int.")
@@ -150,15 +128,9 @@ Positions of the vertices of a level, in the units of the lattice.
 pose : array (V, 3), where the V vertices of the base are; at rest without
 Returns an array (V_level, 3) of float64.
 )")
-        .def(
-            "refine",
-            [](const Refiner& self, int level) {
-                return withoutGil(
-                    [&] { return std::make_shared<Lattice>(refinedLattice(self, level)); });
-            },
-            "level"_a = 1,
-            "A level as a Lattice of its own, with its attributes, and marks that keep its "
-            "features.")
+        .def("refine", &refined, "level"_a = 1,
+             "A level as a Lattice of its own, with its attributes, and marks that keep its "
+             "features.")
         .def("stencils", &stencilsOf, "level"_a, "vertices"_a = py::none(), R"(
 S_level: a StencilTable of shape (V_level, V). Row i holds the weights of vertex i of the level over
 the base vertices; rows sum to 1.
@@ -170,11 +142,7 @@ R_level: a StencilTable of shape (V_level, V_(level-1)), of a level over the one
 )");
     module.def(
         "refine",
-        [](const RefinerLike& lattice, int level) {
-            const auto refiner = refinerOf(lattice);
-            return withoutGil(
-                [&] { return std::make_shared<Lattice>(refinedLattice(*refiner, level)); });
-        },
+        [](const RefinerLike& lattice, int level) { return refined(*refinerOf(lattice), level); },
         "lattice"_a, "level"_a = 1, R"(
 Refines a Lattice, or what a Refiner holds, `level` times. Returns a Lattice.
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/shapes/field_names.h>
 #include <espalier/shapes/inventory.h>
@@ -10,13 +9,11 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "arrays.h"
-#include "module.h"
-#include "shared.h"
-#include "words.h"
+#include "arguments.h"
 
 namespace espalier::python {
 
@@ -24,13 +21,8 @@ using namespace py::literals;
 
 namespace {
 
-const Words<shapes::Core> kCores = {{"wedges", shapes::Core::Wedges},
-                                    {"polygon", shapes::Core::Polygon}};
-const Words<shapes::TorusSection> kSections = {{"grid", shapes::TorusSection::Grid},
-                                               {"disk", shapes::TorusSection::Disk}};
-
 shapes::DiskPattern patternOf(int rings, const std::string& core) {
-    return {rings, chosen(kCores, "core", core)};
+    return {rings, chosen(shapes::kCoreWords, "core", core)};
 }
 
 /// A message of the library about options, about the arguments that they are of: minorRadius is
@@ -50,9 +42,9 @@ std::string aboutArguments(const std::string& message) {
 /// \throws Error that names arguments
 template <class Options>
 std::shared_ptr<Lattice> make(Lattice (*shape)(const Options&), const Options& options) {
-    return withoutGil([&] {
+    return sharedWithoutGil([&] {
         try {
-            return std::make_shared<Lattice>(shape(options));
+            return shape(options);
         } catch (const MemoryError&) {
             throw;
         } catch (const Error& error) {
@@ -94,8 +86,9 @@ radius : of the outermost vertices; start, end : 3 float each, the centres of th
         "torus",
         [](int segments, const std::string& section, int gridCells, int sides, int rings,
            const std::string& core, double majorRadius, double minorRadius) {
-            return make(shapes::torus, {segments, chosen(kSections, "section", section), gridCells,
-                                        sides, patternOf(rings, core), majorRadius, minorRadius});
+            return make(shapes::torus,
+                        {segments, chosen(shapes::kTorusSectionWords, "section", section),
+                         gridCells, sides, patternOf(rings, core), majorRadius, minorRadius});
         },
         py::kw_only(), "segments"_a = 8, "section"_a = "grid", "grid_cells"_a = 1, "sides"_a = 6,
         "rings"_a = 1, "core"_a = "wedges", "major_radius"_a = 1.0, "minor_radius"_a = 0.4, R"(
@@ -166,22 +159,19 @@ up : 3 float, the side of the first bone where the cross-section begins
 
 void addSolids(py::module_& module) {
     using Regular = shapes::RegularSolidOptions;
-    const auto addRegular = [&](const char* name, Lattice (*shape)(const Regular&),
-                                const char* text) {
+    const std::tuple<const char*, Lattice (*)(const Regular&), const char*> solids[] = {
+        {"tetrahedron", shapes::tetrahedron, "4, type-3."},
+        {"cube", shapes::cube, "8, type-3."},
+        {"octahedron", shapes::octahedron, "6, type-4."},
+        {"dodecahedron", shapes::dodecahedron, "20, type-3."},
+        {"icosahedron", shapes::icosahedron, "12, type-5."}};
+    for (const auto& [name, shape, vertices] : solids) {
+        const std::string text =
+            "One cell with its vertices on a sphere of `radius` about the origin: ";
         module.def(
-            name, [shape](double radius) { return make(shape, Regular{radius}); }, py::kw_only(),
-            "radius"_a = 1.0, text);
-    };
-    addRegular("tetrahedron", shapes::tetrahedron,
-               "One cell with its vertices on a sphere of `radius` about the origin: 4, type-3.");
-    addRegular("cube", shapes::cube,
-               "One cell with its vertices on a sphere of `radius` about the origin: 8, type-3.");
-    addRegular("octahedron", shapes::octahedron,
-               "One cell with its vertices on a sphere of `radius` about the origin: 6, type-4.");
-    addRegular("dodecahedron", shapes::dodecahedron,
-               "One cell with its vertices on a sphere of `radius` about the origin: 20, type-3.");
-    addRegular("icosahedron", shapes::icosahedron,
-               "One cell with its vertices on a sphere of `radius` about the origin: 12, type-5.");
+            name, [shape = shape](double radius) { return make(shape, Regular{radius}); },
+            py::kw_only(), "radius"_a = 1.0, (text + vertices).c_str());
+    }
     using Polygonal = shapes::PolygonalSolidOptions;
     const auto addPolygonal = [&](const char* name, Lattice (*shape)(const Polygonal&),
                                   const char* text) {
@@ -225,10 +215,10 @@ Vertex (i, j, k) is i + (cells[0] + 1) * (j + (cells[1] + 1) * k): positions res
     shapesModule.def(
         "merge",
         [](const std::vector<Shared<Lattice>>& lattices, double tolerance) {
-            return withoutGil([&] {
+            return sharedWithoutGil([&] {
                 std::vector<Lattice> copies;  // cheap: their complexes are shared
                 for (const auto& lattice : lattices) copies.push_back(*lattice);
-                return std::make_shared<Lattice>(shapes::merge(copies, {tolerance}));
+                return shapes::merge(copies, {tolerance});
             });
         },
         "lattices"_a, py::kw_only(), "tolerance"_a = shapes::MergeOptions().tolerance, R"(

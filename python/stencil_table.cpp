@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -8,12 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "arrays.h"
+#include "arguments.h"
 #include "binding.h"
-#include "matrix_check.h"
-#include "module.h"
 #include "pickling.h"
-#include "shared.h"
 #include "tables.h"
 
 namespace espalier::python {
@@ -22,10 +18,88 @@ using namespace py::literals;
 
 namespace {
 
+// SciPy converts a sparse matrix in C, by the arrays of the matrix, which anybody may have changed.
+
+std::pair<Offset, Offset> shapeOf(const py::object& matrix) {
+    return matrix.attr("shape").cast<std::pair<Offset, Offset>>();
+}
+
+/// An array of a matrix, which has to be one of integers, of one dimension.
+/// \throws Error naming it
+py::array_t<Offset> integersOf(const py::object& matrix, const char* name) {
+    const auto array = py::array::ensure(matrix.attr(name));
+    if (!array || array.ndim() != 1 || array.dtype().kind() != 'i')
+        throw Error(std::string(name) + ": expected an array of integers, of one dimension");
+    const auto integers = py::array_t<Offset, kReadable>::ensure(array);
+    if (!integers) throw py::error_already_set();
+    return integers;
+}
+
+[[noreturn]] void refuse(const std::string& name, py::ssize_t at, Offset value,
+                         const std::string& expected) {
+    throw Error(concat(name, "[", at, "] is ", value, "; expected ", expected));
+}
+
+/// That the first `count` of some integers are there, and are numbers of rows or columns.
+void checkNumbers(const py::object& matrix, const char* name, Offset count, Offset bound) {
+    const auto numbers = integersOf(matrix, name);
+    if (numbers.size() < count)
+        throw Error(concat(name, ": expected ", count, " entries, got ", numbers.size()));
+    for (py::ssize_t i = 0; i < numbers.size(); ++i)
+        if (const Offset number = numbers.data()[i]; number < 0 || number >= bound)
+            refuse(name, i, number, "0 to " + std::to_string(bound - 1));
+}
+
+Offset lengthOfData(const py::object& matrix) {
+    const auto data = py::array::ensure(matrix.attr("data"));
+    if (!data || data.ndim() == 0) throw Error("data: expected an array of numbers");
+    return data.shape(0);
+}
+
+/// \param major how many rows, or columns, or rows of blocks
+/// \param minor how many of the other
+void checkCompressed(const py::object& matrix, Offset major, Offset minor) {
+    const auto offsets = integersOf(matrix, "indptr");
+    if (offsets.size() != major + 1)
+        throw Error(concat("indptr: expected ", major + 1, " entries, got ", offsets.size()));
+    const Offset* const values = offsets.data();
+    if (values[0] != 0) refuse("indptr", 0, values[0], "0");
+    for (py::ssize_t i = 1; i < offsets.size(); ++i)
+        if (values[i] < values[i - 1])
+            refuse("indptr", i, values[i], std::to_string(values[i - 1]) + " or more");
+    const Offset last = values[major];
+    checkNumbers(matrix, "indices", last, minor);
+    if (const Offset length = lengthOfData(matrix); length < last)
+        refuse("indptr", major, last, std::to_string(length) + " at most, which data has");
+}
+
+/// Checks the arrays of a csr, csc, bsr or coo matrix of SciPy, so that it can be converted. SciPy
+/// checks the arrays of other formats. \throws Error naming the first entry that does not fit
+void checkMatrix(const py::object& matrix) {
+    const std::string format =
+        py::hasattr(matrix, "format") ? textOf(matrix.attr("format")) : std::string();
+    const auto [rows, columns] = shapeOf(matrix);
+    if (format == "csr") {
+        checkCompressed(matrix, rows, columns);
+    } else if (format == "csc") {
+        checkCompressed(matrix, columns, rows);
+    } else if (format == "bsr") {
+        const auto [height, width] = matrix.attr("blocksize").cast<std::pair<Offset, Offset>>();
+        if (height < 1 || width < 1 || rows % height != 0 || columns % width != 0)
+            throw Error(concat("data: blocks of ", height, " x ", width,
+                               " do not fill a matrix of ", rows, " x ", columns));
+        checkCompressed(matrix, rows / height, columns / width);
+    } else if (format == "coo") {
+        const Offset length = lengthOfData(matrix);
+        checkNumbers(matrix, "row", length, rows);
+        checkNumbers(matrix, "col", length, columns);
+    }
+}
+
 /// An array of a table, which lives as long as the array.
 template <class T>
 py::array arrayOf(std::span<const T> values, const std::shared_ptr<Table>& table) {
-    return viewOf(values, {static_cast<py::ssize_t>(values.size())}, py::cast(table));
+    return viewOf(values, py::cast(table));
 }
 
 std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
@@ -35,8 +109,8 @@ std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
     rows.attr("sum_duplicates")();
     const auto shape = shapeOf(rows);
     if (!std::in_range<Index>(shape.first) || !std::in_range<Index>(shape.second))
-        throw Error("a matrix of " + std::to_string(shape.first) + " x " +
-                    std::to_string(shape.second) + " is too large for a table");
+        throw Error(
+            concat("a matrix of ", shape.first, " x ", shape.second, " is too large for a table"));
     const auto offsets = integersOf(rows, "indptr");
     const auto columns = indexArray(rows.attr("indices"), "indices");
     const auto weights = realArray<double>(rows.attr("data"), "data");
@@ -44,9 +118,9 @@ std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
         return Array<std::remove_cvref_t<decltype(*array.data())>>(array.data(),
                                                                    array.data() + array.size());
     };
-    return withoutGil([&] {
-        return std::make_shared<Table>(static_cast<Index>(shape.second), copyOf(offsets),
-                                       copyOf(columns), copyOf(weights));
+    return sharedWithoutGil([&] {
+        return Table(static_cast<Index>(shape.second), copyOf(offsets), copyOf(columns),
+                     copyOf(weights));
     });
 }
 
@@ -122,8 +196,7 @@ them in the width of the columns. (With 2^31 entries and more the columns are co
         .def(
             "transpose",
             [](const Table& self) {
-                return withoutGil(
-                    [&] { return std::make_shared<Table>(stencils::transposeTable(self)); });
+                return sharedWithoutGil([&] { return stencils::transposeTable(self); });
             },
             "The transpose: a StencilTable of shape (columns, rows).")
         .def("__repr__", [](const Table& self) {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
 
@@ -12,8 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "arrays.h"
-#include "module.h"
+#include "arguments.h"
 #include "refiner.h"
 
 namespace espalier::python {
@@ -46,8 +44,7 @@ public:
     Index baseCell(Index cell) const {
         const Index count = levels_->level(level_).complex.count(3);
         if (cell < 0 || cell >= count)
-            throw Error("cell: expected 0 to " + std::to_string(count - 1) + ", got " +
-                        std::to_string(cell));
+            throw Error(concat("cell: expected 0 to ", count - 1, ", got ", cell));
         return solve::baseCellOf(*levels_, level_, cell);
     }
     std::vector<Point3> toPose(const ArrayLike& pose) const {

@@ -3,6 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
+#include <espalier/base/word.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/shapes/section.h>
@@ -42,6 +43,8 @@ struct CylinderOptions {
 ESPALIER_API Lattice cylinder(const CylinderOptions& options = {});
 
 enum class TorusSection { Grid, Disk };
+inline constexpr Word<TorusSection> kTorusSectionWords[] = {{"grid", TorusSection::Grid},
+                                                            {"disk", TorusSection::Disk}};
 
 /// A cross-section swept round the z axis, about the origin.
 struct TorusOptions {

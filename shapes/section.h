@@ -3,6 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
+#include <espalier/base/word.h>
 #include <espalier/shapes/lattice.h>
 
 #include <array>
@@ -19,6 +20,7 @@ enum class Core {
     Wedges,  ///< a vertex, surrounded by triangles: wedges once swept
     Polygon  ///< one face with as many sides as the outline: a prism once swept
 };
+inline constexpr Word<Core> kCoreWords[] = {{"wedges", Core::Wedges}, {"polygon", Core::Polygon}};
 
 /// How a disk is divided.
 struct DiskPattern {

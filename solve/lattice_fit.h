@@ -4,6 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/error.h>
 #include <espalier/base/point.h>
+#include <espalier/base/word.h>
 #include <espalier/far/cell_complex.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -28,12 +29,17 @@ enum class Smoothing {
     Tikhonov,  ///< that they are small
     Laplacian  ///< that each is the mean of those of the vertices that it shares an edge with
 };
+inline constexpr Word<Smoothing> kSmoothingWords[] = {{"none", Smoothing::None},
+                                                      {"tikhonov", Smoothing::Tikhonov},
+                                                      {"laplacian", Smoothing::Laplacian}};
 
 /// What is done where the targets leave some displacements open.
 enum class Undetermined {
     Smallest,  ///< of all that fit as well, the smallest, by the sum of their squares
     Refuse
 };
+inline constexpr Word<Undetermined> kUndeterminedWords[] = {{"smallest", Undetermined::Smallest},
+                                                            {"refuse", Undetermined::Refuse}};
 
 struct FitOptions {
     Smoothing smoothing = Smoothing::None;

@@ -3,6 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
+#include <espalier/base/word.h>
 
 #include <array>
 
@@ -17,6 +18,10 @@ enum class Rules {
     Mlca,        ///< split, then average: see mlca.h    Bajaj, Schaefer, Warren & Xu 2002
     Rats         ///< of curves and meshes: see rats.h   Savva & Clapworthy, section 2.2
 };
+inline constexpr Word<Rules> kRulesWords[] = {{"siggraph96", Rules::Siggraph96},
+                                              {"cse96", Rules::Cse96},
+                                              {"mlca", Rules::Mlca},
+                                              {"rats", Rules::Rats}};
 
 /// The new point of an entity as an affine combination of averages: entry j is the weight of the
 /// average of the centroids of the incident entities of dimension j (itself, where j is its own

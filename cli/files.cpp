@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline.h"
+#include "files.h"
 
 #include <espalier/base/error.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
-#include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <fmt/format.h>
@@ -13,8 +12,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
+#include <map>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -26,9 +24,8 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level) {
     return ofFile(path, [&] {
-        far::RefinerOptions refinerOptions = espalier::refinerOptions(lattice, options.refinement);
-        refinerOptions.sharpEdges = options.sharpEdges;
-        far::TopologyRefiner refiner(lattice.complex, refinerOptions);
+        far::TopologyRefiner refiner(
+            lattice.complex, refinerOptions(lattice, options.refinement, options.sharpEdges));
         stencils::checkRules(refiner, options.rules);
         refiner.refineUniform(level);
         return refiner;
@@ -72,6 +69,17 @@ void refuseDash(const std::vector<Input>& inputs) {
     throw io::FileError("-", "is no file (given for " + list(arguments) +
                                  "); to read standard input, for one argument, name a link to "
                                  "/dev/stdin with the extension of the format");
+}
+
+/// The path behind all links, those to what does not exist yet too.
+std::filesystem::path behindLinks(std::filesystem::path path) {
+    constexpr int kMaxLinks = 40;  // as the system has it
+    std::error_code error;
+    for (int links = 0; links < kMaxLinks && std::filesystem::is_symlink(path, error); ++links)
+        path = path.parent_path() / std::filesystem::read_symlink(path, error);
+    const std::filesystem::path canonical =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+    return error ? path : canonical;
 }
 
 }  // namespace
@@ -123,17 +131,25 @@ void checkOutput(const std::filesystem::path& output, const std::vector<Input>& 
                         fmt::format("has another extension than {}", fmt::join(extensions, ", ")));
 }
 
-std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& stages) {
-    return stages.run("reading", [&] {
-        stages.addFile(path);
-        return io::readModel(path);
-    });
+void checkDistinct(const std::vector<std::filesystem::path>& outputs) {
+    std::map<std::filesystem::path, std::filesystem::path> files;
+    std::error_code ignored;
+    for (const std::filesystem::path& output : outputs) {
+        if (std::filesystem::exists(output, ignored) &&
+            !std::filesystem::is_regular_file(output, ignored))
+            continue;
+        const auto [other, isNew] = files.try_emplace(behindLinks(output), output);
+        if (!isNew)
+            throw io::FileError(
+                output, fmt::format("is the same file as {}, through a link: one of the two would "
+                                    "be lost. Remove the link",
+                                    printable(other->second.string())));
+    }
 }
 
 Lattice readLattice(const std::filesystem::path& path, Stages& stages, FileKind kind) {
     io::ReadNotes notes;
-    Lattice lattice = stages.run("reading", [&] {
-        stages.addFile(path);
+    Lattice lattice = stages.read(path, [&] {
         return kind == FileKind::Refinable ? io::readRefinable(path, &notes)
                                            : io::readLattice(path, &notes);
     });
@@ -153,42 +169,34 @@ void printNotes(const std::filesystem::path& path, const io::ReadNotes& notes) {
     if (const std::string text = io::describe(path, notes); !text.empty()) printError(text.c_str());
 }
 
-void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) {
-    const auto isNotFinite = [](double value) { return !std::isfinite(value); };
-    for (const auto& [name, components, values] : lattice.attributes) {
-        const auto first = std::ranges::find_if(values, isNotFinite);
-        if (first == values.end()) continue;
-        const auto count = std::count_if(first, values.end(), isNotFinite);
-        const std::string text = fmt::format(
-            "{}: the attribute {} has {} {} not finite, the first at vertex {} ({}); values that "
-            "are refined from such are not finite either",
-            io::shownPath(path), inQuotes(name), count,
-            count == 1 ? "value that is" : "values that are", (first - values.begin()) / components,
-            *first);
-        printError(text.c_str());
+std::vector<std::vector<Point3>> readPoses(
+    const std::vector<std::string>& paths,
+    const std::function<std::optional<std::string>(const Lattice&)>& difference, Stages& stages) {
+    std::vector<std::vector<Point3>> poses;
+    io::ReadNotes before;
+    for (const std::string& path : paths) {
+        io::ReadNotes notes;
+        poses.push_back(stages.read(path, [&] {
+            Lattice pose = io::readLattice(path, &notes);
+            if (const auto text = difference(pose))
+                throw io::FileError(path, "is not a pose of " + *text);
+            return std::move(pose.positions);
+        }));
+        if (notes != before) printNotes(path, notes);
+        before = std::move(notes);
     }
+    return poses;
 }
 
-Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
-                       const Lattice& base) {
-    Lattice refined = levelLattice(
-        refiner, level, stencils::refinePositions(refiner, level, options.rules, base.positions));
-    for (const VertexAttribute& attribute : base.attributes)
-        refined.attributes.push_back(
-            {attribute.name, attribute.components,
-             stencils::refineValues(refiner, level, options.rules, attribute.values,
-                                    attribute.components)});
-    refined.integers = levelIntegers(refiner, level, base.integers);
-    return refined;
-}
-
-std::vector<Point3> readPose(const std::filesystem::path& path, const Lattice& rest,
-                             const std::filesystem::path& restPath, io::ReadNotes& notes) {
-    Lattice pose = io::readLattice(path, &notes);
-    if (const auto difference = far::topologyDifference(rest.complex, pose.complex))
-        throw io::FileError(path,
-                            "is not a pose of " + io::shownPath(restPath) + ": " + *difference);
-    return std::move(pose.positions);
+std::vector<std::vector<Point3>> readPoses(const std::vector<std::string>& paths,
+                                           const Lattice& rest, const std::string& restPath,
+                                           Stages& stages) {
+    const auto difference = [&](const Lattice& pose) {
+        auto text = far::topologyDifference(rest.complex, pose.complex);
+        if (text) *text = io::shownPath(restPath) + ": " + *text;
+        return text;
+    };
+    return readPoses(paths, difference, stages);
 }
 
 }  // namespace espalier::cli

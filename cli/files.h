@@ -4,12 +4,12 @@
 #include <espalier/base/memory.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/io/files/file.h>
-#include <espalier/io/model.h>
 #include <espalier/io/read_notes.h>
 #include <espalier/shapes/lattice.h>
 
 #include <filesystem>
-#include <memory>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,8 +46,10 @@ void checkInputs(const std::vector<Input>& inputs);
 void checkOutput(const std::filesystem::path& output, const std::vector<Input>& inputs,
                  const std::vector<std::string>& extensions = {});
 
-/// Reads a model in the stage "reading".
-std::unique_ptr<io::Model> readModel(const std::filesystem::path& path, Stages& stages);
+/// Refuses outputs of one command that are one file, by way of links: all but the last written
+/// would be lost. Devices and pipes may take several outputs.
+/// \throws io::FileError naming two such outputs
+void checkDistinct(const std::vector<std::filesystem::path>& outputs);
 
 /// Reads a file of this kind in the stage "reading", and prints the notes of its reader.
 Lattice readLattice(const std::filesystem::path& path, Stages& stages,
@@ -81,19 +83,19 @@ auto ofFile(const std::filesystem::path& path, const Work& work) {
 /// called between stages.
 void printNotes(const std::filesystem::path& path, const io::ReadNotes& notes);
 
-/// Says on standard error, in one line per attribute, how many values of a lattice that was read
-/// from `path` are not finite, and where the first stands. To be called between stages.
-void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice);
+/// Reads poses of one lattice, each in the stage "reading", before any is used: a bad one leaves
+/// nothing half done. If consecutive poses have the same notes, only the notes of the first are
+/// printed.
+///
+/// \param difference what a lattice is no pose of, and why; nothing if it is a pose
+/// \throws FileError naming a file that is no pose, and the difference
+std::vector<std::vector<Point3>> readPoses(
+    const std::vector<std::string>& paths,
+    const std::function<std::optional<std::string>(const Lattice&)>& difference, Stages& stages);
 
-/// A level as a lattice of its own, with the positions and the attributes of a base lattice,
-/// refined.
-Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, const CommonOptions& options,
-                       const Lattice& base);
-
-/// Reads a pose of the lattice `rest` that was read from `restPath`.
-/// \param notes gets the notes on the file, to be printed after the stage
-/// \throws Error saying what differs if its topology is another
-std::vector<Point3> readPose(const std::filesystem::path& path, const Lattice& rest,
-                             const std::filesystem::path& restPath, io::ReadNotes& notes);
+/// The same for poses of the lattice `rest` that was read from `restPath`.
+std::vector<std::vector<Point3>> readPoses(const std::vector<std::string>& paths,
+                                           const Lattice& rest, const std::string& restPath,
+                                           Stages& stages);
 
 }  // namespace espalier::cli

@@ -1,16 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
+// What this module has to tell the interpreter: errors, signals, and classes that it cannot misuse.
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
+
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
+#include <thread>
 
 #include "module.h"
 
 namespace espalier::python {
 namespace {
 
+constexpr const char* kNoValue =
+    "the object was made by __new__ and has no value; call its class instead";
+
 /// Called by pybind11 where an object has no value yet: it would take memory without a value in it.
 void* refuseWithoutValue(std::size_t) {
-    throw py::type_error("the object was made by __new__ and has no value; call its class instead");
+    throw py::type_error(kNoValue);
 }
 
 /// What pickle makes an object of. Not as object.__reduce__() does for protocols 0 and 1, by a call
@@ -49,6 +58,14 @@ PyObject* newObject(PyTypeObject* type, PyObject*, PyObject*) {
     }
 }
 
+/// Raises an exception with a message that may have bytes which are not UTF-8: names of files, and
+/// texts of theirs. These bytes are shown as "\\xff".
+void raise(PyObject* type, std::string_view message) {
+    const auto text = py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
+        message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace"));
+    if (text) PyErr_SetObject(type, text.ptr());
+}
+
 }  // namespace
 
 void protectBaseClass() {
@@ -73,5 +90,31 @@ void protectClasses(const py::module_& module) {
         makeImmutable(type);
     }
 }
+
+void translateErrors() {
+    py::register_local_exception_translator([](std::exception_ptr thrown) {
+        try {
+            std::rethrow_exception(thrown);
+        } catch (const MemoryError& error) {
+            raise(PyExc_MemoryError, error.what());
+        } catch (const Error& error) {
+            raise(PyExc_ValueError, error.what());
+        } catch (const py::cast_error& error) {
+            // pybind11 says so of an object without a value, where it is to be shared.
+            const std::string_view message = error.what();
+            raise(PyExc_TypeError, message.find("non-held") == message.npos ? message : kNoValue);
+        }
+    });
+}
+
+InterruptScope::InterruptScope()
+    : scope_([caller = std::this_thread::get_id()](const Progress&) {
+          // Python answers signals on its main thread alone; that of another call does nothing
+          // here.
+          if (std::this_thread::get_id() != caller) return true;
+          const py::gil_scoped_acquire acquire;
+          if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+          return true;
+      }) {}
 
 }  // namespace espalier::python

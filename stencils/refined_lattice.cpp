@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/level_lattice.h>
+#include <espalier/stencils/composition.h>
+#include <espalier/stencils/refined_lattice.h>
+
+namespace espalier::stencils {
+
+Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, Rules rules,
+                       const Lattice& base) {
+    Lattice refined =
+        levelLattice(refiner, level, refinePositions(refiner, level, rules, base.positions));
+    for (const auto& [name, components, values] : base.attributes)
+        refined.attributes.push_back(
+            {name, components, refineValues(refiner, level, rules, values, components)});
+    refined.integers = levelIntegers(refiner, level, base.integers);
+    return refined;
+}
+
+}  // namespace espalier::stencils

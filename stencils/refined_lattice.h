@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/api.h>
+#include <espalier/shapes/lattice.h>
+#include <espalier/stencils/masks.h>
+
+namespace espalier::stencils {
+
+/// A level of a lattice, a mesh or a curve as a lattice of its own: levelLattice() with the
+/// positions and attributes of `base` refined, and its integers carried by levelIntegers().
+///
+/// \param refiner of base.complex
+/// \param level one that the refiner has
+/// \throws Error as levelLattice() and refineValues()
+/// \cost as refineValues(), for the positions and for each attribute
+ESPALIER_API Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                    const Lattice& base);
+
+}  // namespace espalier::stencils
