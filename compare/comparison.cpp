@@ -135,9 +135,8 @@ bool Agreement::isWithin(const Bounds& bounds) const {
 }
 
 std::string openSubdivVersion() {
-    return std::to_string(OPENSUBDIV_VERSION_MAJOR) + "." +
-           std::to_string(OPENSUBDIV_VERSION_MINOR) + "." +
-           std::to_string(OPENSUBDIV_VERSION_PATCH);
+    return concat(OPENSUBDIV_VERSION_MAJOR, ".", OPENSUBDIV_VERSION_MINOR, ".",
+                  OPENSUBDIV_VERSION_PATCH);
 }
 
 struct Comparison::Data {
@@ -154,16 +153,16 @@ struct Comparison::Data {
 
     const Surface& region(int level) const {
         if (level < 0 || level > maxLevel())
-            throw Error("level " + std::to_string(level) + " was not compared; levels 0 to " +
-                        std::to_string(maxLevel()) + " were");
+            throw Error(
+                concat("level ", level, " was not compared; levels 0 to ", maxLevel(), " were"));
         return regions[level];
     }
 
     /// Their vertex for one of ours on the surface.
     Index theirVertex(int level, Index vertex) const {
         if (const auto match = matches[level].of({0, vertex})) return *match;
-        throw Error("vertex " + std::to_string(vertex) + " of level " + std::to_string(level) +
-                    " has no match in OpenSubdiv's refinement");
+        throw Error(concat("vertex ", vertex, " of level ", level,
+                           " has no match in OpenSubdiv's refinement"));
     }
 
     /// Row of the first vertex of a level in the table.
@@ -250,8 +249,7 @@ std::vector<Point3> Comparison::openSubdivPoints(int level,
                                                  std::span<const Point3> positions) const {
     const Index baseCount = data_->ours.level(0).complex.count(0);
     if (std::ssize(positions) != baseCount)
-        throw Error("got " + std::to_string(positions.size()) + " positions for " +
-                    std::to_string(baseCount) + " vertices");
+        throw Error(concat("got ", positions.size(), " positions for ", baseCount, " vertices"));
     const std::vector<Index>& ours = vertices(level);
     std::vector<Primvar> points;
     for (const Index vertex : data_->base.vertices) points.push_back({positions[vertex]});
@@ -285,10 +283,9 @@ std::vector<PointF> Comparison::evaluateTheirTable(int level,
 LevelAgreement Comparison::compare(int level, const StencilTable<double>& table) const {
     const Index baseCount = data_->ours.level(0).complex.count(0);
     if (table.rowCount() != std::ssize(vertices(level)) || table.columnCount() != baseCount)
-        throw Error("got a table of " + std::to_string(table.rowCount()) + " × " +
-                    std::to_string(table.columnCount()) + "; level " + std::to_string(level) +
-                    " takes one of " + std::to_string(vertices(level).size()) + " × " +
-                    std::to_string(baseCount));
+        throw Error(concat("got a table of ", table.rowCount(), " × ", table.columnCount(),
+                           "; level ", level, " takes one of ", vertices(level).size(), " × ",
+                           baseCount));
     const Surface& region = data_->region(level);
     const LevelMatch& match = data_->matches[level];
     LevelAgreement agreement;
@@ -368,11 +365,11 @@ SurfaceError drawError(const far::TopologyRefiner& refiner, int level, const Sur
 std::string Comparison::noteOn(const Agreement& agreement) const {
     std::string note;
     if (const Index count = correctedCorners(); count > 0)
-        note =
-            "OpenSubdiv " + openSubdivVersion() + " takes " + std::to_string(count) +
-            (count == 1 ? " non-manifold vertex" : " non-manifold vertices") +
+        note = concat(
+            "OpenSubdiv ", openSubdivVersion(), " takes ", count,
+            count == 1 ? " non-manifold vertex" : " non-manifold vertices",
             " for creases that form none (corrected in its release 3.6.1); marked as corners for "
-            "it. ";
+            "it. ");
     // Differences of the size of single precision, in the tables.
     const bool isRounded =
         std::any_of(agreement.levels.begin(), agreement.levels.end(), [](const auto& level) {

@@ -212,8 +212,7 @@ public:
                 const std::optional<Index> theirs = match_.of({d, index});
                 if (!theirs) return name({d, index}) + " has no match";
                 if (isTaken[*theirs]++)
-                    return name({d, index}) + " has the match of another, " +
-                           std::to_string(*theirs);
+                    return concat(name({d, index}), " has the match of another, ", *theirs);
             }
         }
         // OpenSubdiv's holes without boundary control are not in the region; ours must be among
@@ -231,15 +230,15 @@ public:
                                          : d == 1 ? inspectEdge(index)
                                                   : inspectFace(index);
                 if (!text.empty())
-                    return name({d, index}) +
-                           " (theirs: " + std::to_string(*match_.of({d, index})) + ") " + text;
+                    return concat(name({d, index}), " (theirs: ", *match_.of({d, index}), ") ",
+                                  text);
             }
         return {};
     }
 
 private:
     static std::string name(Entity entity) {
-        return std::string(dimensionName(entity.dimension)) + " " + std::to_string(entity.index);
+        return concat(dimensionName(entity.dimension), " ", entity.index);
     }
 
     /// Sharpness as OpenSubdiv has it, where infinite is 10.
@@ -271,8 +270,7 @@ private:
         const Rule rule = theirs_.GetVertexRule(theirs);
         const int stratum = rule == Rule::RULE_CORNER ? 0 : rule == Rule::RULE_CREASE ? 1 : 2;
         if (level_.strata.of(entity) != stratum)
-            return "lies on stratum " + std::to_string(level_.strata.of(entity)) + "; theirs on " +
-                   std::to_string(stratum);
+            return concat("lies on stratum ", level_.strata.of(entity), "; theirs on ", stratum);
         return {};
     }
 
@@ -281,7 +279,7 @@ private:
         const Index theirs = *match_.of(entity);
         for (const Index end : level_.complex.relation(1, 0)[edge])
             if (!contains(theirs_.GetEdgeVertices(theirs), *match_.of({0, end})))
-                return "ends in vertex " + std::to_string(end) + "; theirs does not";
+                return concat("ends in vertex ", end, "; theirs does not");
         if (!level_.strata.isOpen(entity) &&
             !isSameSharpness(sharpness(entity), theirs_.GetEdgeSharpness(theirs)))
             return differ(sharpness(entity), theirs_.GetEdgeSharpness(theirs));

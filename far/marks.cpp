@@ -41,16 +41,16 @@ namespace {
 
 float readSharpness(double sharpness, Entity entity, const std::string& name) {
     if (sharpness >= kSmooth) return storedSharpness(sharpness);
-    throw TopologyError(TopologyCause::BadMark, entity,
-                        name + " is marked with sharpness " + std::to_string(sharpness) +
-                            "; expected 0 (smooth) or more");
+    throw TopologyError(
+        TopologyCause::BadMark, entity,
+        concat(name, " is marked with sharpness ", sharpness, "; expected 0 (smooth) or more"));
 }
 
 void checkVertex(const CellComplex& complex, Index vertex) {
     if (vertex < 0 || vertex >= complex.count(0))
-        throw TopologyError(TopologyCause::VertexOutOfRange, {0, vertex},
-                            "a mark names vertex " + std::to_string(vertex) + "; there are " +
-                                std::to_string(complex.count(0)));
+        throw TopologyError(
+            TopologyCause::VertexOutOfRange, {0, vertex},
+            concat("a mark names vertex ", vertex, "; there are ", complex.count(0)));
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ MarkedSharpness readMarks(const CellComplex& complex, const Marks& marks) {
     for (const Marks::Edge& mark : marks.edges) {
         for (const Index vertex : mark.vertices) checkVertex(complex, vertex);
         const Index a = mark.vertices[0], b = mark.vertices[1];
-        const std::string name = "edge (" + std::to_string(a) + ", " + std::to_string(b) + ")";
+        const std::string name = concat("edge (", a, ", ", b, ")");
         const auto edges = complex.relation(0, 1)[a];
         const auto edge = std::find_if(edges.begin(), edges.end(), [&](Index candidate) {
             return a != b && contains(complex.relation(1, 0)[candidate], b);
@@ -72,8 +72,8 @@ MarkedSharpness readMarks(const CellComplex& complex, const Marks& marks) {
     }
     for (const Marks::Vertex& mark : marks.vertices) {
         checkVertex(complex, mark.vertex);
-        marked.vertices[mark.vertex] = readSharpness(mark.sharpness, {0, mark.vertex},
-                                                     "vertex " + std::to_string(mark.vertex));
+        marked.vertices[mark.vertex] =
+            readSharpness(mark.sharpness, {0, mark.vertex}, concat("vertex ", mark.vertex));
     }
     return marked;
 }
@@ -85,9 +85,9 @@ std::vector<Index> readHoles(const CellComplex& complex, const Marks& marks) {
         if (complex.dimension() != 2 || face < 0 || face >= complex.count(2))
             throw TopologyError(
                 TopologyCause::BadMark, {2, face},
-                "face " + std::to_string(face) + " is marked as a hole, but " +
-                    (complex.dimension() == 2 ? "there are " + std::to_string(complex.count(2))
-                                              : std::string("only a mesh can have holes")));
+                concat("face ", face, " is marked as a hole, but ",
+                       complex.dimension() == 2 ? concat("there are ", complex.count(2))
+                                                : std::string("only a mesh can have holes")));
     return holes;
 }
 

@@ -242,8 +242,8 @@ void Refinement::numberChildren(const Kept* kept) {
             // Numbered before they are made.
             if (count + familyCount > kMaxIndex)
                 throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
-                                    "the refined complex has more than " +
-                                        std::to_string(kMaxIndex) + " entities of one dimension");
+                                    concat("the refined complex has more than ", kMaxIndex,
+                                           " entities of one dimension"));
             family.firstChild = static_cast<Index>(count);
             family.childCount = static_cast<Index>(familyCount);
             count += familyCount;

@@ -122,8 +122,8 @@ struct ChangeEvaluator<Real>::Data {
     void checkColumns(std::span<const Index> changed) const {
         for (const Index column : changed)
             if (column < 0 || column >= table->columnCount)
-                throw Error("column " + std::to_string(column) + " is not in a table of " +
-                            std::to_string(table->columnCount) + " columns");
+                throw Error(concat("column ", column, " is not in a table of ", table->columnCount,
+                                   " columns"));
     }
 
     /// What some columns change.

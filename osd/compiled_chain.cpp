@@ -33,9 +33,8 @@ std::vector<Step> compiled(std::span<const StencilTable<Real>> tables, Simd simd
     std::vector<Step> steps;
     for (std::size_t i = 0; i < tables.size(); ++i) {
         if (i > 0 && tables[i].columnCount() != tables[i - 1].rowCount())
-            throw Error("table " + std::to_string(i + 1) + " of the chain has " +
-                        std::to_string(tables[i].columnCount()) + " columns; the one before has " +
-                        std::to_string(tables[i - 1].rowCount()) + " rows");
+            throw Error(concat("table ", i + 1, " of the chain has ", tables[i].columnCount(),
+                               " columns; the one before has ", tables[i - 1].rowCount(), " rows"));
         steps.emplace_back(tables[i], simd);
     }
     return inOrder(std::move(steps));
@@ -44,9 +43,8 @@ std::vector<Step> compiled(std::span<const StencilTable<Real>> tables, Simd simd
 template <class Step, class Real>
 std::vector<Step> compiled(const FactoredTable<Real>& table, Simd simd) {
     if (table.points.columnCount() != table.vertices.rowCount())
-        throw Error("the points are of " + std::to_string(table.points.columnCount()) +
-                    " vertices; the table of these has " +
-                    std::to_string(table.vertices.rowCount()));
+        throw Error(concat("the points are of ", table.points.columnCount(),
+                           " vertices; the table of these has ", table.vertices.rowCount()));
     std::vector<Step> steps;
     steps.emplace_back(table.vertices, simd);
     steps.emplace_back(table.points, simd);

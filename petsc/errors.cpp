@@ -35,8 +35,8 @@ void ErrorCapture::check(PetscErrorCode code) const {
     if (!code) return;
     const char* text = nullptr;
     PetscErrorMessage(code, &text, nullptr);
-    throw Error("PETSc, error " + std::to_string(static_cast<int>(code)) + ": " +
-                (text ? text : "unknown") + (message_.empty() ? "" : ": ") + message_);
+    throw Error(concat("PETSc, error ", static_cast<int>(code), ": ", text ? text : "unknown",
+                       message_.empty() ? "" : ": ", message_));
 }
 
 void checkMpi(int code) {
@@ -83,7 +83,7 @@ void throwOnAllRanks(MPI_Comm comm, const std::exception_ptr& wrong) {
     Complaint complaint = rank == complaining ? complaintOf(wrong) : Complaint{};
     checkMpi(MPI_Bcast(complaint.data(), static_cast<int>(complaint.size()), MPI_CHAR, complaining,
                        comm));
-    throw Error("rank " + std::to_string(complaining) + ": " + complaint.data());
+    throw Error(concat("rank ", complaining, ": ", complaint.data()));
 }
 
 }  // namespace espalier::petsc

@@ -137,13 +137,14 @@ std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& 
 
 CheckedVolume::CheckedVolume(const far::CellComplex& level) : cells_(level) {
     if (level.dimension() != 3)
-        throw Error("cells are checked in a lattice only, not in a complex of dimension " +
-                    std::to_string(level.dimension()));
+        throw Error(concat("cells are checked in a lattice only, not in a complex of dimension ",
+                           level.dimension()));
     for (Index face = 0; face < level.count(2); ++face)
         if (level.relation(2, 0)[face].size() != 4)
-            throw Error("face " + std::to_string(face) +
-                        " is not a quadrilateral: checking cells needs a lattice refined at least "
-                        "once");
+            throw Error(
+                concat("face ", face,
+                       " is not a quadrilateral: checking cells needs a lattice refined at least "
+                       "once"));
 }
 
 CheckedVolume::CheckedVolume(const limit::LimitParts& limit)

@@ -74,7 +74,7 @@ void check(int result) {
 
 /// By which a file without a name can be named.
 std::string procName(int descriptor) {
-    return "/proc/self/fd/" + std::to_string(descriptor);
+    return concat("/proc/self/fd/", descriptor);
 }
 
 }  // namespace
@@ -117,8 +117,7 @@ void NewFile::openNamed() {
 std::string NewFile::freshName() const {
     static std::atomic<unsigned> count = 0;
     // Not made from the target's name, which may be as long as names can be.
-    return (folder_ / ("espalier.tmp" + std::to_string(::getpid()) + "-" + std::to_string(count++)))
-        .string();
+    return (folder_ / (concat("espalier.tmp", ::getpid(), "-", count++))).string();
 }
 
 void NewFile::takeModeOfOldFile() const {

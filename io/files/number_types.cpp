@@ -48,8 +48,7 @@ std::int64_t readInteger(TextReader& text, NumberType type, const char* what) {
         return static_cast<std::int64_t>(text.number<std::uint64_t>(what));
     const auto number = text.number<std::int64_t>(what);
     if (!canHold(type, number))
-        text.fail(std::to_string(number) + " is out of the range of " + xmlName(type) +
-                  "; expected " + what);
+        text.fail(concat(number, " is out of the range of ", xmlName(type), "; expected ", what));
     return number;
 }
 

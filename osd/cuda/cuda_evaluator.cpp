@@ -91,7 +91,7 @@ DeviceScope::~DeviceScope() {
 void* allocateOnDevice(std::size_t bytes) {
     if (bytes == 0) return nullptr;
     void* memory = nullptr;
-    check(cudaMalloc(&memory, bytes), "cudaMalloc of " + std::to_string(bytes) + " bytes");
+    check(cudaMalloc(&memory, bytes), concat("cudaMalloc of ", bytes, " bytes"));
     return memory;
 }
 
@@ -257,8 +257,8 @@ void CudaBuffer<Real>::download(std::span<Real> values, CudaStream stream) const
 template <class Real>
 void CudaBuffer<Real>::checkSize(std::size_t size) const {
     if (size > size_)
-        throw Error("the buffer on the device holds " + std::to_string(size_) + " numbers; " +
-                    std::to_string(size) + " were to be copied");
+        throw Error(concat("the buffer on the device holds ", size_, " numbers; ", size,
+                           " were to be copied"));
 }
 
 CudaWorkspace::CudaWorkspace(CudaStream stream) : stream_(stream), device_(currentDevice()) {}
@@ -308,13 +308,12 @@ std::byte* CudaWorkspace::reserve(std::size_t bytes) {
     isInGraph_ = isInGraph_ || status != cudaStreamCaptureStatusNone;
     if (bytes <= byteCount_) return memory_;
     if (isInGraph_)
-        throw Error("the workspace is used in a CUDA graph and holds " +
-                    std::to_string(byteCount_) + " bytes; " + std::to_string(bytes) +
-                    " are needed: CudaEvaluator::workspace() makes one that is large enough");
+        throw Error(concat(
+            "the workspace is used in a CUDA graph and holds ", byteCount_, " bytes; ", bytes,
+            " are needed: CudaEvaluator::workspace() makes one that is large enough"));
     release();
     void* memory = nullptr;
-    check(cudaMallocAsync(&memory, bytes, stream_),
-          "cudaMallocAsync of " + std::to_string(bytes) + " bytes");
+    check(cudaMallocAsync(&memory, bytes, stream_), concat("cudaMallocAsync of ", bytes, " bytes"));
     memory_ = static_cast<std::byte*>(memory);
     byteCount_ = bytes;
     return memory_;
@@ -344,8 +343,8 @@ struct CudaEvaluator<Real>::Data {
     /// \throws Error otherwise
     DeviceScope scopeFor(const CudaWorkspace& workspace) const {
         if (workspace.device() != device)
-            throw Error("the workspace is of CUDA device " + std::to_string(workspace.device()) +
-                        ", the table of device " + std::to_string(device));
+            throw Error(concat("the workspace is of CUDA device ", workspace.device(),
+                               ", the table of device ", device));
         return DeviceScope(device);
     }
 };
@@ -447,12 +446,10 @@ template <class Real>
 CudaKeptPoints<Real>::CudaKeptPoints(Index pointCount, std::span<const Index> kept,
                                      std::span<const Point3> keptAt) {
     if (kept.size() != keptAt.size())
-        throw Error(std::to_string(kept.size()) + " points are kept, at " +
-                    std::to_string(keptAt.size()) + " positions");
+        throw Error(concat(kept.size(), " points are kept, at ", keptAt.size(), " positions"));
     for (const Index point : kept)
         if (point < 0 || point >= pointCount)
-            throw Error("the kept point " + std::to_string(point) + " is not one of " +
-                        std::to_string(pointCount));
+            throw Error(concat("the kept point ", point, " is not one of ", pointCount));
     std::vector<Real> positions;
     for (const Point3& position : keptAt)
         for (const double coordinate : position) positions.push_back(static_cast<Real>(coordinate));
