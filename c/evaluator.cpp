@@ -2,7 +2,7 @@
 #include <espalier/osd/change_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
-#include <espalier/osd/workspace.h>
+#include <espalier/osd/evaluation.h>
 
 #include <variant>
 

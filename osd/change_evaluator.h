@@ -3,7 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/osd/compiled_table.h>
-#include <espalier/osd/workspace.h>
+#include <espalier/osd/evaluation.h>
 
 #include <cstddef>
 #include <memory>
@@ -58,7 +58,7 @@ public:
         evaluateChanged(source, sourceLayout, destination, destinationLayout, changed, own);
     }
 
-    /// The same in memory that is kept: for real time (workspace.h).
+    /// The same in memory that is kept: for real time (Workspace).
     void evaluateChanged(Values<Real> source, const BufferDescriptor& sourceLayout,
                          MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                          std::span<const Index> changed, Workspace& workspace) const;

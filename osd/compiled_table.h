@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/osd/kernels/simd.h>
-#include <espalier/osd/workspace.h>
 
 #include <cstddef>
 #include <memory>
@@ -30,7 +29,7 @@ public:
         evaluate(source, sourceLayout, destination, destinationLayout, rows, own);
     }
 
-    /// The same in memory that is kept: for real time (workspace.h).
+    /// The same in memory that is kept: for real time (Workspace).
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows, Workspace& workspace) const;
