@@ -50,7 +50,7 @@ public:
 ///         bar.show(progress.fraction());
 ///         return !bar.isCancelled();
 ///     });
-///     const auto model = embed::bindPoints<float>(…);  // may throw Cancelled
+///     const auto model = embed::bindPoints(…);  // may throw Cancelled
 ///
 /// Once it returns false it is not called again, and calls throw Cancelled as soon as the ranges at
 /// hand on other threads have come to a nested loop or to their end, or return if that was the last

@@ -38,8 +38,8 @@ struct Scene {
     Lattice lattice = shapes::box({.cells = {10, 10, 10}});
     far::TopologyRefiner base{lattice.complex};
 
-    embed::Binding<double> bind() const {
-        return embed::bindPoints<double>(base, lattice.positions, level, kRules, points).binding;
+    embed::Binding bind() const {
+        return embed::bindPoints(base, lattice.positions, level, kRules, points).binding;
     }
 };
 
@@ -73,7 +73,7 @@ const Refined& refined() {
 void bind(benchmark::State& state, Scene (*make)(), int threads) {
     const ThreadLimit limit(threads);
     const Scene scene = make();
-    embed::Binding<double> binding;
+    embed::Binding binding;
     for (auto _ : state) binding = scene.bind();
     if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
         state.SkipWithError("the rest pose does not give the points back");

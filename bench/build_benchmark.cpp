@@ -68,7 +68,7 @@ void build(benchmark::State& state, const far::CellComplex& complex, int level, 
     const far::TopologyRefiner refiner = refined(complex, level);
     double rows = 0, entries = 0;
     for (auto _ : state) {
-        const auto table = stencils::buildStencils<float>(refiner, level);
+        const auto table = stencils::convertTable<float>(stencils::buildStencils(refiner, level));
         rows = table.rowCount();
         entries = static_cast<double>(table.entryCount());
     }
@@ -101,15 +101,18 @@ void carry(benchmark::State& state, const far::TopologyRefiner& refiner, int lev
 /// By R_1 to R_n.
 void inTurn(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
     const far::TopologyRefiner refiner = refined(complex, level);
-    carry(state, refiner, level, threads,
-          osd::CompiledChain<float>(stencils::buildLevelTables<float>(refiner, level)));
+    std::vector<stencils::StencilTable<float>> tables;
+    for (auto& table : stencils::buildLevelTables(refiner, level))
+        tables.push_back(stencils::convertTable<float>(std::move(table)));
+    carry(state, refiner, level, threads, osd::CompiledChain<float>(tables));
 }
 
 /// By S_n.
 void atOnce(benchmark::State& state, const far::CellComplex& complex, int level, int threads) {
     const far::TopologyRefiner refiner = refined(complex, level);
     carry(state, refiner, level, threads,
-          osd::CompiledTable<float>(stencils::buildStencils<float>(refiner, level)));
+          osd::CompiledTable<float>(
+              stencils::convertTable<float>(stencils::buildStencils(refiner, level))));
 }
 
 #ifdef ESPALIER_WITH_OPENSUBDIV

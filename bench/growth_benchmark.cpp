@@ -31,14 +31,14 @@ struct Scene {
           lattice(shapes::box({.cells = {cellCount, cellCount, cellCount}})),
           base(lattice.complex) {}
 
-    embed::Binding<double> bind(int level) const {
-        return embed::bindPoints<double>(base, lattice.positions, level, kRules, points).binding;
+    embed::Binding bind(int level) const {
+        return embed::bindPoints(base, lattice.positions, level, kRules, points).binding;
     }
 };
 
 void bind(benchmark::State& state, const Scene& scene, int level, int threads) {
     const ThreadLimit limit(threads);
-    embed::Binding<double> binding;
+    embed::Binding binding;
     for (auto _ : state) binding = scene.bind(level);
     if (!bench::givesBack(osd::evaluateBinding(binding, scene.lattice.positions), scene.points))
         state.SkipWithError("the rest pose does not give the points back");

@@ -28,12 +28,11 @@ struct Scene {
     far::TopologyRefiner base{lattice.complex};
 
     /// D; of the limit if the level is 0.
-    embed::Binding<double> bind(int level) const {
+    embed::Binding bind(int level) const {
         if (level > 0)
-            return embed::bindPoints<double>(base, lattice.positions, level, kRules, points)
-                .binding;
-        return limit::withoutGradients(
-            limit::bindLimit<double>(base, lattice.positions, kRules, points).binding);
+            return embed::bindPoints(base, lattice.positions, level, kRules, points).binding;
+        return limit::withoutGradients(limit::bindLimit(base, lattice.positions, kRules, points))
+            .binding;
     }
 
     /// The vertices where no two go the same way: by sines of places.
@@ -53,8 +52,8 @@ const Scene& scene(bool isRegular) {
 }
 
 /// Bound once, on all threads; for what is not about binding.
-const embed::Binding<double>& bound(bool isRegular, int level) {
-    static std::map<std::pair<bool, int>, embed::Binding<double>> made;
+const embed::Binding& bound(bool isRegular, int level) {
+    static std::map<std::pair<bool, int>, embed::Binding> made;
     const auto [place, isNew] = made.try_emplace({isRegular, level});
     if (isNew) place->second = scene(isRegular).bind(level);
     return place->second;
@@ -72,7 +71,7 @@ double meanDistance(const std::vector<Point3>& first, const std::vector<Point3>&
 void bind(benchmark::State& state, bool isRegular, int level, int threads) {
     const ThreadLimit limit(threads);
     const Scene& made = scene(isRegular);
-    embed::Binding<double> binding;
+    embed::Binding binding;
     for (auto _ : state) binding = made.bind(level);
     if (!bench::givesBack(osd::evaluateBinding(binding, made.lattice.positions), made.points))
         return state.SkipWithError("the rest pose does not give the points back");

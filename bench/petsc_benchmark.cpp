@@ -75,8 +75,8 @@ double peakMegabytes() {
 }
 
 StencilTable<double> bindOwn(const Lattice& lattice, const std::vector<Point3>& points, int level) {
-    return embed::bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions,
-                                     level, stencils::Rules::Siggraph96, points)
+    return embed::bindPoints(far::TopologyRefiner(lattice.complex), lattice.positions, level,
+                             stencils::Rules::Siggraph96, points)
         .binding.table;
 }
 
@@ -209,8 +209,8 @@ void runProducts() {
             "|\n| --- | --- | --- | --- | --- | --- | --- |\n");
     const Lattice box = shapes::box({.cells = {10, 10, 10}});
     const embed::TensorLattice regular(box.complex, box.positions, embed::Basis::BSpline);
-    measureProducts("regular model", embed::buildDeformationTable<double>(
-                                         regular, embed::embedPoints(regular, ownPoints)));
+    measureProducts("regular model",
+                    embed::buildDeformationTable(regular, embed::embedPoints(regular, ownPoints)));
     const Lattice cylinder = shapes::cylinder({.sectors = 8,
                                                .pattern = {.rings = 3},
                                                .layers = 6,
@@ -261,8 +261,8 @@ void runLattice() {
         for (Point3& point : points) point = {anywhere(random), anywhere(random), along(random)};
         StencilTable<double> rows;
         const double binding = secondsOf([&] {
-            rows = embed::bindPoints<double>(base, lattice.positions, kLevel,
-                                             stencils::Rules::Siggraph96, points)
+            rows = embed::bindPoints(base, lattice.positions, kLevel, stencils::Rules::Siggraph96,
+                                     points)
                        .binding.table;
         });
         const double peak = largest(peakMegabytes());

@@ -70,8 +70,8 @@ void runOne(int number, const std::filesystem::path& folder) {
     const std::vector<Point3> points = pointsAround(lattice, number);
     const far::TopologyRefiner refiner(lattice.complex);
     io::BoundModel model;
-    model.binding = embed::bindPoints<double>(refiner, lattice.positions, 2 + number % 2,
-                                              stencils::Rules::Siggraph96, points)
+    model.binding = embed::bindPoints(refiner, lattice.positions, 2 + number % 2,
+                                      stencils::Rules::Siggraph96, points)
                         .binding;
     model.modelName = "points";
 

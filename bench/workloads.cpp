@@ -72,7 +72,7 @@ Workload surface(int rowCount) {
         torus(static_cast<Index>(std::lround(std::sqrt(rowCount / std::pow(4, kLevel)))));
     far::TopologyRefiner refiner(far::buildMesh(mesh.vertexCount, mesh.loops));
     refiner.refineUniform(kLevel);
-    return workload(stencils::buildStencils<double>(refiner, kLevel));
+    return workload(stencils::buildStencils(refiner, kLevel));
 }
 
 Lattice regularLattice() {
@@ -83,8 +83,8 @@ template <class Real>
 stencils::StencilTable<Real> regularTable(int pointCount) {
     const Lattice box = regularLattice();
     const embed::TensorLattice lattice(box.complex, box.positions, embed::Basis::BSpline);
-    return embed::buildDeformationTable<Real>(lattice,
-                                              embed::embedPoints(lattice, model(pointCount)));
+    return stencils::convertTable<Real>(
+        embed::buildDeformationTable(lattice, embed::embedPoints(lattice, model(pointCount))));
 }
 
 template stencils::StencilTable<float> regularTable(int);
@@ -111,12 +111,11 @@ Workload irregularModel() {
     const auto rest =
         stencils::refinePositions(refiner, kLevel, Rules::Siggraph96, cylinder.positions);
     const auto embedding = embed::embedPoints(refiner.level(kLevel).complex, rest, model());
-    Workload made = workload(
-        embed::buildDeformationTable<double>(refiner, kLevel, Rules::Siggraph96, embedding));
-    made.inFloat.factors =
-        embed::buildFactoredTable<float>(refiner, kLevel, Rules::Siggraph96, embedding);
+    Workload made =
+        workload(embed::buildDeformationTable(refiner, kLevel, Rules::Siggraph96, embedding));
     made.inDouble.factors =
-        embed::buildFactoredTable<double>(refiner, kLevel, Rules::Siggraph96, embedding);
+        embed::buildFactoredTable(refiner, kLevel, Rules::Siggraph96, embedding);
+    made.inFloat.factors = stencils::convertTable<float>(*made.inDouble.factors);
     return made;
 }
 

@@ -42,7 +42,7 @@ espalier_status espalier_table_create_stencils(const espalier_refiner* refiner, 
                                                espalier_table** table) {
     return c::result(table, "table", [&] {
         const auto& own = c::deref(refiner, "refiner");
-        return c::newTable(stencils::buildStencils<double>(own.refiner, level, own.rules));
+        return c::newTable(stencils::buildStencils(own.refiner, level, own.rules));
     });
 }
 
@@ -58,7 +58,7 @@ espalier_status espalier_table_create_limits(const espalier_refiner* refiner, in
                                              espalier_table** table) {
     return c::result(table, "table", [&] {
         const auto& own = c::deref(refiner, "refiner");
-        return c::newTable(limit::buildVertexLimits<double>(own.refiner, level, own.rules));
+        return c::newTable(limit::buildVertexLimits(own.refiner, level, own.rules));
     });
 }
 
@@ -76,7 +76,7 @@ espalier_status espalier_table_create_limit_stencils(const espalier_refiner* ref
         c::checkCount(table_count, ESPALIER_LIMIT_STENCIL_TABLES(chosen.derivatives),
                       "tables of room for the result");
         const auto out = c::array(tables, table_count, "tables");
-        auto made = limit::buildLimitStencils<double>(
+        auto made = limit::buildLimitStencils(
             own.refiner, level, own.rules, c::limitLocations(place_count, cells, uvw),
             {.tolerance = chosen.tolerance, .derivatives = chosen.derivatives});
         std::vector<std::unique_ptr<espalier_table>> results;

@@ -25,26 +25,21 @@ BoundPoints bindByOptions(const BindOptions& options, std::span<const Point3> po
         const auto tensor = ofFile(options.rest, [&] {
             return embed::TensorLattice(lattice.complex, lattice.positions, *options.basis);
         });
-        const auto placed = embed::embedPoints(tensor, points, embedding, progress);
-        embed::BoundModel<double> bound{
-            embed::makeBinding<double>(tensor, placed, points), {}, placed.largestResidual()};
-        for (const auto& point : placed.points) bound.statuses.push_back(point.status);
-        return {std::move(bound)};
+        return {embed::bindPoints(tensor, points, embedding, progress)};
     }
     const auto base = refineLattice(options.rest, lattice, options.common, 0);
     const auto& rules = options.common.rules;
     if (!options.limit)
-        return {embed::bindPoints<double>(base, lattice.positions, options.level, rules, points,
-                                          embedding, progress)};
-    auto bound = limit::bindLimit<double>(
+        return {embed::bindPoints(base, lattice.positions, options.level, rules, points, embedding,
+                                  progress)};
+    auto bound = limit::bindLimit(
         base, lattice.positions, rules, points,
         {.embedding = embedding, .tolerance = embedding.tolerance, .gradients = hasGradients},
         progress);
     BoundPoints result;
     if (hasGradients)
         result.gradients = {std::move(bound.binding.table.gradients), lattice.positions};
-    result.points = {limit::withoutGradients(std::move(bound.binding)), std::move(bound.statuses),
-                     bound.largestResidual};
+    result.points = limit::withoutGradients(std::move(bound));
     return result;
 }
 
@@ -113,9 +108,9 @@ std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& 
     if (options.basis || options.limit) return std::nullopt;
     return stages.run("binding in factors", [&] {
         const auto base = refineLattice(options.rest, lattice, options.common, 0);
-        auto bound = embed::bindFactored<double>(
-            base, lattice.positions, options.level, options.common.rules, points,
-            options.common.embedding, progressOf(stages, points.size()));
+        auto bound = embed::bindFactored(base, lattice.positions, options.level,
+                                         options.common.rules, points, options.common.embedding,
+                                         progressOf(stages, points.size()));
         stages.addBytes(bytesOf(bound.binding.table));
         return std::move(bound.binding.table);
     });

@@ -43,7 +43,7 @@ void checkBasis(const BindOptions& options);
 
 /// Points that are bound to a lattice.
 struct BoundPoints {
-    embed::BoundModel<double> points;
+    embed::BindingResult points;
     std::optional<io::BoundGradients> gradients = {};  ///< if they were asked for
 };
 

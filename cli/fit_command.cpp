@@ -229,7 +229,7 @@ std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus s
 /// lattice does not carry but that are wanted where they are, unless points outside are errors.
 /// \throws FileError for other points that it does not carry, and if no target is left
 std::vector<Index> carriedTargets(const FitCommandOptions& options,
-                                  const embed::BoundModel<double>& bound, const Wishes& wishes) {
+                                  const embed::BindingResult& bound, const Wishes& wishes) {
     const bool isOutsideRefused = options.common.embedding.outside == embed::OutsidePolicy::Error;
     std::vector<Index> carried;
     for (std::size_t i = 0; i < wishes.targets.size(); ++i) {

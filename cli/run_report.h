@@ -44,8 +44,8 @@ void addReportOption(CLI::App& command, ReportFormat& format);
 ///     applying           that must move: the matrix, the vertices of the pose and the deformed
 ///                        points, for each pose
 struct RunReport {
-    const embed::BoundModel<double>* points;  ///< null where the binding was read from a file
-    const embed::Binding<double>& binding;
+    const embed::BindingResult* points;  ///< null where the binding was read from a file
+    const embed::Binding& binding;
     const Stages& stages;
     std::size_t peakMemory;
 };

@@ -56,9 +56,9 @@ void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surfac
         const auto rowCount = static_cast<double>(vertices.size());
         if (++countedLevels <= 2)
             rowLength =
-                static_cast<double>(stencils::buildStencils<double>(
-                                        refiner, level, stencils::Rules::Siggraph96, vertices)
-                                        .entryCount()) /
+                static_cast<double>(
+                    stencils::buildStencils(refiner, level, stencils::Rules::Siggraph96, vertices)
+                        .entryCount()) /
                 rowCount;
         entryCount += rowLength * rowCount;
     }

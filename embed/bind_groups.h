@@ -11,20 +11,22 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace espalier::embed {
 
 /// Binds points, a group of near ones after the other, in parallel.
-/// \param binder works in units of `unit`
+/// \param binder works in units of `unit`; goes before the rows are gathered, which takes the most
+///        memory
 /// \param progress as in bindPoints()
-template <class Real, class Table>
-BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
-                                   const far::TopologyRefiner& base, const LengthUnit& unit,
-                                   std::span<const Point3> points, Offset groupSize,
-                                   OutsidePolicy outside,
-                                   const std::function<void(Offset)>& progress) {
+template <class Table>
+BindingResultOf<Table> bindGroups(std::unique_ptr<const GroupBinder<Table>> binder,
+                                  const far::TopologyRefiner& base, const LengthUnit& unit,
+                                  std::span<const Point3> points, Offset groupSize,
+                                  OutsidePolicy outside,
+                                  const std::function<void(Offset)>& progress) {
     checkPointCount(points);
     const Offset pointCount = std::ssize(points);
     const std::vector<Index> order = alongCurve(points);
@@ -34,18 +36,19 @@ BoundModel<Real, Table> bindGroups(const GroupBinder<Table>& binder,
         std::vector<Point3> own;
         for (Offset i = first; i < last; ++i) own.push_back(unit.toUnits(points[order[i]]));
         auto& parts = groups[first / groupSize];
-        parts = binder.bind(own);
+        parts = binder->bind(own);
         for (BoundPart<Table>& part : parts) {
             for (Index& point : part.points) point = order[first + point];
             entryCount += pointRows(part.table).entryCount();
         }
         // gatherRows() takes as much memory again as the rows that the groups hold.
-        requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(Real)),
+        requireMemory(static_cast<std::uint64_t>(entryCount) * (sizeof(Index) + sizeof(double)),
                       "a table of the " + std::to_string(entryCount) + " weights so far");
         if (progress) progress(done += last - first);
     });
 
-    BoundModel<Real, Table> model;
+    binder.reset();
+    BindingResultOf<Table> model;
     model.statuses.resize(points.size());
     std::vector<BoundPart<Table>> parts;
     for (auto& group : groups)

@@ -9,13 +9,13 @@ namespace espalier::embed {
 namespace {
 
 /// \param buildTable makes D, once it is known that the points are those of the embedding
-template <class Real, class Place, class BuildTable>
-Binding<Real> bindTo(const far::CellComplex& base, const PlacedPoints<Place>& embedding,
-                     std::span<const Point3> points, BuildTable buildTable) {
+template <class Place, class BuildTable>
+Binding bindTo(const far::CellComplex& base, const PlacedPoints<Place>& embedding,
+               std::span<const Point3> points, BuildTable buildTable) {
     if (points.size() != embedding.points.size())
         throw Error("got " + std::to_string(points.size()) + " points; embedded were " +
                     std::to_string(embedding.points.size()));
-    Binding<Real> binding;
+    Binding binding;
     binding.table = buildTable();
     binding.topologyHash = far::topologyHash(base);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -28,28 +28,16 @@ Binding<Real> bindTo(const far::CellComplex& base, const PlacedPoints<Place>& em
 
 }  // namespace
 
-template <class Real>
-Binding<Real> makeBinding(const far::TopologyRefiner& refiner, int level, stencils::Rules rules,
-                          const Embedding& embedding, std::span<const Point3> points) {
-    return bindTo<Real>(refiner.level(0).complex, embedding, points, [&] {
-        return buildDeformationTable<Real>(refiner, level, rules, embedding);
-    });
+Binding makeBinding(const far::TopologyRefiner& refiner, int level, stencils::Rules rules,
+                    const Embedding& embedding, std::span<const Point3> points) {
+    return bindTo(refiner.level(0).complex, embedding, points,
+                  [&] { return buildDeformationTable(refiner, level, rules, embedding); });
 }
 
-template <class Real>
-Binding<Real> makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
-                          std::span<const Point3> points) {
-    return bindTo<Real>(lattice.complex(), embedding, points,
-                        [&] { return buildDeformationTable<Real>(lattice, embedding); });
+Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
+                    std::span<const Point3> points) {
+    return bindTo(lattice.complex(), embedding, points,
+                  [&] { return buildDeformationTable(lattice, embedding); });
 }
-
-template Binding<float> makeBinding(const far::TopologyRefiner&, int, stencils::Rules,
-                                    const Embedding&, std::span<const Point3>);
-template Binding<double> makeBinding(const far::TopologyRefiner&, int, stencils::Rules,
-                                     const Embedding&, std::span<const Point3>);
-template Binding<float> makeBinding(const TensorLattice&, const TensorEmbedding&,
-                                    std::span<const Point3>);
-template Binding<double> makeBinding(const TensorLattice&, const TensorEmbedding&,
-                                     std::span<const Point3>);
 
 }  // namespace espalier::embed

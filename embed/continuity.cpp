@@ -119,9 +119,8 @@ private:
         const far::CellComplex& complex = found.refiner.level(level_).complex;
         const Flags held = verticesOf(complex, cells);
         const auto vertices = flagged(verticesOf(complex, cellsAt(complex, held)));
-        const auto columns =
-            columnsOf(stencils::composeStencils<double>(found.refiner, found.tables, vertices),
-                      roundingOf(level_));
+        const auto columns = columnsOf(
+            stencils::composeStencils(found.refiner, found.tables, vertices), roundingOf(level_));
         group.columns.insert(group.columns.end(), columns.begin(), columns.end());
     }
 
@@ -215,7 +214,7 @@ std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base, stenci
     const far::CellComplex& complex = refiner.level(kLevel).complex;
     const Flags vertices =
         continuity == Continuity::C0 ? isHeld[0] : verticesOf(complex, cellsAt(complex, isHeld[0]));
-    return columnsOf(stencils::composeStencils<double>(refiner, tables, flagged(vertices)),
+    return columnsOf(stencils::composeStencils(refiner, tables, flagged(vertices)),
                      roundingOf(kLevel));
 }
 
@@ -233,7 +232,7 @@ std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
     checkFinite(points);
     if (continuity == Continuity::C0)
         return verticesHoldingRows(
-            bindPoints<double>(base, positions, level, rules, points, options).binding.table);
+            bindPoints(base, positions, level, rules, points, options).binding.table);
     const LengthUnit unit(positions);
     const std::vector<Point3> restInUnits = unit.toUnits(positions);
     const std::vector<Point3> inUnits = unit.toUnits(points);

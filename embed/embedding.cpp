@@ -45,22 +45,21 @@ std::vector<std::optional<SortedCorners>> allSortedCorners(const far::CellComple
     return all;
 }
 
-void appendEntry(Index vertex, double weight, stencils::RowList<double>& rows) {
+void appendEntry(Index vertex, double weight, stencils::RowList& rows) {
     if (weight == 0) return;
     rows.columns.push_back(vertex);
     rows.weights.push_back(weight);
 }
 
 void appendHexahedron(const SortedCorners& corners, const CellPlace& place,
-                      stencils::RowList<double>& rows) {
+                      stencils::RowList& rows) {
     const auto weights = hexahedronWeights(place);
     for (std::size_t i = 0; i < 8; ++i)
         appendEntry(corners.vertices[i], weights[corners.positions[i]], rows);
 }
 
 /// A vertex of the tetrahedron comes twice in its weights, and once in the row.
-void appendTypeN(const far::CellComplex& complex, const CellPlace& place,
-                 stencils::RowList<double>& rows) {
+void appendTypeN(const far::CellComplex& complex, const CellPlace& place, stencils::RowList& rows) {
     auto weights = placeWeights(complex, place);
     std::sort(weights.begin(), weights.end(),
               [](const VertexWeight& a, const VertexWeight& b) { return a.vertex < b.vertex; });
@@ -96,9 +95,8 @@ stencils::StencilTable<double> buildEmbeddingTable(const far::CellComplex& compl
     const auto cornersOf = [&](CellId cell) {
         return all.empty() ? sortedCorners(complex, cell) : all[cell.value];
     };
-    return stencils::buildTableByChunks<double>(
-        pointCount, complex.count(0), {},
-        [&](Offset first, Offset last, stencils::RowList<double>& rows) {
+    return stencils::buildTableByChunks(
+        pointCount, complex.count(0), {}, [&](Offset first, Offset last, stencils::RowList& rows) {
             const auto count = static_cast<std::size_t>(last - first);
             rows.columns.reserve(8 * count);
             rows.weights.reserve(8 * count);
@@ -136,61 +134,50 @@ stencils::FactoredTable<double> factoredTable(const far::CellComplex& complex,
     return {stencilsFor(weights.columns), std::move(weights.table)};
 }
 
-template <class Real>
-stencils::FactoredTable<Real> rounded(stencils::FactoredTable<double> factors) {
-    return {stencils::convertTable<Real>(std::move(factors.vertices)),
-            stencils::convertTable<Real>(std::move(factors.points))};
-}
-
 /// D from its factors.
-template <class Real>
-stencils::StencilTable<Real> multiplied(const stencils::FactoredTable<double>& factors,
-                                        const far::TopologyRefiner& refiner, int level,
-                                        const Embedding& embedding) {
+stencils::StencilTable<double> multiplied(const stencils::FactoredTable<double>& factors,
+                                          const far::TopologyRefiner& refiner, int level,
+                                          const Embedding& embedding) {
     const stencils::BaseEntities origins = stencils::baseEntities(refiner, level).back();
-    return stencils::multiply<Real>(factors.points, factors.vertices,
-                                    orderByBaseCell(embedding, origins.of(3), origins.count()));
+    return stencils::multiply(factors.points, factors.vertices,
+                              orderByBaseCell(embedding, origins.of(3), origins.count()));
 }
 
 }  // namespace
 
-template <class Real>
-stencils::FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner, int level,
-                                                 stencils::Rules rules,
-                                                 const Embedding& embedding) {
-    return rounded<Real>(factoredTable(
-        refiner.level(level).complex, embedding, [&](std::span<const Index> vertices) {
-            return stencils::buildStencils<double>(refiner, level, rules, vertices);
-        }));
+stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner& refiner, int level,
+                                                   stencils::Rules rules,
+                                                   const Embedding& embedding) {
+    return factoredTable(refiner.level(level).complex, embedding,
+                         [&](std::span<const Index> vertices) {
+                             return stencils::buildStencils(refiner, level, rules, vertices);
+                         });
 }
 
-template <class Real>
-stencils::FactoredTable<Real> buildFactoredTable(
+stencils::FactoredTable<double> buildFactoredTable(
     const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
     const Embedding& embedding) {
     const int level = static_cast<int>(tables.size());
-    return rounded<Real>(factoredTable(
-        refiner.level(level).complex, embedding, [&](std::span<const Index> vertices) {
-            return stencils::composeStencils<double>(refiner, tables, vertices);
-        }));
+    return factoredTable(refiner.level(level).complex, embedding,
+                         [&](std::span<const Index> vertices) {
+                             return stencils::composeStencils(refiner, tables, vertices);
+                         });
 }
 
 namespace {
 
 /// D where rows of S are long: those of points are carried to the base by themselves.
-template <class Real>
-stencils::StencilTable<Real> multipliedFromPoints(
+stencils::StencilTable<double> multipliedFromPoints(
     const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
     const Embedding& embedding) {
     const int level = static_cast<int>(tables.size());
     std::vector<stencils::StencilTable<double>> rows;
     for (int k = 0; k < level; ++k)
-        rows.push_back(stencils::buildTable<double>(0, refiner.level(k).complex.count(0),
-                                                    [](Index, stencils::RowAccumulator&) {}));
+        rows.push_back(stencils::buildTable(0, refiner.level(k).complex.count(0),
+                                            [](Index, stencils::RowAccumulator&) {}));
     rows.push_back(buildEmbeddingTable(refiner.level(level).complex, embedding));
     return std::move(
-        stencils::composeRows<Real>(tables, std::move(rows), stencils::Composition::FromRows)
-            .back());
+        stencils::composeRows(tables, std::move(rows), stencils::Composition::FromRows).back());
 }
 
 bool hasLongRows(const far::TopologyRefiner& refiner) {
@@ -199,41 +186,22 @@ bool hasLongRows(const far::TopologyRefiner& refiner) {
 
 }  // namespace
 
-template <class Real>
-stencils::StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
-                                                   stencils::Rules rules,
-                                                   const Embedding& embedding) {
+stencils::StencilTable<double> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
+                                                     stencils::Rules rules,
+                                                     const Embedding& embedding) {
     if (hasLongRows(refiner))
-        return multipliedFromPoints<Real>(
-            refiner, stencils::buildLevelTables<double>(refiner, level, rules), embedding);
-    return multiplied<Real>(buildFactoredTable<double>(refiner, level, rules, embedding), refiner,
-                            level, embedding);
+        return multipliedFromPoints(refiner, stencils::buildLevelTables(refiner, level, rules),
+                                    embedding);
+    return multiplied(buildFactoredTable(refiner, level, rules, embedding), refiner, level,
+                      embedding);
 }
 
-template <class Real>
-stencils::StencilTable<Real> buildDeformationTable(
+stencils::StencilTable<double> buildDeformationTable(
     const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
     const Embedding& embedding) {
-    if (hasLongRows(refiner)) return multipliedFromPoints<Real>(refiner, tables, embedding);
-    return multiplied<Real>(buildFactoredTable<double>(refiner, tables, embedding), refiner,
-                            static_cast<int>(tables.size()), embedding);
+    if (hasLongRows(refiner)) return multipliedFromPoints(refiner, tables, embedding);
+    return multiplied(buildFactoredTable(refiner, tables, embedding), refiner,
+                      static_cast<int>(tables.size()), embedding);
 }
-
-template stencils::FactoredTable<float> buildFactoredTable(const far::TopologyRefiner&, int,
-                                                           stencils::Rules, const Embedding&);
-template stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner&, int,
-                                                            stencils::Rules, const Embedding&);
-template stencils::FactoredTable<float> buildFactoredTable(
-    const far::TopologyRefiner&, std::span<const stencils::StencilTable<double>>, const Embedding&);
-template stencils::FactoredTable<double> buildFactoredTable(
-    const far::TopologyRefiner&, std::span<const stencils::StencilTable<double>>, const Embedding&);
-template stencils::StencilTable<float> buildDeformationTable(const far::TopologyRefiner&, int,
-                                                             stencils::Rules, const Embedding&);
-template stencils::StencilTable<double> buildDeformationTable(const far::TopologyRefiner&, int,
-                                                              stencils::Rules, const Embedding&);
-template stencils::StencilTable<float> buildDeformationTable(
-    const far::TopologyRefiner&, std::span<const stencils::StencilTable<double>>, const Embedding&);
-template stencils::StencilTable<double> buildDeformationTable(
-    const far::TopologyRefiner&, std::span<const stencils::StencilTable<double>>, const Embedding&);
 
 }  // namespace espalier::embed

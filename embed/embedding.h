@@ -98,14 +98,12 @@ ESPALIER_API stencils::RowOrder orderByBaseCell(const Embedding& embedding,
 ///
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries), in parallel
-template <class Real = double>
-ESPALIER_API stencils::StencilTable<Real> buildDeformationTable(const far::TopologyRefiner& refiner,
-                                                                int level, stencils::Rules rules,
-                                                                const Embedding& embedding);
+ESPALIER_API stencils::StencilTable<double> buildDeformationTable(
+    const far::TopologyRefiner& refiner, int level, stencils::Rules rules,
+    const Embedding& embedding);
 
 /// The same from the level tables R_1 to R_level: see composeStencils().
-template <class Real = double>
-ESPALIER_API stencils::StencilTable<Real> buildDeformationTable(
+ESPALIER_API stencils::StencilTable<double> buildDeformationTable(
     const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
     const Embedding& embedding);
 
@@ -113,14 +111,12 @@ ESPALIER_API stencils::StencilTable<Real> buildDeformationTable(
 ///
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries of S_level), in parallel
-template <class Real = double>
-ESPALIER_API stencils::FactoredTable<Real> buildFactoredTable(const far::TopologyRefiner& refiner,
-                                                              int level, stencils::Rules rules,
-                                                              const Embedding& embedding);
+ESPALIER_API stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner& refiner,
+                                                                int level, stencils::Rules rules,
+                                                                const Embedding& embedding);
 
 /// The same from the level tables R_1 to R_level: see composeStencils().
-template <class Real = double>
-ESPALIER_API stencils::FactoredTable<Real> buildFactoredTable(
+ESPALIER_API stencils::FactoredTable<double> buildFactoredTable(
     const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
     const Embedding& embedding);
 

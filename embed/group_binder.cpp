@@ -131,7 +131,7 @@ WholeBinder<Table>::WholeBinder(const far::TopologyRefiner& base, std::span<cons
     locator_ = std::make_unique<PointLocator>(
         complex_, stencils::refinePositions(whole, level, rules, positions),
         CellSolver::scaleOf(positions, options.tolerance));
-    stencils_ = stencils::buildStencils<double>(whole, level, rules);
+    stencils_ = stencils::buildStencils(whole, level, rules);
     const stencils::BaseEntities origins = stencils::baseEntities(whole, level).back();
     baseCells_.assign(origins.of(3).begin(), origins.of(3).end());
     baseCellCount_ = origins.count();
@@ -152,13 +152,9 @@ std::vector<BoundPart<Table>> WholeBinder<Table>::bind(std::span<const Point3> p
     return parts;
 }
 
-template class PartBinder<stencils::StencilTable<float>>;
 template class PartBinder<stencils::StencilTable<double>>;
-template class PartBinder<stencils::FactoredTable<float>>;
 template class PartBinder<stencils::FactoredTable<double>>;
-template class WholeBinder<stencils::StencilTable<float>>;
 template class WholeBinder<stencils::StencilTable<double>>;
-template class WholeBinder<stencils::FactoredTable<float>>;
 template class WholeBinder<stencils::FactoredTable<double>>;
 
 }  // namespace espalier::embed

@@ -56,13 +56,12 @@ double leastMean(double sampleMean, int count) {
 /// Refuses rows of D that are more than memory holds, before they are made: where each row may have
 /// thousands of entries, making them takes minutes. How many they have, some of the points tell.
 /// \throws MemoryError
-template <class Real>
-void requireForRows(const GroupBinder<stencils::StencilTable<Real>>& binder, const LengthUnit& unit,
-                    std::span<const Point3> points, Index columnCount) {
+void requireForRows(const GroupBinder<stencils::StencilTable<double>>& binder,
+                    const LengthUnit& unit, std::span<const Point3> points, Index columnCount) {
     constexpr int kSampleSize = 64;
     if (points.size() < 4 * kSampleSize) return;
     // The rows of the groups, and D, in which they are gathered.
-    constexpr auto kEntryBytes = static_cast<double>(2 * (sizeof(Index) + sizeof(Real)));
+    constexpr auto kEntryBytes = static_cast<double>(2 * (sizeof(Index) + sizeof(double)));
     const double mostEntries = static_cast<double>(points.size()) * columnCount;
     const auto require = [&](double entries, double rowLength) {
         // A limit of more than 2⁶³ bytes is none.
@@ -81,65 +80,60 @@ void requireForRows(const GroupBinder<stencils::StencilTable<Real>>& binder, con
     for (int i = 0; i < kSampleSize; ++i)
         sample.push_back(unit.toUnits(points[random() % points.size()]));
     Offset entryCount = 0;
-    for (const BoundPart<stencils::StencilTable<Real>>& part : binder.bind(sample))
+    for (const BoundPart<stencils::StencilTable<double>>& part : binder.bind(sample))
         entryCount += part.table.entryCount();
     const double rowLength = static_cast<double>(entryCount) / kSampleSize;
     require(mostEntries * leastMean(rowLength / columnCount, kSampleSize), rowLength);
 }
 
 /// Binds points in either form.
-template <class Real, class Table>
-BoundModel<Real, Table> bind(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                             int level, stencils::Rules rules, std::span<const Point3> points,
-                             const EmbeddingOptions& options,
-                             const std::function<void(Offset)>& progress) {
+template <class Table>
+BindingResultOf<Table> bind(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                            int level, stencils::Rules rules, std::span<const Point3> points,
+                            const EmbeddingOptions& options,
+                            const std::function<void(Offset)>& progress) {
     checkBase(base, positions, level);
     checkPointCount(points);
     const LengthUnit unit(positions);
     const std::vector<Point3> inUnits = unit.toUnits(positions);
-    const auto binder = makeBinder<Table>(base, inUnits, level, rules, std::ssize(points), options);
+    auto binder = makeBinder<Table>(base, inUnits, level, rules, std::ssize(points), options);
     const far::CellComplex& complex = base.level(0).complex;
-    if constexpr (std::is_same_v<Table, stencils::StencilTable<Real>>)
+    if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
         if (stencils::compositionAbove(complex) == stencils::Composition::FromRows)
-            requireForRows<Real>(*binder, unit, points, complex.count(0));
+            requireForRows(*binder, unit, points, complex.count(0));
     // Larger groups share more of the cells around theirs; but their levels are held at once, some
     // 100 kB a level for a point that shares none, as most do on the fine levels.
     const Offset groupSize = level < 7 ? 1 << 14 : 1 << 11;
-    return bindGroups<Real, Table>(*binder, base, unit, points, groupSize, options.outside,
-                                   progress);
+    return bindGroups<Table>(std::move(binder), base, unit, points, groupSize, options.outside,
+                             progress);
 }
 
 }  // namespace
 
-template <class Real>
-BoundModel<Real> bindPoints(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                            int level, stencils::Rules rules, std::span<const Point3> points,
-                            const EmbeddingOptions& options,
-                            const std::function<void(Offset)>& progress) {
-    return bind<Real, stencils::StencilTable<Real>>(base, positions, level, rules, points, options,
-                                                    progress);
+BindingResult bindPoints(const far::TopologyRefiner& base, std::span<const Point3> positions,
+                         int level, stencils::Rules rules, std::span<const Point3> points,
+                         const EmbeddingOptions& options,
+                         const std::function<void(Offset)>& progress) {
+    return bind<stencils::StencilTable<double>>(base, positions, level, rules, points, options,
+                                                progress);
 }
 
-template <class Real>
-BoundModel<Real, stencils::FactoredTable<Real>> bindFactored(
+BindingResultOf<stencils::FactoredTable<double>> bindFactored(
     const far::TopologyRefiner& base, std::span<const Point3> positions, int level,
     stencils::Rules rules, std::span<const Point3> points, const EmbeddingOptions& options,
     const std::function<void(Offset)>& progress) {
-    return bind<Real, stencils::FactoredTable<Real>>(base, positions, level, rules, points, options,
-                                                     progress);
+    return bind<stencils::FactoredTable<double>>(base, positions, level, rules, points, options,
+                                                 progress);
 }
 
-template BoundModel<float> bindPoints(const far::TopologyRefiner&, std::span<const Point3>, int,
-                                      stencils::Rules, std::span<const Point3>,
-                                      const EmbeddingOptions&, const std::function<void(Offset)>&);
-template BoundModel<double> bindPoints(const far::TopologyRefiner&, std::span<const Point3>, int,
-                                       stencils::Rules, std::span<const Point3>,
-                                       const EmbeddingOptions&, const std::function<void(Offset)>&);
-template BoundModel<float, stencils::FactoredTable<float>> bindFactored(
-    const far::TopologyRefiner&, std::span<const Point3>, int, stencils::Rules,
-    std::span<const Point3>, const EmbeddingOptions&, const std::function<void(Offset)>&);
-template BoundModel<double, stencils::FactoredTable<double>> bindFactored(
-    const far::TopologyRefiner&, std::span<const Point3>, int, stencils::Rules,
-    std::span<const Point3>, const EmbeddingOptions&, const std::function<void(Offset)>&);
+BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
+                         const EmbeddingOptions& options,
+                         const std::function<void(Offset)>& progress) {
+    const TensorEmbedding embedding = embedPoints(lattice, points, options, progress);
+    BindingResult result{makeBinding(lattice, embedding, points), {}, embedding.largestResidual()};
+    result.statuses.reserve(points.size());
+    for (const auto& point : embedding.points) result.statuses.push_back(point.status);
+    return result;
+}
 
 }  // namespace espalier::embed

@@ -26,9 +26,9 @@
 namespace espalier::embed {
 
 /// A model bound to a lattice, and how that went for each point.
-template <class Real, class Table = stencils::StencilTable<Real>>
-struct BoundModel {
-    Binding<Real, Table> binding;
+template <class Table>
+struct BindingResultOf {
+    BindingOf<Table> binding;
     std::vector<PointStatus> statuses;  ///< one a point
     double largestResidual = 0;         ///< see PlacedPoints::largestResidual()
 
@@ -36,6 +36,8 @@ struct BoundModel {
         return static_cast<Index>(std::count(statuses.begin(), statuses.end(), status));
     }
 };
+
+using BindingResult = BindingResultOf<stencils::StencilTable<double>>;
 
 /// Binds points to a level of a lattice that is refined no further than they ask for.
 ///
@@ -59,19 +61,24 @@ struct BoundModel {
 ///       than the distances between points. In parallel; the result does not depend on the number
 ///       of threads
 /// \cite MacCracken & Joy 1996, sections 4 to 6
-template <class Real>
-ESPALIER_API BoundModel<Real> bindPoints(const far::TopologyRefiner& base,
-                                         std::span<const Point3> positions, int level,
-                                         stencils::Rules rules, std::span<const Point3> points,
-                                         const EmbeddingOptions& options = {},
-                                         const std::function<void(Offset)>& progress = {});
+ESPALIER_API BindingResult bindPoints(const far::TopologyRefiner& base,
+                                      std::span<const Point3> positions, int level,
+                                      stencils::Rules rules, std::span<const Point3> points,
+                                      const EmbeddingOptions& options = {},
+                                      const std::function<void(Offset)>& progress = {});
 
-/// The same with D left in its factors. Their product is the D of bindPoints(), but for rounding. A
-/// vertex of the level may be there more than once, for points of different groups.
+/// Binds points to a box lattice with Bézier or B-spline weights: embedPoints() and makeBinding().
+/// \throws Error as embedPoints()
+ESPALIER_API BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
+                                      const EmbeddingOptions& options = {},
+                                      const std::function<void(Offset)>& progress = {});
+
+/// The same as binding to a level, with D left in its factors. Their product is the D of
+/// bindPoints(), but for rounding. A vertex of the level may be there more than once, for points of
+/// different groups.
 ///
 /// \cost less, by the product
-template <class Real>
-ESPALIER_API BoundModel<Real, stencils::FactoredTable<Real>> bindFactored(
+ESPALIER_API BindingResultOf<stencils::FactoredTable<double>> bindFactored(
     const far::TopologyRefiner& base, std::span<const Point3> positions, int level,
     stencils::Rules rules, std::span<const Point3> points, const EmbeddingOptions& options = {},
     const std::function<void(Offset)>& progress = {});

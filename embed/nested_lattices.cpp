@@ -24,7 +24,7 @@ stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& 
                             " of the child is not finite");
     EmbeddingOptions embedding = options;
     if (embedding.outside == OutsidePolicy::Error) embedding.outside = OutsidePolicy::Keep;
-    const auto bound = bindPoints<double>(parent, parentRest, level, rules, childPose, embedding);
+    const auto bound = bindPoints(parent, parentRest, level, rules, childPose, embedding);
     // A vertex that stays where it is has no row of weights.
     if (!bound.binding.kept.empty()) {
         const Index vertex = bound.binding.kept.front();
@@ -33,7 +33,7 @@ stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& 
                     (isOutside ? "lies outside of the parent lattice"
                                : "has no place in the parent lattice: its cell is degenerate"));
     }
-    return stencils::multiply<double>(child, bound.binding.table);
+    return stencils::multiply(child, bound.binding.table);
 }
 
 }  // namespace espalier::embed

@@ -85,17 +85,17 @@ PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCou
 
 /// The weights of each point over the vertices of the lattice: weightsOf(place) returns them. The
 /// row of a point without a place is empty.
-template <class Real, class Place, class WeightsOf>
-stencils::StencilTable<Real> buildPlaceTable(const PlacedPoints<Place>& placed, Index vertexCount,
-                                             WeightsOf weightsOf) {
+template <class Place, class WeightsOf>
+stencils::StencilTable<double> buildPlaceTable(const PlacedPoints<Place>& placed, Index vertexCount,
+                                               WeightsOf weightsOf) {
     checkVertexCount(placed.vertexCount, vertexCount);
-    return stencils::buildTable<Real>(static_cast<Index>(placed.points.size()), vertexCount,
-                                      [&](Index row, stencils::RowAccumulator& accumulator) {
-                                          const auto& place = placed.points[row].place;
-                                          if (!place) return;
-                                          for (const auto& [vertex, weight] : weightsOf(*place))
-                                              accumulator.add(vertex, weight);
-                                      });
+    return stencils::buildTable(static_cast<Index>(placed.points.size()), vertexCount,
+                                [&](Index row, stencils::RowAccumulator& accumulator) {
+                                    const auto& place = placed.points[row].place;
+                                    if (!place) return;
+                                    for (const auto& [vertex, weight] : weightsOf(*place))
+                                        accumulator.add(vertex, weight);
+                                });
 }
 
 }  // namespace espalier::embed

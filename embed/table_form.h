@@ -22,47 +22,41 @@ struct BoundPart {
 };
 
 /// The rows that tell which points have a place.
-template <class Real>
-const stencils::StencilTable<Real>& pointRows(const stencils::StencilTable<Real>& table) {
+inline const stencils::StencilTable<double>& pointRows(
+    const stencils::StencilTable<double>& table) {
     return table;
 }
-template <class Real>
-const stencils::StencilTable<Real>& pointRows(const stencils::FactoredTable<Real>& table) {
+inline const stencils::StencilTable<double>& pointRows(
+    const stencils::FactoredTable<double>& table) {
     return table.points;
 }
 
 /// Makes the table of points whose cells are cells of a level.
 /// \param tables the level tables of `refiner`
-template <class Real>
 void buildRows(const far::TopologyRefiner& refiner,
                std::span<const stencils::StencilTable<double>> tables, const Embedding& embedding,
-               stencils::StencilTable<Real>& result);
-template <class Real>
+               stencils::StencilTable<double>& result);
 void buildRows(const far::TopologyRefiner& refiner,
                std::span<const stencils::StencilTable<double>> tables, const Embedding& embedding,
-               stencils::FactoredTable<Real>& result);
+               stencils::FactoredTable<double>& result);
 
 /// The same from the stencils of the whole level.
 /// \param weights W of the points
 /// \param stencils S of the whole level
 /// \param order of the rows of W
-template <class Real>
 void buildRows(stencils::StencilTable<double> weights,
                const stencils::StencilTable<double>& stencils, const stencils::RowOrder& order,
-               stencils::StencilTable<Real>& result);
-template <class Real>
+               stencils::StencilTable<double>& result);
 void buildRows(stencils::StencilTable<double> weights,
                const stencils::StencilTable<double>& stencils, const stencils::RowOrder& order,
-               stencils::FactoredTable<Real>& result);
+               stencils::FactoredTable<double>& result);
 
 /// Puts the rows of all parts into one table, and empties the tables of the parts. A vertex of
 /// factors that several parts use is repeated for each of them. \param parts with the numbers of
 /// their points in the whole model
-template <class Real>
-void gatherRows(std::vector<BoundPart<stencils::StencilTable<Real>>>& parts, Index rowCount,
-                Index columnCount, stencils::StencilTable<Real>& result);
-template <class Real>
-void gatherRows(std::vector<BoundPart<stencils::FactoredTable<Real>>>& parts, Index rowCount,
-                Index columnCount, stencils::FactoredTable<Real>& result);
+void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, Index rowCount,
+                Index columnCount, stencils::StencilTable<double>& result);
+void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,
+                Index columnCount, stencils::FactoredTable<double>& result);
 
 }  // namespace espalier::embed

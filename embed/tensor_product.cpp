@@ -190,24 +190,18 @@ TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3
                                      });
 }
 
-template <class Real>
-stencils::StencilTable<Real> buildDeformationTable(const TensorLattice& lattice,
-                                                   const TensorEmbedding& embedding) {
+stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattice,
+                                                     const TensorEmbedding& embedding) {
     // All rows are as long; those of a Bézier lattice name each of its vertices.
     const auto& points = embedding.points;
     const auto first = std::find_if(points.begin(), points.end(),
                                     [](const auto& point) { return point.place.has_value(); });
     if (first != points.end())
-        requireMemory(
-            points.size() * lattice.weights(*first->place).size() * (sizeof(Index) + sizeof(Real)),
-            "a table of " + std::to_string(points.size()) + " rows");
-    return buildPlaceTable<Real>(embedding, lattice.complex().count(0),
-                                 [&](const TensorPlace& place) { return lattice.weights(place); });
+        requireMemory(points.size() * lattice.weights(*first->place).size() *
+                          (sizeof(Index) + sizeof(double)),
+                      "a table of " + std::to_string(points.size()) + " rows");
+    return buildPlaceTable(embedding, lattice.complex().count(0),
+                           [&](const TensorPlace& place) { return lattice.weights(place); });
 }
-
-template stencils::StencilTable<float> buildDeformationTable(const TensorLattice&,
-                                                             const TensorEmbedding&);
-template stencils::StencilTable<double> buildDeformationTable(const TensorLattice&,
-                                                              const TensorEmbedding&);
 
 }  // namespace espalier::embed

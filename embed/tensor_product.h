@@ -93,8 +93,7 @@ ESPALIER_API TensorEmbedding embedPoints(const TensorLattice& lattice,
 ///
 /// \throws Error if the embedding is in a lattice with another number of vertices
 /// \cost O(entries), in parallel
-template <class Real = double>
-ESPALIER_API stencils::StencilTable<Real> buildDeformationTable(const TensorLattice& lattice,
-                                                                const TensorEmbedding& embedding);
+ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattice,
+                                                                  const TensorEmbedding& embedding);
 
 }  // namespace espalier::embed

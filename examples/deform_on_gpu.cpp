@@ -25,9 +25,9 @@ void deform(int count, char** arguments) {
     // Once: find each point of the model in level 3 of the lattice, compose the matrix, and copy it
     // to the device.
     const far::TopologyRefiner base(rest.complex, {.marks = rest.marks});
-    const auto binding = embed::bindPoints<double>(base, rest.positions, 3,
-                                                   stencils::Rules::Siggraph96, model->positions())
-                             .binding;
+    const auto binding =
+        embed::bindPoints(base, rest.positions, 3, stencils::Rules::Siggraph96, model->positions())
+            .binding;
     const osd::CudaEvaluator<float> table(stencils::convertTable<float>(binding.table));
     const osd::CudaKeptPoints<float> kept(table.rowCount(), binding.kept, binding.keptAt);
     const auto xyz = osd::BufferDescriptor::packed(3);

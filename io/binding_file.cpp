@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "files/byte_output.h"
+#include "files/bytes.h"
 
 namespace espalier::io {
 namespace {
@@ -26,54 +26,33 @@ struct Sizes {
     std::optional<std::array<std::int64_t, 3>> gradientEntries;
 };
 
-/// Takes numbers off bytes that are known to be enough.
-class NumberReader {
-public:
-    NumberReader(const std::filesystem::path& path, std::string_view bytes)
-        : path_(path), bytes_(bytes) {}
+template <class Number>
+Array<Number> readNumbers(ByteInput& in, std::int64_t count) {
+    return in.numbersAs<Number, Number>(static_cast<std::uint64_t>(count));
+}
 
-    std::size_t left() const { return bytes_.size(); }
-    std::string_view bytes(std::size_t count) {
-        const std::string_view taken = bytes_.substr(0, count);
-        bytes_.remove_prefix(count);
-        return taken;
-    }
-    template <class Number>
-    Number number() {
-        return loadNumber<Number>(bytes(sizeof(Number)).data(), std::endian::little);
-    }
-    template <class Number>
-    Array<Number> numbers(std::int64_t count) {
-        Array<Number> result(count);
-        for (Number& value : result) value = number<Number>();
-        return result;
-    }
-    /// \throws FileError if a weight is not finite
-    Array<double> weights(std::int64_t count) {
-        auto result = numbers<double>(count);
-        for (std::size_t i = 0; i < result.size(); ++i)
-            if (!std::isfinite(result[i]))
-                throw FileError(path_, "has a weight that is not finite: number " +
-                                           std::to_string(i) + " of its table");
-        return result;
-    }
-    /// \throws FileError if a coordinate is not finite
-    std::vector<Point3> points(std::int64_t count, const char* name) {
-        std::vector<Point3> result(count);
-        for (std::size_t i = 0; i < result.size(); ++i)
-            for (double& coordinate : result[i]) {
-                coordinate = number<double>();
-                if (!std::isfinite(coordinate))
-                    throw FileError(path_, "has a position that is not finite: " +
-                                               std::string(name) + " " + std::to_string(i));
-            }
-        return result;
-    }
+/// \throws CodingError if a weight is not finite
+Array<double> readWeights(ByteInput& in, std::int64_t count) {
+    auto result = readNumbers<double>(in, count);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        if (!std::isfinite(result[i]))
+            throw CodingError("has a weight that is not finite: number " + std::to_string(i) +
+                              " of its table");
+    return result;
+}
 
-private:
-    const std::filesystem::path& path_;
-    std::string_view bytes_;
-};
+/// \throws CodingError if a coordinate is not finite
+std::vector<Point3> readPoints(ByteInput& in, std::int64_t count, const char* name) {
+    std::vector<Point3> result(count);
+    for (std::size_t i = 0; i < result.size(); ++i)
+        for (double& coordinate : result[i]) {
+            coordinate = in.number<double>();
+            if (!std::isfinite(coordinate))
+                throw CodingError("has a position that is not finite: " + std::string(name) + " " +
+                                  std::to_string(i));
+        }
+    return result;
+}
 
 /// Returns true if the file is exactly as long as the sizes in its header say.
 bool fitTheRest(const Sizes& sizes, std::size_t left) {
@@ -96,15 +75,15 @@ bool fitTheRest(const Sizes& sizes, std::size_t left) {
            take(sizes.modelBytes, 1) && room == sizeof(std::uint32_t);
 }
 
-Sizes readHeader(const std::filesystem::path& path, NumberReader& in, std::uint64_t& hash) {
+Sizes readHeader(ByteInput& in, std::uint64_t& hash) {
     constexpr std::size_t kHeaderSize = 8 + 4 + 4 + 8 + 6 * 8;
     constexpr std::size_t kGradientSizes = 3 * 8;
     if (in.left() < kBindingMagic.size() || in.bytes(kBindingMagic.size()) != kBindingMagic)
-        throw FileError(path, "is not a bound model");
-    if (in.left() + kBindingMagic.size() < kHeaderSize) throw FileError(path, "is truncated");
+        throw CodingError("is not a bound model");
+    if (in.left() + kBindingMagic.size() < kHeaderSize) throw CodingError("is truncated");
     const auto version = in.number<std::uint32_t>();
     if (version != kWithoutGradients && version != kWithGradients)
-        throw FileError(path, "has version " + std::to_string(version) + "; expected 1 or 2");
+        throw CodingError("has version " + std::to_string(version) + "; expected 1 or 2");
     in.number<std::uint32_t>();
     hash = in.number<std::uint64_t>();
     Sizes sizes{};
@@ -112,38 +91,37 @@ Sizes readHeader(const std::filesystem::path& path, NumberReader& in, std::uint6
                                &sizes.nameBytes, &sizes.modelBytes})
         *size = in.number<std::int64_t>();
     if (version == kWithGradients) {
-        if (in.left() < kGradientSizes) throw FileError(path, "is truncated");
+        if (in.left() < kGradientSizes) throw CodingError("is truncated");
         for (std::int64_t& entries : sizes.gradientEntries.emplace())
             entries = in.number<std::int64_t>();
     }
     if (!fitTheRest(sizes, in.left()))
-        throw FileError(path, "is truncated or corrupted: its size is not what its header says");
+        throw CodingError("is truncated or corrupted: its size is not what its header says");
     return sizes;
 }
 
-/// \throws FileError if the arrays are not a table of `columnCount` columns
-StencilTable<double> makeTable(const std::filesystem::path& path, std::int64_t columnCount,
-                               Array<Offset> offsets, Array<Index> columns, Array<double> weights) {
+/// \throws CodingError if the arrays are not a table of `columnCount` columns
+StencilTable<double> makeTable(std::int64_t columnCount, Array<Offset> offsets,
+                               Array<Index> columns, Array<double> weights) {
     try {
         return StencilTable<double>(static_cast<Index>(columnCount), std::move(offsets),
                                     std::move(columns), std::move(weights));
     } catch (const Error& error) {
-        throw FileError(path, error.what());
+        throw CodingError(error.what());
     }
 }
 
-BoundGradients readGradients(const std::filesystem::path& path, const Sizes& sizes,
-                             NumberReader& in) {
+BoundGradients readGradients(const Sizes& sizes, ByteInput& in) {
     BoundGradients gradients;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t entries = (*sizes.gradientEntries)[axis];
-        auto offsets = in.numbers<Offset>(sizes.rows + 1);
-        auto weights = in.weights(entries);
-        auto columns = in.numbers<Index>(entries);
-        gradients.tables[axis] = makeTable(path, sizes.columns, std::move(offsets),
-                                           std::move(columns), std::move(weights));
+        auto offsets = readNumbers<Offset>(in, sizes.rows + 1);
+        auto weights = readWeights(in, entries);
+        auto columns = readNumbers<Index>(in, entries);
+        gradients.tables[axis] =
+            makeTable(sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
     }
-    gradients.rest = in.points(sizes.columns, "vertex of the lattice at rest");
+    gradients.rest = readPoints(in, sizes.columns, "vertex of the lattice at rest");
     return gradients;
 }
 
@@ -173,6 +151,38 @@ void write(ByteOutput& out, const BoundGradients& gradients) {
         out.numbers(table.columns());
     }
     write(out, gradients.rest);
+}
+
+BoundModel decodeBoundModel(std::string_view bytes) {
+    ByteInput in(bytes, std::endian::little);
+    BoundModel model;
+    const Sizes sizes = readHeader(in, model.binding.topologyHash);
+    const std::string_view checked = bytes.substr(0, bytes.size() - 4);
+    const auto expected =
+        loadNumber<std::uint32_t>(checked.data() + checked.size(), std::endian::little);
+    const auto got = static_cast<std::uint32_t>(crc32_z(
+        crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(checked.data()), checked.size()));
+    if (expected != got) throw CodingError("is corrupted: its checksum does not match");
+
+    // The checks below find nothing wrong in a file of ours, but in one that was made to mislead.
+    if (sizes.columns < 0 || sizes.columns > kMaxIndex)
+        throw CodingError("claims " + std::to_string(sizes.columns) + " lattice vertices");
+    auto offsets = readNumbers<Offset>(in, sizes.rows + 1);
+    auto weights = readWeights(in, sizes.entries);
+    model.binding.keptAt = readPoints(in, sizes.kept, "kept point");
+    auto columns = readNumbers<Index>(in, sizes.entries);
+    const auto keptPoints = readNumbers<Index>(in, sizes.kept);
+    model.binding.kept.assign(keptPoints.begin(), keptPoints.end());
+    for (const Index kept : model.binding.kept)
+        if (kept < 0 || kept >= sizes.rows)
+            throw CodingError("keeps point " + std::to_string(kept) + " of " +
+                              std::to_string(sizes.rows));
+    model.binding.table =
+        makeTable(sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
+    if (sizes.gradientEntries) model.gradients = readGradients(sizes, in);
+    model.modelName = in.bytes(sizes.nameBytes);
+    model.modelBytes = in.bytes(sizes.modelBytes);
+    return model;
 }
 
 }  // namespace
@@ -212,35 +222,7 @@ BoundModel readBoundModel(const std::filesystem::path& path) {
 }
 
 BoundModel readBoundModel(const std::filesystem::path& path, std::string_view bytes) {
-    NumberReader in(path, bytes);
-    BoundModel model;
-    const Sizes sizes = readHeader(path, in, model.binding.topologyHash);
-    const std::string_view checked = bytes.substr(0, bytes.size() - 4);
-    const auto expected =
-        loadNumber<std::uint32_t>(checked.data() + checked.size(), std::endian::little);
-    const auto got = static_cast<std::uint32_t>(crc32_z(
-        crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(checked.data()), checked.size()));
-    if (expected != got) throw FileError(path, "is corrupted: its checksum does not match");
-
-    // The checks below find nothing wrong in a file of ours, but in one that was made to mislead.
-    if (sizes.columns < 0 || sizes.columns > kMaxIndex)
-        throw FileError(path, "claims " + std::to_string(sizes.columns) + " lattice vertices");
-    auto offsets = in.numbers<Offset>(sizes.rows + 1);
-    auto weights = in.weights(sizes.entries);
-    model.binding.keptAt = in.points(sizes.kept, "kept point");
-    auto columns = in.numbers<Index>(sizes.entries);
-    const auto keptPoints = in.numbers<Index>(sizes.kept);
-    model.binding.kept.assign(keptPoints.begin(), keptPoints.end());
-    for (const Index kept : model.binding.kept)
-        if (kept < 0 || kept >= sizes.rows)
-            throw FileError(
-                path, "keeps point " + std::to_string(kept) + " of " + std::to_string(sizes.rows));
-    model.binding.table =
-        makeTable(path, sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
-    if (sizes.gradientEntries) model.gradients = readGradients(path, sizes, in);
-    model.modelName = in.bytes(sizes.nameBytes);
-    model.modelBytes = in.bytes(sizes.modelBytes);
-    return model;
+    return decodeFile(path, [&] { return decodeBoundModel(bytes); });
 }
 
 }  // namespace espalier::io

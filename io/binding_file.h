@@ -28,7 +28,7 @@ struct BoundGradients {
 
 /// A bound model, complete: apply it to a pose, and write the result in the format of the model.
 struct BoundModel {
-    embed::Binding<double> binding;
+    embed::Binding binding;
     std::string modelName;   ///< of the model's file, without folders; its extension is its format
     std::string modelBytes;  ///< the model's file
 

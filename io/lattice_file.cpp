@@ -14,23 +14,24 @@ namespace {
 
 using Path = std::filesystem::path;
 
+using LatticeReader = Lattice (*)(const Path&, std::string_view bytes, ReadNotes*);
+
 struct LatticeFormat {
     std::string_view extension;
-    Lattice (*readFrom)(const Path&, ReadNotes*);
-    Lattice (*read)(const Path&, std::string_view bytes, ReadNotes*);
+    LatticeReader read;
     void (*write)(const Path&, const Lattice&, const WriteLatticeOptions&);
 };
 
 constexpr LatticeFormat kFormats[] = {
-    {".ovm", readOvm, readOvm,
+    {".ovm", readOvm,
      [](const Path& path, const Lattice& lattice, const WriteLatticeOptions&) {
          writeOvm(path, lattice);
      }},
-    {".vtu", readVtu, readVtu,
+    {".vtu", readVtu,
      [](const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {
          writeVtu(path, lattice, options.vtuEncoding);
      }},
-    {".vtk", readVtkLegacy, readVtkLegacy,
+    {".vtk", readVtkLegacy,
      [](const Path& path, const Lattice& lattice, const WriteLatticeOptions&) {
          writeVtkLegacy(path, lattice);
      }}};
@@ -67,9 +68,9 @@ const LatticeFormat& formatOf(const Path& path) {
                               ("; expected " + latticeExtensions()));
 }
 
-/// The format of what can be refined and is no OBJ.
-const LatticeFormat& refinableFormatOf(const Path& path) {
-    if (const LatticeFormat* format = findFormat(path)) return *format;
+LatticeReader refinableReaderOf(const Path& path) {
+    if (isMeshFile(path)) return readObjMesh;
+    if (const LatticeFormat* format = findFormat(path)) return format->read;
     throw FileError(path, "not a format of curves, meshes or lattices that is known; expected " +
                               std::string(kMeshExtension) + ", " + latticeExtensions());
 }
@@ -77,7 +78,8 @@ const LatticeFormat& refinableFormatOf(const Path& path) {
 }  // namespace
 
 Lattice readLattice(const Path& path, ReadNotes* notes) {
-    return formatOf(path).readFrom(path, notes);
+    const LatticeFormat& format = formatOf(path);
+    return format.read(path, readFile(path), notes);
 }
 
 Lattice readLattice(const Path& path, std::string_view bytes, ReadNotes* notes) {
@@ -93,13 +95,12 @@ void checkLatticeTarget(const Path& path) {
 }
 
 Lattice readRefinable(const Path& path, ReadNotes* notes) {
-    if (isMeshFile(path)) return readObjMesh(path, notes);
-    return refinableFormatOf(path).readFrom(path, notes);
+    const LatticeReader read = refinableReaderOf(path);
+    return read(path, readFile(path), notes);
 }
 
 Lattice readRefinable(const Path& path, std::string_view bytes, ReadNotes* notes) {
-    if (isMeshFile(path)) return readObjMesh(path, bytes, notes);
-    return refinableFormatOf(path).read(path, bytes, notes);
+    return refinableReaderOf(path)(path, bytes, notes);
 }
 
 void writeRefinable(const Path& path, const Lattice& lattice, const WriteLatticeOptions& options) {

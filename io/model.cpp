@@ -5,37 +5,14 @@
 #include <espalier/io/models/obj.h>
 #include <espalier/io/models/ply.h>
 #include <espalier/io/models/stl.h>
+#include <espalier/io/vtk/vtu.h>
 
 #include <cmath>
 #include <string>
 #include <utility>
 
-#include "vtk/vtu_model.h"
-
 namespace espalier::io {
 namespace {
-
-/// A VtuModel behind the common interface.
-class GridModel final : public Model {
-public:
-    explicit GridModel(VtuModel grid) : grid_(std::move(grid)) {}
-
-    std::span<const Point3> positions() const override { return grid_.positions(); }
-    std::string_view extension() const override { return ".vtu"; }
-    bool hasDirections() const override { return grid_.hasDirections(); }
-
-private:
-    void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,
-                      std::span<const DeformationGradient> gradients) const override {
-        grid_.write(path, moved, gradients);
-    }
-
-    VtuModel grid_;
-};
-
-std::unique_ptr<Model> readGrid(const std::filesystem::path& path, std::string bytes) {
-    return std::make_unique<GridModel>(VtuModel::read(path, std::move(bytes)));
-}
 
 struct ModelFormat {
     std::string_view extension;
@@ -43,7 +20,7 @@ struct ModelFormat {
 };
 
 constexpr ModelFormat kModelFormats[] = {
-    {".obj", readObj}, {".ply", readPly}, {".stl", readStl}, {".vtu", readGrid}};
+    {".obj", readObj}, {".ply", readPly}, {".stl", readStl}, {".vtu", readVtuModel}};
 
 const ModelFormat* findModelFormat(const std::filesystem::path& path) {
     const std::string extension = lowerCase(path.extension().string());

@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <string>
 
@@ -17,25 +18,23 @@
 namespace espalier::limit {
 
 // For bindGroups(), which finds them by the namespace of LimitTable.
-template <class Real>
-const stencils::StencilTable<Real>& pointRows(const LimitTable<Real>& table) {
+const stencils::StencilTable<double>& pointRows(const LimitTable& table) {
     return table.points;
 }
 
-template <class Real>
-void gatherRows(std::vector<embed::BoundPart<LimitTable<Real>>>& parts, Index rowCount,
-                Index columnCount, LimitTable<Real>& result) {
-    std::vector<embed::BoundPart<stencils::StencilTable<Real>>> rows(parts.size());
+void gatherRows(std::vector<embed::BoundPart<LimitTable>>& parts, Index rowCount, Index columnCount,
+                LimitTable& result) {
+    std::vector<embed::BoundPart<stencils::StencilTable<double>>> rows(parts.size());
     for (std::size_t p = 0; p < parts.size(); ++p) rows[p].points = std::move(parts[p].points);
     const auto gather = [&](auto tableOf) {
         for (std::size_t p = 0; p < parts.size(); ++p)
             rows[p].table = std::move(tableOf(parts[p].table));
         gatherRows(rows, rowCount, columnCount, tableOf(result));
     };
-    using Rows = stencils::StencilTable<Real>;
-    gather([](LimitTable<Real>& table) -> Rows& { return table.points; });
+    using Rows = stencils::StencilTable<double>;
+    gather([](LimitTable& table) -> Rows& { return table.points; });
     for (std::size_t axis = 0; axis < 3; ++axis)
-        gather([axis](LimitTable<Real>& table) -> Rows& { return table.gradients[axis]; });
+        gather([axis](LimitTable& table) -> Rows& { return table.gradients[axis]; });
 }
 
 namespace {
@@ -55,12 +54,12 @@ LimitOptions forGradients(LimitOptions options) {
 /// The rows of places over the vertices of their level.
 stencils::StencilTable<double> rowsOf(const PlaceRows& places, std::size_t placeCount,
                                       Index vertexCount) {
-    return stencils::buildTable<double>(static_cast<Index>(placeCount), vertexCount,
-                                        [&](Index row, stencils::RowAccumulator& accumulator) {
-                                            const auto weights = places.weights(row, kPosition);
-                                            for (const auto& [vertex, weight] : weights)
-                                                accumulator.add(vertex, weight);
-                                        });
+    return stencils::buildTable(static_cast<Index>(placeCount), vertexCount,
+                                [&](Index row, stencils::RowAccumulator& accumulator) {
+                                    const auto weights = places.weights(row, kPosition);
+                                    for (const auto& [vertex, weight] : weights)
+                                        accumulator.add(vertex, weight);
+                                });
 }
 
 /// (T X)⁻¹ for the directions T of one place, three rows from `first` on, and the rest pose X. Not
@@ -105,7 +104,7 @@ std::array<stencils::StencilTable<double>, 3> gradientsOf(
         inverses[i] = scale * inverseAtRest(tangents, 3 * i, positions);
     std::array<stencils::StencilTable<double>, 3> gradients;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        gradients[axis] = stencils::buildTable<double>(
+        gradients[axis] = stencils::buildTable(
             placeCount, tangents.columnCount(),
             [&](Index place, stencils::RowAccumulator& accumulator) {
                 const Matrix3d& inverse = inverses[place];
@@ -148,8 +147,7 @@ void checkSides(const far::CellComplex& complex) {
 }
 
 /// Binds groups of points to the limit volume.
-template <class Real>
-class LimitBinder : public embed::GroupBinder<LimitTable<Real>> {
+class LimitBinder : public embed::GroupBinder<LimitTable> {
 public:
     /// \param positions in units; must outlive this
     LimitBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
@@ -160,7 +158,7 @@ public:
           gradients_(options.gradients),
           search_(base, positions, rules, forGradients(options)) {}
 
-    using Part = embed::BoundPart<LimitTable<Real>>;
+    using Part = embed::BoundPart<LimitTable>;
 
     std::vector<Part> bind(std::span<const Point3> points) const override {
         std::vector<Part> parts;
@@ -198,20 +196,17 @@ private:
                                   static_cast<Index>(found.positions[level].size())));
             if (gradients_) directions.push_back(weights.tangents());
         }
-        auto tables = stencils::composeRows<Real>(found.descent.tables, std::move(rows),
-                                                  stencils::compositionOf(found.descent.tables));
+        auto tables = stencils::composeRows(found.descent.tables, std::move(rows),
+                                            stencils::compositionOf(found.descent.tables));
         if (gradients_)
             directions = stencils::composeDerivatives(found.descent.tables, std::move(directions),
                                                       stencils::RowMeaning::Spans);
         for (std::size_t level = 0; level < ofLevels.size(); ++level) {
             if (places[level].empty()) continue;
-            LimitTable<Real>& table = ofLevels[level].table;
+            LimitTable& table = ofLevels[level].table;
             table.points = std::move(tables[level]);
             if (gradients_) {
-                auto gradients = gradientsOf(directions[level], positions_, perLength_);
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    table.gradients[axis] =
-                        stencils::convertTable<Real>(std::move(gradients[axis]));
+                table.gradients = gradientsOf(directions[level], positions_, perLength_);
             }
             parts.push_back(std::move(ofLevels[level]));
         }
@@ -227,33 +222,24 @@ private:
 
 }  // namespace
 
-template <class Real>
-embed::BoundModel<Real, LimitTable<Real>> bindLimit(const far::TopologyRefiner& base,
-                                                    std::span<const Point3> positions,
-                                                    stencils::Rules rules,
-                                                    std::span<const Point3> points,
-                                                    const LimitOptions& options,
-                                                    const std::function<void(Offset)>& progress) {
+embed::BindingResultOf<LimitTable> bindLimit(const far::TopologyRefiner& base,
+                                             std::span<const Point3> positions,
+                                             stencils::Rules rules, std::span<const Point3> points,
+                                             const LimitOptions& options,
+                                             const std::function<void(Offset)>& progress) {
     checkLimitTolerance(options.tolerance);
     checkLimitRules(rules);
     embed::checkBase(base, positions, 1);
     checkSides(base.level(0).complex);
     const embed::LengthUnit unit(positions);
     const std::vector<Point3> inUnits = unit.toUnits(positions);
-    const LimitBinder<Real> binder(base, inUnits, unit, rules, options);
+    auto binder = std::make_unique<const LimitBinder>(base, inUnits, unit, rules, options);
     // As in a deep level: most points at irregular features share no cells with others.
     constexpr Offset kGroupSize = 1 << 12;
-    auto model = bindGroups<Real, LimitTable<Real>>(binder, base, unit, points, kGroupSize,
-                                                    options.embedding.outside, progress);
+    auto model = bindGroups<LimitTable>(std::move(binder), base, unit, points, kGroupSize,
+                                        options.embedding.outside, progress);
     if (!options.gradients) model.binding.table.gradients = {};
     return model;
 }
-
-template embed::BoundModel<float, LimitTable<float>> bindLimit(
-    const far::TopologyRefiner&, std::span<const Point3>, stencils::Rules, std::span<const Point3>,
-    const LimitOptions&, const std::function<void(Offset)>&);
-template embed::BoundModel<double, LimitTable<double>> bindLimit(
-    const far::TopologyRefiner&, std::span<const Point3>, stencils::Rules, std::span<const Point3>,
-    const LimitOptions&, const std::function<void(Offset)>&);
 
 }  // namespace espalier::limit

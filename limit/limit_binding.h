@@ -50,10 +50,9 @@ struct LimitOptions {
 /// exact in regular cells of all levels, and at the features themselves, by the eigenvectors of
 /// their rings. Where it changes faster than points are rounded, near irregular edges, it is good
 /// to 1e-6.
-template <class Real>
 struct LimitTable {
-    stencils::StencilTable<Real> points;  ///< D: points × base vertices
-    std::array<stencils::StencilTable<Real>, 3> gradients =
+    stencils::StencilTable<double> points;  ///< D: points × base vertices
+    std::array<stencils::StencilTable<double>, 3> gradients =
         {};  ///< the same shape; or 0 × 0 if not asked for
 
     friend bool operator==(const LimitTable&, const LimitTable&) = default;
@@ -81,17 +80,17 @@ struct LimitTable {
 /// \cost O(points · entries of D a point); near an irregular feature also its distance's logarithm,
 ///       some 0.2 ms a level. In parallel; the result does not depend on the number of threads
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (whose trilinear cells this goes past)
-template <class Real>
-ESPALIER_API embed::BoundModel<Real, LimitTable<Real>> bindLimit(
+ESPALIER_API embed::BindingResultOf<LimitTable> bindLimit(
     const far::TopologyRefiner& base, std::span<const Point3> positions, stencils::Rules rules,
     std::span<const Point3> points, const LimitOptions& options = {},
     const std::function<void(Offset)>& progress = {});
 
-/// The same without gradients: what a binding to a level is, for all that takes such.
-template <class Real>
-embed::Binding<Real> withoutGradients(embed::Binding<Real, LimitTable<Real>> binding) {
-    return {std::move(binding.table.points), std::move(binding.kept), std::move(binding.keptAt),
-            binding.topologyHash};
+/// The same without gradients: the result of binding to a level, for all that takes such.
+inline embed::BindingResult withoutGradients(embed::BindingResultOf<LimitTable> result) {
+    auto& [table, kept, keptAt, topologyHash] = result.binding;
+    return {{std::move(table.points), std::move(kept), std::move(keptAt), topologyHash},
+            std::move(result.statuses),
+            result.largestResidual};
 }
 
 }  // namespace espalier::limit

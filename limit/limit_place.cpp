@@ -48,13 +48,14 @@ stencils::StencilTable<double> blendedRows(const far::TopologyRefiner& refiner, 
                                            stencils::Rules rules, std::span<const Index> vertices) {
     auto limits = buildLimitTable(refiner, level, rules, vertices);
     if (refiner.boundary() != far::Boundary::Open) return limits;
-    return stencils::buildTable<double>(
-        limits.rowCount(), limits.columnCount(),
-        [&](Index row, stencils::RowAccumulator& accumulator) {
-            for (std::size_t k = 0; k < limits.columns(row).size(); ++k)
-                accumulator.add(limits.columns(row)[k], limits.weights(row)[k]);
-            if (limits.columns(row).empty()) accumulator.add(vertices[row], 1);
-        });
+    return stencils::buildTable(limits.rowCount(), limits.columnCount(),
+                                [&](Index row, stencils::RowAccumulator& accumulator) {
+                                    for (std::size_t k = 0; k < limits.columns(row).size(); ++k)
+                                        accumulator.add(limits.columns(row)[k],
+                                                        limits.weights(row)[k]);
+                                    if (limits.columns(row).empty())
+                                        accumulator.add(vertices[row], 1);
+                                });
 }
 
 namespace {
@@ -104,14 +105,14 @@ std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int leve
     sortUnique(corners);
     std::vector<stencils::StencilTable<double>> selections;
     for (int k = 0; k <= level; ++k)
-        selections.push_back(stencils::buildTable<double>(
+        selections.push_back(stencils::buildTable(
             k < level ? 0 : static_cast<Index>(corners.size()), refiner.level(k).complex.count(0),
             [&](Index row, stencils::RowAccumulator& accumulator) {
                 accumulator.add(corners[row], 1);
             }));
-    const auto rows = stencils::composeRows<double>(tables, std::move(selections),
-                                                    stencils::compositionOf(tables))
-                          .back();
+    const auto rows =
+        stencils::composeRows(tables, std::move(selections), stencils::compositionOf(tables))
+            .back();
     std::vector<std::uint8_t> result;
     for (const Index cell : cells) {
         double spread = 0;
@@ -191,7 +192,7 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
     }
     stencils::StencilTable<double> atCorners;
     if (!corners.empty()) atCorners = buildTangentTable(refiner_, levelNumber_, rules_, corners);
-    return stencils::buildTable<double>(
+    return stencils::buildTable(
         static_cast<Index>(3 * places_.size()), level_.complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
             const auto i = static_cast<std::size_t>(row / 3);

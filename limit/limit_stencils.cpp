@@ -109,7 +109,7 @@ void refine(Walk& walk, std::vector<Walker>& walkers, stencils::Rules rules,
 stencils::StencilTable<double> rowsOf(const Walk& walk, std::size_t level, const PlaceRows& rows,
                                       std::span<const Orders> orders) {
     const std::size_t placeCount = walk.places[level].size();
-    return stencils::buildTable<double>(
+    return stencils::buildTable(
         static_cast<Index>(placeCount * orders.size()),
         walk.refiner.level(static_cast<int>(level)).complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
@@ -144,8 +144,8 @@ stencils::StencilTable<double> rowsOf(const far::Level& level,
         rows.push_back(rowsOf(walk, k, ofPlaces, std::span(orders).first(1)));
         if (!derivatives.empty()) derivativeRows.push_back(rowsOf(walk, k, ofPlaces, derivatives));
     }
-    const auto tables = stencils::composeRows<double>(walk.tables, std::move(rows),
-                                                      stencils::compositionOf(walk.tables));
+    const auto tables =
+        stencils::composeRows(walk.tables, std::move(rows), stencils::compositionOf(walk.tables));
     if (!derivatives.empty())
         derivativeRows = stencils::composeDerivatives(walk.tables, std::move(derivativeRows),
                                                       stencils::RowMeaning::Themselves);
@@ -165,14 +165,14 @@ stencils::StencilTable<double> rowsOf(const far::Level& level,
                                                        static_cast<Index>(o * here + i)};
         }
     }
-    return stencils::buildTable<double>(static_cast<Index>(sources.size()), level.complex.count(0),
-                                        [&](Index row, stencils::RowAccumulator& accumulator) {
-                                            const auto& [table, source] = sources[row];
-                                            const auto columns = table->columns(source);
-                                            const auto weights = table->weights(source);
-                                            for (std::size_t e = 0; e < columns.size(); ++e)
-                                                accumulator.add(columns[e], weights[e]);
-                                        });
+    return stencils::buildTable(static_cast<Index>(sources.size()), level.complex.count(0),
+                                [&](Index row, stencils::RowAccumulator& accumulator) {
+                                    const auto& [table, source] = sources[row];
+                                    const auto columns = table->columns(source);
+                                    const auto weights = table->weights(source);
+                                    for (std::size_t e = 0; e < columns.size(); ++e)
+                                        accumulator.add(columns[e], weights[e]);
+                                });
 }
 
 void checkOptions(const LimitStencilOptions& options) {
@@ -205,14 +205,13 @@ Walker walkerAt(const far::CellComplex& complex, std::size_t location, const Lim
 }
 
 /// Takes the blocks of a table apart.
-template <class Real>
-LimitStencils<Real> blocksOf(const stencils::StencilTable<Real>& table, std::size_t blockCount) {
+LimitStencils blocksOf(const stencils::StencilTable<double>& table, std::size_t blockCount) {
     const auto block = [&](std::size_t number) {
         std::vector<Index> rows(static_cast<std::size_t>(table.rowCount()) / blockCount);
         std::iota(rows.begin(), rows.end(), static_cast<Index>(number * rows.size()));
         return stencils::selectRows(table, rows);
     };
-    LimitStencils<Real> result;
+    LimitStencils result;
     result.position = block(0);
     for (std::size_t i = 0; i < 3 && 1 + i < blockCount; ++i) result.first[i] = block(1 + i);
     for (std::size_t i = 0; i < 6 && 4 + i < blockCount; ++i) result.second[i] = block(4 + i);
@@ -221,11 +220,9 @@ LimitStencils<Real> blocksOf(const stencils::StencilTable<Real>& table, std::siz
 
 }  // namespace
 
-template <class Real>
-LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                       stencils::Rules rules,
-                                       std::span<const LimitLocation> locations,
-                                       const LimitStencilOptions& options) {
+LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
+                                 stencils::Rules rules, std::span<const LimitLocation> locations,
+                                 const LimitStencilOptions& options) {
     const far::Level& here = refiner.level(level);
     if (here.complex.dimension() != 3)
         throw Error("places in the limit are of lattices; vertices have limits on any complex");
@@ -244,7 +241,7 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
         chunks[first / kGrain] = rowsOf(here, refiner.options(), rules, locations,
                                         std::move(walkers), orders, options.tolerance);
     });
-    const auto rows = stencils::buildTable<double>(
+    const auto rows = stencils::buildTable(
         static_cast<Index>(count * std::ssize(orders)), here.complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
             const Offset i = row % count, chunk = i / kGrain;
@@ -255,17 +252,15 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
                 accumulator.add(table.columns(source)[e], table.weights(source)[e]);
         });
     const stencils::CompactTable compact = stencils::compactColumns(rows);
-    return blocksOf(
-        stencils::multiply<Real>(
-            compact.table, stencils::buildStencils<double>(refiner, level, rules, compact.columns)),
-        orders.size());
+    return blocksOf(stencils::multiply(compact.table, stencils::buildStencils(refiner, level, rules,
+                                                                              compact.columns)),
+                    orders.size());
 }
 
-template <class Real>
-LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                       stencils::Rules rules, const LimitStencilOptions& options) {
+LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
+                                 stencils::Rules rules, const LimitStencilOptions& options) {
     checkOptions(options);
-    LimitStencils<Real> result;
+    LimitStencils result;
     if (options.derivatives > 0) {
         const far::Level& here = refiner.level(level);
         std::vector<LimitLocation> locations;
@@ -286,9 +281,9 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
                 break;
             }
         }
-        const auto found = buildLimitStencils<Real>(refiner, level, rules, locations, options);
-        const auto spread = [&](const stencils::StencilTable<Real>& table) {
-            return stencils::buildTable<Real>(
+        const auto found = buildLimitStencils(refiner, level, rules, locations, options);
+        const auto spread = [&](const stencils::StencilTable<double>& table) {
+            return stencils::buildTable(
                 here.complex.count(0), table.columnCount(),
                 [&](Index vertex, stencils::RowAccumulator& accumulator) {
                     const Index row = rowOf[vertex];
@@ -301,19 +296,8 @@ LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int 
         for (std::size_t i = 0; options.derivatives > 1 && i < 6; ++i)
             result.second[i] = spread(found.second[i]);
     }
-    result.position = buildVertexLimits<Real>(refiner, level, rules);
+    result.position = buildVertexLimits(refiner, level, rules);
     return result;
 }
-
-template LimitStencils<float> buildLimitStencils(const far::TopologyRefiner&, int, stencils::Rules,
-                                                 std::span<const LimitLocation>,
-                                                 const LimitStencilOptions&);
-template LimitStencils<double> buildLimitStencils(const far::TopologyRefiner&, int, stencils::Rules,
-                                                  std::span<const LimitLocation>,
-                                                  const LimitStencilOptions&);
-template LimitStencils<float> buildLimitStencils(const far::TopologyRefiner&, int, stencils::Rules,
-                                                 const LimitStencilOptions&);
-template LimitStencils<double> buildLimitStencils(const far::TopologyRefiner&, int, stencils::Rules,
-                                                  const LimitStencilOptions&);
 
 }  // namespace espalier::limit

@@ -34,11 +34,10 @@ struct LimitStencilOptions {
 /// they in the regular cells of further levels. What is left there is blended from the exact limits
 /// of its vertices: position and first derivatives are those of the blend, which at the feature
 /// itself need not tend to anything; second ones by the same coordinate twice are 0.
-template <class Real>
 struct LimitStencils {
-    stencils::StencilTable<Real> position;
-    std::array<stencils::StencilTable<Real>, 3> first = {};   ///< by u, v, w
-    std::array<stencils::StencilTable<Real>, 6> second = {};  ///< by uu, uv, uw, vv, vw, ww
+    stencils::StencilTable<double> position;
+    std::array<stencils::StencilTable<double>, 3> first = {};   ///< by u, v, w
+    std::array<stencils::StencilTable<double>, 6> second = {};  ///< by uu, uv, uw, vv, vw, ww
 };
 
 /// \param refiner with level `level`, whole
@@ -49,19 +48,17 @@ struct LimitStencils {
 /// \cost O(entries); near irregular features also some 0.2 ms for each level of refinement there.
 ///       In parallel
 /// \cite MacCracken & Joy 1996, section 2.2; CSE-96-1, section 5; Joy, bicubic refinement
-template <class Real = double>
-ESPALIER_API LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                                    stencils::Rules rules,
-                                                    std::span<const LimitLocation> locations,
-                                                    const LimitStencilOptions& options = {});
+ESPALIER_API LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
+                                              stencils::Rules rules,
+                                              std::span<const LimitLocation> locations,
+                                              const LimitStencilOptions& options = {});
 
 /// The same for all vertices of a level: row i is that of vertex i. Positions are exact everywhere:
 /// those of buildVertexLimits(). Derivatives are along the axes of the hexahedron of the lowest
 /// number that the vertex is a corner of; rows of a vertex in none are empty, and so are all of an
 /// open vertex.
-template <class Real = double>
-ESPALIER_API LimitStencils<Real> buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                                    stencils::Rules rules,
-                                                    const LimitStencilOptions& options = {});
+ESPALIER_API LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
+                                              stencils::Rules rules,
+                                              const LimitStencilOptions& options = {});
 
 }  // namespace espalier::limit

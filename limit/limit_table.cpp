@@ -97,7 +97,7 @@ stencils::StencilTable<double> buildLimitTable(const far::TopologyRefiner& refin
         if (!isRegular[i] && !here.strata.isOpen({0, vertices[i]}))
             irregular.push_back(vertices[i]);
     const IrregularLimits limits(refiner, here, rules, irregular);
-    return stencils::buildTable<double>(
+    return stencils::buildTable(
         static_cast<Index>(vertices.size()), here.complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
             const Index vertex = vertices[row];
@@ -113,31 +113,20 @@ stencils::StencilTable<double> buildLimitTable(const far::TopologyRefiner& refin
         });
 }
 
-template <class Real>
-stencils::StencilTable<Real> buildVertexLimits(const far::TopologyRefiner& refiner, int level,
-                                               stencils::Rules rules,
-                                               std::span<const Index> vertices) {
+stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner, int level,
+                                                 stencils::Rules rules,
+                                                 std::span<const Index> vertices) {
     const stencils::CompactTable limits =
         stencils::compactColumns(buildLimitTable(refiner, level, rules, vertices));
-    return stencils::multiply<Real>(
-        limits.table, stencils::buildStencils<double>(refiner, level, rules, limits.columns));
+    return stencils::multiply(limits.table,
+                              stencils::buildStencils(refiner, level, rules, limits.columns));
 }
 
-template <class Real>
-stencils::StencilTable<Real> buildVertexLimits(const far::TopologyRefiner& refiner, int level,
-                                               stencils::Rules rules) {
+stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner, int level,
+                                                 stencils::Rules rules) {
     std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
-    return buildVertexLimits<Real>(refiner, level, rules, all);
+    return buildVertexLimits(refiner, level, rules, all);
 }
-
-template stencils::StencilTable<float> buildVertexLimits(const far::TopologyRefiner&, int,
-                                                         stencils::Rules, std::span<const Index>);
-template stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner&, int,
-                                                          stencils::Rules, std::span<const Index>);
-template stencils::StencilTable<float> buildVertexLimits(const far::TopologyRefiner&, int,
-                                                         stencils::Rules);
-template stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner&, int,
-                                                          stencils::Rules);
 
 }  // namespace espalier::limit

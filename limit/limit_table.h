@@ -33,12 +33,10 @@ ESPALIER_API stencils::StencilTable<double> buildLimitTable(const far::TopologyR
 /// L · S_level: the limits of the vertices of a level, or of some of them, over the base vertices.
 /// \throws Error as above
 /// \cost as buildStencils(), and as above
-template <class Real = double>
-ESPALIER_API stencils::StencilTable<Real> buildVertexLimits(const far::TopologyRefiner& refiner,
-                                                            int level, stencils::Rules rules,
-                                                            std::span<const Index> vertices);
-template <class Real = double>
-ESPALIER_API stencils::StencilTable<Real> buildVertexLimits(
+ESPALIER_API stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner,
+                                                              int level, stencils::Rules rules,
+                                                              std::span<const Index> vertices);
+ESPALIER_API stencils::StencilTable<double> buildVertexLimits(
     const far::TopologyRefiner& refiner, int level,
     stencils::Rules rules = stencils::Rules::Siggraph96);
 

@@ -140,7 +140,7 @@ stencils::StencilTable<double> buildTangentTable(const far::TopologyRefiner& ref
                 columns = ring.start.transpose() * directionsOf(ring, places);
         }
     });
-    return stencils::buildTable<double>(
+    return stencils::buildTable(
         static_cast<Index>(3 * corners.size()), here.complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
             const CellCorner& corner = corners[row / 3];

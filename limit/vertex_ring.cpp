@@ -116,7 +116,7 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
     ring.entities = entitiesAt(level.complex, vertex);
     ring.vertices = verticesAround(level.complex, vertex);
     ring.levels = chain.refiner.maxLevel();
-    const auto rows = stencils::composeStencils<double>(chain.refiner, chain.tables, first);
+    const auto rows = stencils::composeStencils(chain.refiner, chain.tables, first);
     ring.start = matrixOf(rows, std::ssize(ring.vertices), [&](Index column) {
         return placeIn(ring.vertices, star.entities[0][column]);
     });

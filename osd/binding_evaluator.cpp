@@ -25,9 +25,10 @@ std::vector<Real> times(const stencils::FactoredTable<Real>& table, std::span<co
 
 }  // namespace
 
-template <class Real, class Table>
-std::vector<Point3> evaluateBinding(const embed::Binding<Real, Table>& binding,
+template <class Table>
+std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
                                     std::span<const Point3> pose) {
+    using Real = typename Table::Weight;
     if (pose.size() != static_cast<std::size_t>(binding.table.columnCount()))
         throw Error("the pose has " + std::to_string(pose.size()) +
                     " vertices; the model is bound to a lattice of " +
@@ -46,8 +47,8 @@ std::vector<Point3> evaluateBinding(const embed::Binding<Real, Table>& binding,
     return points;
 }
 
-template <class Real, class Stored, class Table>
-void writeKept(const embed::Binding<Stored, Table>& binding, MutableValues<Real> destination,
+template <class Real, class Table>
+void writeKept(const embed::BindingOf<Table>& binding, MutableValues<Real> destination,
                const BufferDescriptor& layout) {
     const Index count = binding.table.rowCount();
     checkEvaluation(count, 0, 0, kXyz, destination.size(), layout, {0, count});
@@ -57,29 +58,35 @@ void writeKept(const embed::Binding<Stored, Table>& binding, MutableValues<Real>
                         c] = static_cast<Real>(binding.keptAt[i][c]);
 }
 
-template std::vector<Point3> evaluateBinding(const embed::Binding<float>&, std::span<const Point3>);
-template std::vector<Point3> evaluateBinding(const embed::Binding<double>&,
-                                             std::span<const Point3>);
-template std::vector<Point3> evaluateBinding(
-    const embed::Binding<float, stencils::FactoredTable<float>>&, std::span<const Point3>);
-template std::vector<Point3> evaluateBinding(
-    const embed::Binding<double, stencils::FactoredTable<double>>&, std::span<const Point3>);
+template <class Real>
+using Rows = stencils::StencilTable<Real>;
+template <class Real>
+using Factors = stencils::FactoredTable<Real>;
 
-template void writeKept<float>(const embed::Binding<float>&, MutableValues<float>,
+template std::vector<Point3> evaluateBinding(const embed::BindingOf<Rows<float>>&,
+                                             std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(const embed::BindingOf<Rows<double>>&,
+                                             std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(const embed::BindingOf<Factors<float>>&,
+                                             std::span<const Point3>);
+template std::vector<Point3> evaluateBinding(const embed::BindingOf<Factors<double>>&,
+                                             std::span<const Point3>);
+
+template void writeKept<float>(const embed::BindingOf<Rows<float>>&, MutableValues<float>,
                                const BufferDescriptor&);
-template void writeKept<float>(const embed::Binding<double>&, MutableValues<float>,
+template void writeKept<float>(const embed::BindingOf<Rows<double>>&, MutableValues<float>,
                                const BufferDescriptor&);
-template void writeKept<float>(const embed::Binding<float, stencils::FactoredTable<float>>&,
-                               MutableValues<float>, const BufferDescriptor&);
-template void writeKept<float>(const embed::Binding<double, stencils::FactoredTable<double>>&,
-                               MutableValues<float>, const BufferDescriptor&);
-template void writeKept<double>(const embed::Binding<float>&, MutableValues<double>,
+template void writeKept<float>(const embed::BindingOf<Factors<float>>&, MutableValues<float>,
+                               const BufferDescriptor&);
+template void writeKept<float>(const embed::BindingOf<Factors<double>>&, MutableValues<float>,
+                               const BufferDescriptor&);
+template void writeKept<double>(const embed::BindingOf<Rows<float>>&, MutableValues<double>,
                                 const BufferDescriptor&);
-template void writeKept<double>(const embed::Binding<double>&, MutableValues<double>,
+template void writeKept<double>(const embed::BindingOf<Rows<double>>&, MutableValues<double>,
                                 const BufferDescriptor&);
-template void writeKept<double>(const embed::Binding<float, stencils::FactoredTable<float>>&,
-                                MutableValues<double>, const BufferDescriptor&);
-template void writeKept<double>(const embed::Binding<double, stencils::FactoredTable<double>>&,
-                                MutableValues<double>, const BufferDescriptor&);
+template void writeKept<double>(const embed::BindingOf<Factors<float>>&, MutableValues<double>,
+                                const BufferDescriptor&);
+template void writeKept<double>(const embed::BindingOf<Factors<double>>&, MutableValues<double>,
+                                const BufferDescriptor&);
 
 }  // namespace espalier::osd

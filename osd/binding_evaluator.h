@@ -20,8 +20,8 @@ namespace espalier::osd {
 /// \throws Error if the pose is not of binding.table.columnCount() vertices
 /// \cost O(entries), on all threads; memory for the pose and the result as Real
 /// \cite MacCracken & Joy 1996, section 5
-template <class Real, class Table>
-ESPALIER_API std::vector<Point3> evaluateBinding(const embed::Binding<Real, Table>& binding,
+template <class Table>
+ESPALIER_API std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
                                                  std::span<const Point3> pose);
 
 /// Puts the kept points where they were: an evaluator of binding.table has made them 0. So each
@@ -36,8 +36,8 @@ ESPALIER_API std::vector<Point3> evaluateBinding(const embed::Binding<Real, Tabl
 /// \throws Error if the layout does not make sense, or not all points have room; nothing has been
 ///         written then
 /// \cost O(kept points)
-template <class Real, class Stored, class Table>
-ESPALIER_API void writeKept(const embed::Binding<Stored, Table>& binding,
-                            MutableValues<Real> destination, const BufferDescriptor& layout);
+template <class Real, class Table>
+ESPALIER_API void writeKept(const embed::BindingOf<Table>& binding, MutableValues<Real> destination,
+                            const BufferDescriptor& layout);
 
 }  // namespace espalier::osd

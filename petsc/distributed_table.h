@@ -63,7 +63,7 @@ public:
     /// nothing. (With the constructor above, rows that are empty give 0.)
     ///
     /// \throws Error also for kept points that are not the rank's
-    DistributedTable(MPI_Comm comm, const embed::Binding<double>& own, Offset ownVertexCount);
+    DistributedTable(MPI_Comm comm, const embed::Binding& own, Offset ownVertexCount);
 
     int components() const { return components_; }
     OwnedRange ownPoints() const { return ownPoints_; }

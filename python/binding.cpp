@@ -37,32 +37,28 @@ void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Ba
             bool isLimit, int level, const embed::EmbeddingOptions& options, bool hasDirections) {
     const Lattice& lattice = *refiner.lattice();
     const std::vector<Point3>& points = *result.points;
-    const auto keep = [&](auto& found, embed::Binding<double> binding) {
-        result.bound.binding = std::move(binding);
-        result.statuses = std::move(found.statuses);
-        result.largestResidual = found.largestResidual;
-    };
+    embed::BindingResult found;
     if (basis) {
         // To go on without them would be another deformation than the lattice asks for.
         if (!lattice.marks.empty())
             throw Error("basis: the lattice has marks, which only subdivision heeds");
-        const embed::TensorLattice tensor(lattice.complex, lattice.positions, *basis);
-        const auto embedding = embed::embedPoints(tensor, points, options);
-        result.bound.binding = embed::makeBinding<double>(tensor, embedding, points);
-        for (const auto& point : embedding.points) result.statuses.push_back(point.status);
-        result.largestResidual = embedding.largestResidual();
+        found = embed::bindPoints(embed::TensorLattice(lattice.complex, lattice.positions, *basis),
+                                  points, options);
     } else if (isLimit) {
-        auto found = limit::bindLimit<double>(
+        auto inLimit = limit::bindLimit(
             refiner.base(), lattice.positions, refiner.rules(), points,
             {.embedding = options, .tolerance = options.tolerance, .gradients = hasDirections});
         if (hasDirections)
-            result.bound.gradients = {std::move(found.binding.table.gradients), lattice.positions};
-        keep(found, limit::withoutGradients(std::move(found.binding)));
+            result.bound.gradients = {std::move(inLimit.binding.table.gradients),
+                                      lattice.positions};
+        found = limit::withoutGradients(std::move(inLimit));
     } else {
-        auto found = embed::bindPoints<double>(refiner.base(), lattice.positions, level,
-                                               refiner.rules(), points, options);
-        keep(found, std::move(found.binding));
+        found = embed::bindPoints(refiner.base(), lattice.positions, level, refiner.rules(), points,
+                                  options);
     }
+    result.bound.binding = std::move(found.binding);
+    result.statuses = std::move(found.statuses);
+    result.largestResidual = found.largestResidual;
 }
 
 Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,

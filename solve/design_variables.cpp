@@ -201,18 +201,18 @@ stencils::StencilTable<double> buildJacobian(const stencils::StencilTable<double
     if (deformation.rowCount() > kMaxIndex / 3)
         throw Error("cannot number the coordinates of " + std::to_string(deformation.rowCount()) +
                     " points");
-    return stencils::buildTable<double>(
-        3 * deformation.rowCount(), design.columnCount(),
-        [&](Index row, stencils::RowAccumulator& sums) {
-            const auto vertices = deformation.columns(row / 3);
-            for (std::size_t k = 0; k < vertices.size(); ++k) {
-                const double weight = deformation.weights(row / 3)[k];
-                const Index coordinate = 3 * vertices[k] + row % 3;
-                const auto variables = design.columns(coordinate);
-                for (std::size_t j = 0; j < variables.size(); ++j)
-                    sums.add(variables[j], weight * design.weights(coordinate)[j]);
-            }
-        });
+    return stencils::buildTable(3 * deformation.rowCount(), design.columnCount(),
+                                [&](Index row, stencils::RowAccumulator& sums) {
+                                    const auto vertices = deformation.columns(row / 3);
+                                    for (std::size_t k = 0; k < vertices.size(); ++k) {
+                                        const double weight = deformation.weights(row / 3)[k];
+                                        const Index coordinate = 3 * vertices[k] + row % 3;
+                                        const auto variables = design.columns(coordinate);
+                                        for (std::size_t j = 0; j < variables.size(); ++j)
+                                            sums.add(variables[j],
+                                                     weight * design.weights(coordinate)[j]);
+                                    }
+                                });
 }
 
 }  // namespace espalier::solve

@@ -15,12 +15,13 @@ namespace espalier::stencils {
 namespace {
 
 /// Rows of the identity.
-template <class Real>
-StencilTable<Real> selectionTable(Index columnCount, std::span<const Index> columns) {
+StencilTable<double> selectionTable(Index columnCount, std::span<const Index> columns) {
     Array<Offset> offsets(columns.size() + 1);
     std::iota(offsets.begin(), offsets.end(), Offset{0});
-    return StencilTable<Real>(columnCount, std::move(offsets), {columns.begin(), columns.end()},
-                              Array<Real>(columns.size(), Real{1}));
+    return {columnCount,
+            std::move(offsets),
+            {columns.begin(), columns.end()},
+            Array<double>(columns.size(), 1.0)};
 }
 
 /// A table times values of `components` a source entry, source by source.
@@ -81,10 +82,10 @@ namespace {
 /// The rows of S_level for the given vertices, by multiplication.
 /// \param origins of the levels 0 to `level` − 1
 /// \param rowsOf the rows of R_k for some vertices of level k: rowsOf(k, vertices)
-template <class Real, class RowsOf>
-StencilTable<Real> compose(const far::TopologyRefiner& refiner, int level,
-                           std::span<const BaseEntities> origins, std::span<const Index> vertices,
-                           RowsOf rowsOf) {
+template <class RowsOf>
+StencilTable<double> compose(const far::TopologyRefiner& refiner, int level,
+                             std::span<const BaseEntities> origins, std::span<const Index> vertices,
+                             RowsOf rowsOf) {
     // Down the levels: what each row needs of the level before. Then up: their products.
     struct Link {
         StencilTable<double> table;
@@ -103,20 +104,18 @@ StencilTable<Real> compose(const far::TopologyRefiner& refiner, int level,
         demanded = std::move(compact.columns);
     }
     StencilTable<double> product = rowsOf(1, demanded);
-    if (chain.empty()) return convertTable<Real>(std::move(product));
-    for (; chain.size() > 1; chain.pop_back())
-        product = multiply<double>(chain.back().table, product, chain.back().order);
-    return multiply<Real>(chain.front().table, product, chain.front().order);
+    for (; !chain.empty(); chain.pop_back())
+        product = multiply(chain.back().table, product, chain.back().order);
+    return product;
 }
 
 }  // namespace
 
-template <class Real>
-StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
-                                 std::span<const Index> vertices) {
+StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
+                                   std::span<const Index> vertices) {
     checkVertices(refiner, level, vertices);
     checkRules(refiner, rules);
-    if (level == 0) return selectionTable<Real>(refiner.level(0).complex.count(0), vertices);
+    if (level == 0) return selectionTable(refiner.level(0).complex.count(0), vertices);
     const std::vector<BaseEntities> origins = baseEntities(refiner, level - 1);
     const auto rowsOf = [&](int k, std::span<const Index> demanded) {
         return buildLevelTable(refiner, k, rules, demanded);
@@ -124,16 +123,15 @@ StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
     if (RepeatedRows::areIn(refiner, level, rules)) {
         const RepeatedRows rows(refiner, level, origins, vertices);
         const bool isAll = rows.firsts().size() == vertices.size();
-        auto firstRows = compose<Real>(refiner, level, origins, rows.firsts(), rowsOf);
+        auto firstRows = compose(refiner, level, origins, rows.firsts(), rowsOf);
         return isAll ? firstRows : rows.expand(firstRows);
     }
-    return compose<Real>(refiner, level, origins, vertices, rowsOf);
+    return compose(refiner, level, origins, vertices, rowsOf);
 }
 
-template <class Real>
-StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
-                                   std::span<const StencilTable<double>> tables,
-                                   std::span<const Index> vertices) {
+StencilTable<double> composeStencils(const far::TopologyRefiner& refiner,
+                                     std::span<const StencilTable<double>> tables,
+                                     std::span<const Index> vertices) {
     const int level = static_cast<int>(tables.size());
     if (level < 1 || level > refiner.maxLevel())
         throw Error("got " + std::to_string(level) + " level tables for " +
@@ -149,27 +147,24 @@ StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
                         " × " + std::to_string(columns));
     }
     checkVertices(refiner, level, vertices);
-    return compose<Real>(refiner, level, baseEntities(refiner, level - 1), vertices,
-                         [&](int k, std::span<const Index> demanded) {
-                             return selectRows(tables[static_cast<std::size_t>(k) - 1], demanded);
-                         });
+    return compose(refiner, level, baseEntities(refiner, level - 1), vertices,
+                   [&](int k, std::span<const Index> demanded) {
+                       return selectRows(tables[static_cast<std::size_t>(k) - 1], demanded);
+                   });
 }
 
-template <class Real>
-StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules) {
+StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules) {
     std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
-    return buildStencils<Real>(refiner, level, rules, all);
+    return buildStencils(refiner, level, rules, all);
 }
 
-template <class Real>
-std::vector<StencilTable<Real>> buildLevelTables(const far::TopologyRefiner& refiner, int level,
-                                                 Rules rules) {
+std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& refiner, int level,
+                                                   Rules rules) {
     refiner.level(level);  // Throws if it is not there.
     checkRules(refiner, rules);
-    std::vector<StencilTable<Real>> tables;
-    for (int k = 1; k <= level; ++k)
-        tables.push_back(convertTable<Real>(buildLevelTable(refiner, k, rules)));
+    std::vector<StencilTable<double>> tables;
+    for (int k = 1; k <= level; ++k) tables.push_back(buildLevelTable(refiner, k, rules));
     return tables;
 }
 
@@ -217,21 +212,5 @@ std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int lev
                                     std::span<const Point3> positions) {
     return toPositions(refineValues(refiner, level, rules, toValues(positions), 3));
 }
-
-template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rules,
-                                           std::span<const Index>);
-template StencilTable<double> buildStencils(const far::TopologyRefiner&, int, Rules,
-                                            std::span<const Index>);
-template StencilTable<float> buildStencils(const far::TopologyRefiner&, int, Rules);
-template StencilTable<float> composeStencils(const far::TopologyRefiner&,
-                                             std::span<const StencilTable<double>>,
-                                             std::span<const Index>);
-template StencilTable<double> buildStencils(const far::TopologyRefiner&, int, Rules);
-template StencilTable<double> composeStencils(const far::TopologyRefiner&,
-                                              std::span<const StencilTable<double>>,
-                                              std::span<const Index>);
-template std::vector<StencilTable<float>> buildLevelTables(const far::TopologyRefiner&, int, Rules);
-template std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner&, int,
-                                                            Rules);
 
 }  // namespace espalier::stencils

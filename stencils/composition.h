@@ -18,7 +18,7 @@
 //
 // Types: Mask, the weights of one point (masks.h; mlca.h and rats.h hold other rules);
 // StencilTable, a matrix in compressed sparse rows; FactoredTable, a product that is left in two
-// factors.
+// factors. Weights are made in double; convertTable() rounds them to float.
 //
 // Read masks.h, stencil_table.h, then this header.
 //
@@ -64,10 +64,9 @@ ESPALIER_API StencilTable<double> buildLevelTable(const far::TopologyRefiner& re
 /// best forms, and only S_level gives some rows without the others.
 ///
 /// \cost O(entries), in parallel: as much as refineValues() for one pose
-template <class Real = double>
-ESPALIER_API std::vector<StencilTable<Real>> buildLevelTables(const far::TopologyRefiner& refiner,
-                                                              int level,
-                                                              Rules rules = Rules::Siggraph96);
+ESPALIER_API std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& refiner,
+                                                                int level,
+                                                                Rules rules = Rules::Siggraph96);
 
 /// Composes the level tables into S_level = R_level … R_1: row i holds the weights of level-`level`
 /// vertex i over the base vertices. At most 64 entries a row in regular lattices. Rows sum to 1.
@@ -78,39 +77,35 @@ ESPALIER_API std::vector<StencilTable<Real>> buildLevelTables(const far::Topolog
 ///
 /// \cost O(products of entries), in parallel; memory for S_level and S_(level−1) at once
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3
-template <class Real = double>
-ESPALIER_API StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
-                                              Rules rules = Rules::Siggraph96);
+ESPALIER_API StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level,
+                                                Rules rules = Rules::Siggraph96);
 
 /// Builds the rows of S_level for the given vertices of the level: row i is that of vertices[i].
 /// Of each level, only the rows that these depend on are made.
 ///
 /// \param vertices in any order, repeats allowed
 /// \throws Error for a vertex that the level does not have
-template <class Real = double>
-ESPALIER_API StencilTable<Real> buildStencils(const far::TopologyRefiner& refiner, int level,
-                                              Rules rules, std::span<const Index> vertices);
+ESPALIER_API StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level,
+                                                Rules rules, std::span<const Index> vertices);
 
 /// The same from level tables at hand, of whole levels or of those of
 /// far::TopologyRefiner::refineAround().
 ///
 /// \param tables R_1 to R_level: see buildLevelTables(). At least one
 /// \throws Error if they are not as many as the levels of `refiner`, or not of these
-template <class Real = double>
-ESPALIER_API StencilTable<Real> composeStencils(const far::TopologyRefiner& refiner,
-                                                std::span<const StencilTable<double>> tables,
-                                                std::span<const Index> vertices);
+ESPALIER_API StencilTable<double> composeStencils(const far::TopologyRefiner& refiner,
+                                                  std::span<const StencilTable<double>> tables,
+                                                  std::span<const Index> vertices);
 
-/// The product of two tables: row i is Σ_k left(i, k) · right(k, ·). Sums are made in double.
+/// The product of two tables: row i is Σ_k left(i, k) · right(k, ·).
 ///
 /// \param order which rows of `left` lead to the same columns. The result does not depend on it,
 ///        only the time
 /// \throws Error if left.columnCount() is not right.rowCount()
 /// \cost O(products of entries), in parallel; twice the memory of the result
-template <class Real>
-ESPALIER_API StencilTable<Real> multiply(const StencilTable<double>& left,
-                                         const StencilTable<double>& right,
-                                         const RowOrder& order = {});
+ESPALIER_API StencilTable<double> multiply(const StencilTable<double>& left,
+                                           const StencilTable<double>& right,
+                                           const RowOrder& order = {});
 
 /// The columns that a table names, ascending, and the table over just those: column c of `table`
 /// stands for column `columns[c]` of the original.

@@ -4,6 +4,8 @@
 #include <espalier/base/api.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <utility>
+
 namespace espalier::stencils {
 
 /// A deformation table that is not multiplied out: D = points · vertices, so that a pose moves the
@@ -18,6 +20,8 @@ namespace espalier::stencils {
 /// \cite MacCracken & Joy 1996, section 5
 template <class Real>
 struct ESPALIER_API FactoredTable {
+    using Weight = Real;
+
     StencilTable<Real> vertices;  ///< rows of S_n: vertices of the level × base vertices
     StencilTable<Real> points;    ///< W: points × those vertices
 
@@ -27,5 +31,11 @@ struct ESPALIER_API FactoredTable {
 
     friend bool operator==(const FactoredTable&, const FactoredTable&) = default;
 };
+
+/// The same factors with weights rounded to another precision.
+template <class To, class From>
+FactoredTable<To> convertTable(FactoredTable<From> table) {
+    return {convertTable<To>(std::move(table.vertices)), convertTable<To>(std::move(table.points))};
+}
 
 }  // namespace espalier::stencils

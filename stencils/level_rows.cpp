@@ -40,28 +40,28 @@ std::vector<Index> columnsOf(const StencilTable<double>& table) {
 /// \param areDerivatives whether rows sum to 0
 StencilTable<double> carried(const StencilTable<double>& own, const StencilTable<double>& more,
                              const StencilTable<double>& step, bool areDerivatives) {
-    return buildTable<double>(own.rowCount() + more.rowCount(), step.columnCount(),
-                              [&](Index row, RowAccumulator& accumulator) {
-                                  const bool isOwn = row < own.rowCount();
-                                  const StencilTable<double>& source = isOwn ? own : more;
-                                  const Index from = isOwn ? row : row - own.rowCount();
-                                  const auto columns = source.columns(from);
-                                  const auto weights = source.weights(from);
-                                  for (std::size_t i = 0; i < columns.size(); ++i) {
-                                      const auto next = step.columns(columns[i]);
-                                      const auto factors = step.weights(columns[i]);
-                                      for (std::size_t k = 0; k < next.size(); ++k)
-                                          accumulator.add(next[k], weights[i] * factors[k]);
-                                      // Thousands of long rows may go by before a loop looks.
-                                      if (std::ssize(next) > kLongRow) checkMemory();
-                                  }
-                                  if (areDerivatives) accumulator.makeSumZero();
-                              });
+    return buildTable(own.rowCount() + more.rowCount(), step.columnCount(),
+                      [&](Index row, RowAccumulator& accumulator) {
+                          const bool isOwn = row < own.rowCount();
+                          const StencilTable<double>& source = isOwn ? own : more;
+                          const Index from = isOwn ? row : row - own.rowCount();
+                          const auto columns = source.columns(from);
+                          const auto weights = source.weights(from);
+                          for (std::size_t i = 0; i < columns.size(); ++i) {
+                              const auto next = step.columns(columns[i]);
+                              const auto factors = step.weights(columns[i]);
+                              for (std::size_t k = 0; k < next.size(); ++k)
+                                  accumulator.add(next[k], weights[i] * factors[k]);
+                              // Thousands of long rows may go by before a loop looks.
+                              if (std::ssize(next) > kLongRow) checkMemory();
+                          }
+                          if (areDerivatives) accumulator.makeSumZero();
+                      });
 }
 
 /// Three rows after three made orthonormal: each spans with those before it what it did.
 StencilTable<double> orthonormal(const StencilTable<double>& rows) {
-    return buildTable<double>(
+    return buildTable(
         rows.rowCount(), rows.columnCount(), [&](Index row, RowAccumulator& accumulator) {
             const Index first = row / 3 * 3;
             std::vector<Index> columns;
@@ -84,21 +84,19 @@ StencilTable<double> orthonormal(const StencilTable<double>& rows) {
 
 StencilTable<double> concatenated(const StencilTable<double>& first,
                                   const StencilTable<double>& second) {
-    return buildTable<double>(first.rowCount() + second.rowCount(), first.columnCount(),
-                              [&](Index row, RowAccumulator& accumulator) {
-                                  const bool isFirst = row < first.rowCount();
-                                  const StencilTable<double>& table = isFirst ? first : second;
-                                  const Index from = isFirst ? row : row - first.rowCount();
-                                  for (std::size_t k = 0; k < table.columns(from).size(); ++k)
-                                      accumulator.add(table.columns(from)[k],
-                                                      table.weights(from)[k]);
-                              });
+    return buildTable(first.rowCount() + second.rowCount(), first.columnCount(),
+                      [&](Index row, RowAccumulator& accumulator) {
+                          const bool isFirst = row < first.rowCount();
+                          const StencilTable<double>& table = isFirst ? first : second;
+                          const Index from = isFirst ? row : row - first.rowCount();
+                          for (std::size_t k = 0; k < table.columns(from).size(); ++k)
+                              accumulator.add(table.columns(from)[k], table.weights(from)[k]);
+                      });
 }
 
 /// Takes the rows of several tables apart that stand in one behind each other.
-template <class Real>
-void appendParts(const StencilTable<Real>& table, std::span<const Index> counts,
-                 std::vector<StencilTable<Real>>& parts) {
+void appendParts(const StencilTable<double>& table, std::span<const Index> counts,
+                 std::vector<StencilTable<double>>& parts) {
     Index first = 0;
     for (const Index count : counts) {
         std::vector<Index> own(count);
@@ -143,10 +141,9 @@ Composition compositionOf(std::span<const StencilTable<double>> tables) {
     return isLong ? Composition::FromRows : Composition::FromBase;
 }
 
-template <class Real>
-std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>> tables,
-                                            std::vector<StencilTable<double>> rows,
-                                            Composition composition) {
+std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<double>> tables,
+                                              std::vector<StencilTable<double>> rows,
+                                              Composition composition) {
     const std::size_t last = rows.size() - 1;
     if (composition == Composition::FromRows) {
         const std::vector<Index> counts = rowCounts(rows);
@@ -155,16 +152,15 @@ std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>
             below = carried(rows[k], below, tables[k - 1], false);
             rows.pop_back();
         }
-        std::vector<StencilTable<Real>> result;
+        std::vector<StencilTable<double>> result;
         if (last > 0 && below.rowCount() == counts.back()) {
             // No level between has rows, as for points: long ones are not copied.
-            result.push_back(convertTable<Real>(std::move(rows[0])));
-            while (result.size() < last) result.push_back(selectRows<Real>(result[0], {}));
-            result.push_back(convertTable<Real>(std::move(below)));
+            result.push_back(std::move(rows[0]));
+            while (result.size() < last) result.push_back(selectRows(result[0], {}));
+            result.push_back(std::move(below));
             return result;
         }
-        appendParts(convertTable<Real>(last > 0 ? concatenated(rows[0], below) : rows[0]), counts,
-                    result);
+        appendParts(last > 0 ? concatenated(rows[0], below) : rows[0], counts, result);
         return result;
     }
     // Down the levels: the vertices whose rows of S_k are asked for. Then up: these rows.
@@ -178,13 +174,13 @@ std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>
         if (k == 0) break;
         steps[k] = selectRows(tables[k - 1], vertices[k]);
     }
-    std::vector<StencilTable<Real>> result;
-    result.push_back(convertTable<Real>(std::move(rows[0])));
+    std::vector<StencilTable<double>> result;
+    result.push_back(std::move(rows[0]));
     StencilTable<double> stencils;
     for (std::size_t k = 1; k <= last; ++k) {
         stencils = k == 1 ? std::move(steps[1])
-                          : multiply<double>(overColumns(steps[k], vertices[k - 1]), stencils);
-        result.push_back(multiply<Real>(overColumns(rows[k], vertices[k]), stencils));
+                          : multiply(overColumns(steps[k], vertices[k - 1]), stencils);
+        result.push_back(multiply(overColumns(rows[k], vertices[k]), stencils));
     }
     return result;
 }
@@ -201,19 +197,12 @@ std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTabl
         if (meaning == RowMeaning::Spans) below = orthonormal(below);
     }
     if (below.rowCount() > 0) rows.back() = concatenated(rows.back(), below);
-    auto result = composeRows<double>(tables, std::move(rows), compositionOf(tables));
+    auto result = composeRows(tables, std::move(rows), compositionOf(tables));
     // Takes the rows of the last levels apart again.
     const StencilTable<double> last = std::move(result.back());
     result.pop_back();
-    appendParts<double>(last, std::span(counts).subspan(result.size()), result);
+    appendParts(last, std::span(counts).subspan(result.size()), result);
     return result;
 }
-
-template std::vector<StencilTable<float>> composeRows(std::span<const StencilTable<double>>,
-                                                      std::vector<StencilTable<double>>,
-                                                      Composition);
-template std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<double>>,
-                                                       std::vector<StencilTable<double>>,
-                                                       Composition);
 
 }  // namespace espalier::stencils

@@ -32,10 +32,9 @@ Composition compositionOf(std::span<const StencilTable<double>> tables);
 /// \param tables R_1, R_2, …: as many as levels 1 to rows.size() − 1 at least
 /// \param rows one table a level, from 0 on; without rows where a level has none
 /// \cost O(products of entries), in parallel
-template <class Real>
-std::vector<StencilTable<Real>> composeRows(std::span<const StencilTable<double>> tables,
-                                            std::vector<StencilTable<double>> rows,
-                                            Composition composition);
+std::vector<StencilTable<double>> composeRows(std::span<const StencilTable<double>> tables,
+                                              std::vector<StencilTable<double>> rows,
+                                              Composition composition);
 
 /// Whether rows of derivatives stand for themselves, or for the space that each three of them span.
 enum class RowMeaning { Themselves, Spans };

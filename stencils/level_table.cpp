@@ -147,15 +147,15 @@ StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int le
     checkVertices(refiner, level, vertices);
     checkRules(refiner, rules);
     const far::Level& parent = refiner.level(level - 1);
-    return buildTable<double>(static_cast<Index>(vertices.size()), parent.complex.count(0),
-                              [&](Index row, RowAccumulator& accumulator) {
-                                  const Index vertex = vertices[row];
-                                  const Entity entity = parents(vertex);
-                                  if (rules == Rules::Rats)
-                                      addRatsRow(parent, entity, accumulator);
-                                  else
-                                      addBlendedRow(refiner, parent, rules, entity, accumulator);
-                              });
+    return buildTable(static_cast<Index>(vertices.size()), parent.complex.count(0),
+                      [&](Index row, RowAccumulator& accumulator) {
+                          const Index vertex = vertices[row];
+                          const Entity entity = parents(vertex);
+                          if (rules == Rules::Rats)
+                              addRatsRow(parent, entity, accumulator);
+                          else
+                              addBlendedRow(refiner, parent, rules, entity, accumulator);
+                      });
 }
 
 StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules) {

@@ -23,8 +23,7 @@ public:
         : left_(left), right_(right), middles_(right.rowCount()), columns_(right.columnCount()) {}
 
     /// Appends the rows first to last − 1 of the product, as `order` counts them.
-    template <class Real>
-    void append(Offset first, Offset last, const RowOrder& order, RowList<Real>& rows) {
+    void append(Offset first, Offset last, const RowOrder& order, RowList& rows) {
         while (first < last) {
             Offset end = first;
             while (end < last && order.isSameGroup(first, end) && extend(order.row(end))) ++end;
@@ -75,8 +74,7 @@ private:
         }
     }
 
-    template <class Real>
-    void appendRow(Index row, RowList<Real>& rows) {
+    void appendRow(Index row, RowList& rows) {
         collectTerms(row);
         // A strip of columns at a time, with its sums in registers: half the time of a pass over
         // all columns for each term.
@@ -109,8 +107,7 @@ private:
                         terms_.begin() + static_cast<std::ptrdiff_t>(largest) + 1, terms_.end());
     }
 
-    template <class Real>
-    void appendSums(RowList<Real>& rows) {
+    void appendSums(RowList& rows) {
         // Sums that cancelled to exactly 0 are left out, as columns that no factor leads to.
         const std::size_t begin = rows.columns.size();
         if (rows.columns.capacity() < begin + width_) grow(rows);
@@ -119,7 +116,7 @@ private:
         std::size_t end = begin;
         for (std::size_t i = 0; i < columns_.items().size(); ++i) {
             rows.columns[end] = columns_.items()[i];
-            rows.weights[end] = static_cast<Real>(sums_[i]);
+            rows.weights[end] = sums_[i];
             end += sums_[i] != 0;
         }
         rows.columns.resize(end);
@@ -128,8 +125,7 @@ private:
     }
 
     /// Makes room for the rows that are still to come, taken to be like those of this block.
-    template <class Real>
-    void grow(RowList<Real>& rows) {
+    void grow(RowList& rows) {
         const std::size_t size = rows.columns.size() + columns_.items().size() * (rowsLeft_ + 1);
         rows.columns.reserve(size);
         rows.weights.reserve(size);
@@ -154,25 +150,19 @@ private:
 
 }  // namespace
 
-template <class Real>
-StencilTable<Real> multiply(const StencilTable<double>& left, const StencilTable<double>& right,
-                            const RowOrder& order) {
+StencilTable<double> multiply(const StencilTable<double>& left, const StencilTable<double>& right,
+                              const RowOrder& order) {
     if (left.columnCount() != right.rowCount())
         throw Error("cannot multiply a table of " + std::to_string(left.columnCount()) +
                     " columns by one of " + std::to_string(right.rowCount()) + " rows");
     Pool<BlockProduct> pool;
-    return buildTableByChunks<Real>(
+    return buildTableByChunks(
         left.rowCount(), right.columnCount(), order.rows(),
-        [&](Offset first, Offset last, RowList<Real>& rows) {
+        [&](Offset first, Offset last, RowList& rows) {
             auto product = pool.take([&] { return std::make_unique<BlockProduct>(left, right); });
             product->append(first, last, order, rows);
             pool.giveBack(std::move(product));
         });
 }
-
-template StencilTable<float> multiply(const StencilTable<double>&, const StencilTable<double>&,
-                                      const RowOrder&);
-template StencilTable<double> multiply(const StencilTable<double>&, const StencilTable<double>&,
-                                       const RowOrder&);
 
 }  // namespace espalier::stencils

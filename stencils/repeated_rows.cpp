@@ -8,7 +8,6 @@
 #include "vertex_parents.h"
 
 namespace espalier::stencils {
-namespace {}  // namespace
 
 bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level, Rules rules) {
     // On level 1 nothing is inside an entity but its own point. Rows are matched by their place
@@ -59,8 +58,7 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
 }
 
 /// The places of the columns of a table among the vertices around their base entities.
-template <class Real>
-Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& firstRows) const {
+Array<Index> RepeatedRows::placesOf(const StencilTable<double>& firstRows) const {
     Array<Index> places(firstRows.columns().size());
     for (Index row = 0; row < firstRows.rowCount(); ++row) {
         const Index* const around = verticesAround(firstBases_[row]);
@@ -74,8 +72,7 @@ Array<Index> RepeatedRows::placesOf(const StencilTable<Real>& firstRows) const {
     return places;
 }
 
-template <class Real>
-StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& firstRows) const {
+StencilTable<double> RepeatedRows::expand(const StencilTable<double>& firstRows) const {
     const Array<Index> places = placesOf(firstRows);
     const Index columnCount = firstRows.columnCount();
     Array<Offset> offsets(copies_.size() + 1);
@@ -84,7 +81,7 @@ StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& firstRows) con
         offsets[row + 1] = offsets[row] + firstRows.offsets()[copies_[row].first + 1] -
                            firstRows.offsets()[copies_[row].first];
     Array<Index> columns(offsets.back());
-    Array<Real> weights(columns.size());
+    Array<double> weights(columns.size());
     parallelFor(static_cast<Offset>(copies_.size()), 4096, [&](Offset begin, Offset end) {
         for (auto row = static_cast<std::size_t>(begin); row < static_cast<std::size_t>(end);
              ++row) {
@@ -97,11 +94,8 @@ StencilTable<Real> RepeatedRows::expand(const StencilTable<Real>& firstRows) con
             std::copy(from.begin(), from.end(), weights.begin() + offsets[row]);
         }
     });
-    return StencilTable<Real>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
-                              std::move(weights));
+    return StencilTable<double>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
+                                std::move(weights));
 }
-
-template StencilTable<float> RepeatedRows::expand(const StencilTable<float>&) const;
-template StencilTable<double> RepeatedRows::expand(const StencilTable<double>&) const;
 
 }  // namespace espalier::stencils

@@ -34,8 +34,7 @@ public:
     /// All the rows.
     /// \param firstRows the rows of S_level for firsts()
     /// \cost O(entries), in parallel
-    template <class Real>
-    StencilTable<Real> expand(const StencilTable<Real>& firstRows) const;
+    StencilTable<double> expand(const StencilTable<double>& firstRows) const;
 
 private:
     /// A row: what the `first`-th of firsts() is, over the vertices around a base entity.
@@ -51,8 +50,7 @@ private:
     const Index* verticesAround(Index base) const {
         return around_.data() + insides_[base]->vertices;
     }
-    template <class Real>
-    Array<Index> placesOf(const StencilTable<Real>& firstRows) const;
+    Array<Index> placesOf(const StencilTable<double>& firstRows) const;
 
     std::vector<Index> firsts_;
     std::vector<Index> firstBases_;               ///< the base entity of each of firsts_

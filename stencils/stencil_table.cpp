@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/memory.h>
+#include <espalier/base/parallel.h>
 #include <espalier/stencils/stencil_table.h>
-#include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
 #include <numeric>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -46,14 +48,36 @@ StencilTable<Real>::StencilTable(Index columnCount, Array<Offset> offsets, Array
     }
 }
 
+namespace {
+
+template <class To, class From>
+Array<To> rounded(std::span<const From> weights) {
+    Array<To> result(weights.size());
+    std::transform(weights.begin(), weights.end(), result.begin(),
+                   [](From weight) { return static_cast<To>(weight); });
+    return result;
+}
+
+}  // namespace
+
 template <class To, class From>
 StencilTable<To> convertTable(const StencilTable<From>& table) {
-    Array<To> weights(table.weights().size());
-    std::transform(table.weights().begin(), table.weights().end(), weights.begin(),
-                   [](From weight) { return static_cast<To>(weight); });
-    return StencilTable<To>(Trusted{}, table.columnCount(),
-                            {table.offsets().begin(), table.offsets().end()},
-                            {table.columns().begin(), table.columns().end()}, std::move(weights));
+    return {Trusted{},
+            table.columnCount(),
+            {table.offsets().begin(), table.offsets().end()},
+            {table.columns().begin(), table.columns().end()},
+            rounded<To>(table.weights())};
+}
+
+template <class To, class From>
+StencilTable<To> convertTable(StencilTable<From>&& table) {
+    Array<To> weights;
+    if constexpr (std::is_same_v<To, From>)
+        weights = std::move(table.weights_);
+    else
+        weights = rounded<To>(std::as_const(table).weights());
+    return {Trusted{}, table.columnCount_, std::move(table.offsets_), std::move(table.columns_),
+            std::move(weights)};
 }
 
 template <class Real>
@@ -81,17 +105,25 @@ namespace {
 /// A table of rows of others: sourceOf(row) is the table, and the row there.
 template <class Real, class SourceOf>
 StencilTable<Real> copyRows(Index rowCount, Index columnCount, SourceOf sourceOf) {
-    return buildTableByChunks<Real>(
-        rowCount, columnCount, {}, [&](Offset first, Offset last, RowList<Real>& list) {
-            for (Offset i = first; i < last; ++i) {
-                const auto& [table, row] = sourceOf(static_cast<Index>(i));
-                const auto columns = table->columns(row);
-                const auto weights = table->weights(row);
-                list.columns.insert(list.columns.end(), columns.begin(), columns.end());
-                list.weights.insert(list.weights.end(), weights.begin(), weights.end());
-                list.endRow();
-            }
-        });
+    Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
+    offsets[0] = 0;
+    for (Index i = 0; i < rowCount; ++i) {
+        const auto& [table, row] = sourceOf(i);
+        offsets[static_cast<std::size_t>(i) + 1] =
+            offsets[i] + static_cast<Offset>(table->columns(row).size());
+    }
+    requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(Real)),
+                  "a table of " + std::to_string(offsets.back()) + " weights");
+    Array<Index> columns(offsets.back());
+    Array<Real> weights(columns.size());
+    parallelFor(rowCount, 4096, [&](Offset first, Offset last) {
+        for (auto i = static_cast<Index>(first); i < last; ++i) {
+            const auto& [table, row] = sourceOf(i);
+            std::ranges::copy(table->columns(row), columns.begin() + offsets[i]);
+            std::ranges::copy(table->weights(row), weights.begin() + offsets[i]);
+        }
+    });
+    return {Trusted{}, columnCount, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
 }  // namespace
@@ -126,7 +158,11 @@ StencilTable<Real> interleaveRows(const std::vector<const StencilTable<Real>*>& 
 template class StencilTable<float>;
 template class StencilTable<double>;
 template StencilTable<float> convertTable(const StencilTable<double>&);
+template StencilTable<double> convertTable(const StencilTable<double>&);
 template StencilTable<double> convertTable(const StencilTable<float>&);
+template StencilTable<float> convertTable(StencilTable<double>&&);
+template StencilTable<double> convertTable(StencilTable<double>&&);
+template StencilTable<double> convertTable(StencilTable<float>&&);
 template StencilTable<float> transposeTable(const StencilTable<float>&);
 template StencilTable<double> transposeTable(const StencilTable<double>&);
 template StencilTable<float> selectRows(const StencilTable<float>&, std::span<const Index>);

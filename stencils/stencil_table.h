@@ -6,8 +6,6 @@
 #include <espalier/base/index.h>
 
 #include <span>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 namespace espalier::stencils {
@@ -23,6 +21,8 @@ struct Trusted {};
 template <class Real>
 class ESPALIER_API StencilTable {
 public:
+    using Weight = Real;
+
     /// The table of no rows and no columns.
     StencilTable() = default;
 
@@ -52,6 +52,9 @@ public:
     friend bool operator==(const StencilTable&, const StencilTable&) = default;
 
 private:
+    template <class To, class From>
+    friend StencilTable<To> convertTable(StencilTable<From>&& table);
+
     template <class T>
     std::span<const T> slice(const Array<T>& values, Index row) const {
         const Offset first = offsets_[row];
@@ -68,18 +71,14 @@ private:
 extern template class StencilTable<float>;
 extern template class StencilTable<double>;
 
-/// The same table with weights rounded to another precision.
+/// The same table with weights rounded to another precision: tables are built in double, and
+/// evaluators take float as well.
 template <class To, class From>
 ESPALIER_API StencilTable<To> convertTable(const StencilTable<From>& table);
 
-/// The same of a table that is done with: itself, if that is its precision.
+/// The same of a table that is done with: its offsets and columns are moved, not copied.
 template <class To, class From>
-StencilTable<To> convertTable(StencilTable<From>&& table) {
-    if constexpr (std::is_same_v<To, From>)
-        return std::move(table);
-    else
-        return convertTable<To>(std::as_const(table));
-}
+ESPALIER_API StencilTable<To> convertTable(StencilTable<From>&& table);
 
 /// The transpose: row j holds the weights of column j, by ascending rows. Of D it carries gradients
 /// by the points to gradients by the lattice vertices.

@@ -18,10 +18,9 @@
 namespace espalier::stencils {
 
 /// Rows under construction, one after the other.
-template <class Real>
 struct RowList {
     Array<Index> columns;
-    Array<Real> weights;
+    Array<double> weights;
     Array<Offset> ends;  ///< one a row
 
     void endRow() { ends.push_back(static_cast<Offset>(columns.size())); }
@@ -33,20 +32,20 @@ struct RowList {
 /// The result does not depend on the number of threads. It takes twice its memory meanwhile.
 ///
 /// \param order a permutation of the rows, or empty
-template <class Real, class Fill>
-StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
-                                      std::span<const Index> order, Fill fill) {
+template <class Fill>
+StencilTable<double> buildTableByChunks(Index rowCount, Index columnCount,
+                                        std::span<const Index> order, Fill fill) {
     constexpr Offset kGrain = 4096;
     const auto rowAt = [&](Offset position) {
         return order.empty() ? static_cast<std::size_t>(position)
                              : static_cast<std::size_t>(order[position]);
     };
-    std::vector<RowList<Real>> chunks((Offset{rowCount} + kGrain - 1) / kGrain);
+    std::vector<RowList> chunks((Offset{rowCount} + kGrain - 1) / kGrain);
     // First each row's length, then their running sum.
     Array<Offset> offsets(static_cast<std::size_t>(rowCount) + 1);
     offsets[0] = 0;
     parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
-        RowList<Real>& chunk = chunks[first / kGrain];
+        RowList& chunk = chunks[first / kGrain];
         fill(first, last, chunk);
         Offset begin = 0;
         for (Offset position = first; position < last; ++position) {
@@ -56,12 +55,12 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
     });
     for (std::size_t row = 1; row < offsets.size(); ++row) offsets[row] += offsets[row - 1];
 
-    requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(Real)),
+    requireMemory(static_cast<std::uint64_t>(offsets.back()) * (sizeof(Index) + sizeof(double)),
                   "a table of " + std::to_string(offsets.back()) + " weights");
     Array<Index> columns(offsets.back());
-    Array<Real> weights(columns.size());
+    Array<double> weights(columns.size());
     parallelFor(rowCount, kGrain, [&](Offset first, Offset last) {
-        RowList<Real>& chunk = chunks[first / kGrain];
+        RowList& chunk = chunks[first / kGrain];
         Offset begin = 0;
         for (Offset position = first; position < last; ++position) {
             const Offset end = chunk.ends[position - first];
@@ -74,12 +73,12 @@ StencilTable<Real> buildTableByChunks(Index rowCount, Index columnCount,
         }
         chunk = {};
     });
-    return StencilTable<Real>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
-                              std::move(weights));
+    return StencilTable<double>(Trusted{}, columnCount, std::move(offsets), std::move(columns),
+                                std::move(weights));
 }
 
 /// A row under construction: weights are added to columns in any order, and come out ascending.
-/// Sums are made in double, in the order of the calls.
+/// Sums are made in the order of the calls.
 class RowAccumulator {
 public:
     explicit RowAccumulator(Index columnCount)
@@ -112,13 +111,12 @@ public:
     }
 
     /// Ends the row, and starts a new one. Sums that cancelled to exactly 0 are left out.
-    template <class Real>
-    void flush(RowList<Real>& rows) {
+    void flush(RowList& rows) {
         std::sort(touched_.begin(), touched_.end());
         for (const Index column : touched_) {
             if (sums_[column] != 0) {
                 rows.columns.push_back(column);
-                rows.weights.push_back(static_cast<Real>(sums_[column]));
+                rows.weights.push_back(sums_[column]);
             }
             sums_[column] = 0;
             isTouched_[column] = 0;
@@ -158,11 +156,11 @@ private:
 };
 
 /// Builds a table row by row, in parallel: fill(row, accumulator) adds the weights of `row`.
-template <class Real, class Fill>
-StencilTable<Real> buildTable(Index rowCount, Index columnCount, Fill fill) {
+template <class Fill>
+StencilTable<double> buildTable(Index rowCount, Index columnCount, Fill fill) {
     Pool<RowAccumulator> pool;
-    return buildTableByChunks<Real>(
-        rowCount, columnCount, {}, [&](Offset first, Offset last, RowList<Real>& rows) {
+    return buildTableByChunks(
+        rowCount, columnCount, {}, [&](Offset first, Offset last, RowList& rows) {
             auto accumulator =
                 pool.take([&] { return std::make_unique<RowAccumulator>(columnCount); });
             for (Offset row = first; row < last; ++row) {

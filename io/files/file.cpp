@@ -13,10 +13,7 @@
 #include <system_error>
 
 #include "descriptor.h"
-#include "descriptor_buffer.h"
-#include "destination.h"
 #include "new_file.h"
-#include "signals_blocked.h"
 
 namespace espalier::io {
 

@@ -2,13 +2,31 @@
 #pragma once
 
 #include <sys/stat.h>
-#include "descriptor.h"
 
+#include <csignal>
 #include <filesystem>
 #include <optional>
 #include <string>
 
+#include "descriptor.h"
+
 namespace espalier::io {
+
+/// What is written to when a path is.
+struct Destination {
+    enum class Kind {
+        File,       ///< made, or replaced
+        Special,    ///< a device or a pipe: written to as it is
+        Descriptor  ///< of this process (/dev/stdout): goes on where that is
+    };
+    Kind kind;
+    std::filesystem::path path;  ///< behind all links, those that lead nowhere too
+    int descriptor = 0;          ///< if it is one
+};
+
+/// \throws FileError if it is a directory, if it must not be written to, or if its folder must not
+///         be or is not there
+Destination destinationOf(const std::filesystem::path& path);
 
 /// A file that is to take the place of another when it is complete, in one step. Until then the
 /// system knows it without a name, and drops it when the process ends, however that comes; where
@@ -54,6 +72,23 @@ private:
     std::optional<struct ::stat> old_;
     Descriptor descriptor_;
     std::optional<std::string> name_;  ///< its own, as long as it has one
+};
+
+/// Blocks all signals of this thread that can be blocked, while it lives. Signals that arrive
+/// meanwhile are delivered at its end. Other threads of the process are not affected.
+class SignalsBlocked {
+public:
+    SignalsBlocked() {
+        ::sigset_t all;
+        ::sigfillset(&all);
+        ::pthread_sigmask(SIG_SETMASK, &all, &before_);
+    }
+    ~SignalsBlocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    SignalsBlocked(const SignalsBlocked&) = delete;
+    SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+private:
+    ::sigset_t before_;
 };
 
 }  // namespace espalier::io

@@ -7,6 +7,8 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <vector>
 
 namespace espalier::io {
 
@@ -18,24 +20,41 @@ public:
     TextOutput& operator=(const TextOutput&) = delete;
     ~TextOutput() { flush(); }
 
-    void text(std::string_view text) {
+    /// Writes the parts one after the other: texts as they are, and of a number the shortest text
+    /// that reads back as the same number.
+    template <class... Parts>
+    void put(const Parts&... parts) {
+        (putOne(parts), ...);
+    }
+
+    /// Writes numbers, `rowLength` a line.
+    template <class Value>
+    void rows(const std::vector<Value>& values, std::size_t rowLength) {
+        for (std::size_t i = 0; i < values.size(); ++i)
+            put(values[i], (i + 1) % rowLength == 0 ? "\n" : " ");
+    }
+
+private:
+    static constexpr std::size_t kBlockSize = 1 << 16;
+
+    template <class Part>
+    void putOne(const Part& part) {
+        if constexpr (std::is_arithmetic_v<Part>) {
+            std::array<char, 32> digits;
+            const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), part).ptr;
+            putText({digits.data(), static_cast<std::size_t>(end - digits.data())});
+        } else {
+            putText(part);
+        }
+    }
+
+    void putText(std::string_view text) {
         if (buffer_.size() + text.size() > kBlockSize) flush();
         if (text.size() > kBlockSize)
             out_.write(text.data(), static_cast<std::streamsize>(text.size()));
         else
             buffer_ += text;
     }
-
-    /// The shortest text that reads back as the same number.
-    template <class Number>
-    void number(Number number) {
-        std::array<char, 32> digits;
-        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
-        text({digits.data(), static_cast<std::size_t>(end - digits.data())});
-    }
-
-private:
-    static constexpr std::size_t kBlockSize = 1 << 16;
 
     void flush() {
         out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
@@ -56,22 +75,22 @@ public:
     template <class Number>
     void replace(std::string_view old, Number number) {
         const auto begin = static_cast<std::size_t>(old.data() - text_.data());
-        out_.text(text_.substr(position_, begin - position_));
-        out_.number(number);
+        out_.put(text_.substr(position_, begin - position_));
+        out_.put(number);
         position_ = begin + old.size();
     }
 
     /// Puts text in between, before the byte at `place`, which is not before what was replaced
     /// last.
     void insert(std::size_t place, std::string_view added) {
-        out_.text(text_.substr(position_, place - position_));
-        out_.text(added);
+        out_.put(text_.substr(position_, place - position_));
+        out_.put(added);
         position_ = place;
     }
 
     /// Copies what follows the last change.
     void finish() {
-        out_.text(text_.substr(position_));
+        out_.put(text_.substr(position_));
         position_ = text_.size();
     }
 

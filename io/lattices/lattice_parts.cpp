@@ -8,8 +8,8 @@
 #include <map>
 #include <string>
 
-#include "../vtk/point_arrays.h"
-#include "../vtk/vtk_numbers.h"
+#include "../files/number_types.h"
+#include "../vtk/vtk_xml.h"
 #include "lattice_parts.h"
 
 namespace espalier::io {

@@ -35,15 +35,12 @@ namespace espalier::io {
 /// polyhedra keep their numbers. Edges and faces are numbered by their first appearance in the
 /// polyhedra.
 ///
+/// \param path for messages
+/// \param bytes the whole file
 /// \param notes gets the dropped vertices, unless it is null
 /// \throws FileError with the line, if the file is malformed or binary; TopologyError, with the
 ///         path in its message, if the cells do not form a lattice, or an edge or a face is not in
 ///         any
-ESPALIER_API Lattice readOvm(const std::filesystem::path& path, ReadNotes* notes = nullptr);
-
-/// The same for a file that is in memory already.
-/// \param path for messages
-/// \param bytes the whole file
 ESPALIER_API Lattice readOvm(const std::filesystem::path& path, std::string_view bytes,
                              ReadNotes* notes = nullptr);
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-#include "../vtk/vtk_numbers.h"
+#include "../files/number_types.h"
 #include "lattice_parts.h"
 
 namespace espalier::io {
@@ -25,17 +25,17 @@ using Loop = std::vector<Index>;
 struct PropertyType {
     std::string_view name;
     int components;
-    VtkNumber number;
+    NumberType number;
 };
 
 constexpr PropertyType kPropertyTypes[] = {
-    {"int", 1, VtkNumber::Int32},      {"short", 1, VtkNumber::Int16},
-    {"uint", 1, VtkNumber::UInt32},    {"long", 1, VtkNumber::Int64},
-    {"ulong", 1, VtkNumber::UInt64},   {"float", 1, VtkNumber::Float32},
-    {"double", 1, VtkNumber::Float64}, {"vec2f", 2, VtkNumber::Float32},
-    {"vec3f", 3, VtkNumber::Float32},  {"vec4f", 4, VtkNumber::Float32},
-    {"vec2d", 2, VtkNumber::Float64},  {"vec3d", 3, VtkNumber::Float64},
-    {"vec4d", 4, VtkNumber::Float64}};
+    {"int", 1, NumberType::Int32},      {"short", 1, NumberType::Int16},
+    {"uint", 1, NumberType::UInt32},    {"long", 1, NumberType::Int64},
+    {"ulong", 1, NumberType::UInt64},   {"float", 1, NumberType::Float32},
+    {"double", 1, NumberType::Float64}, {"vec2f", 2, NumberType::Float32},
+    {"vec3f", 3, NumberType::Float32},  {"vec4f", 4, NumberType::Float32},
+    {"vec2d", 2, NumberType::Float64},  {"vec3d", 3, NumberType::Float64},
+    {"vec4d", 4, NumberType::Float64}};
 
 constexpr std::string_view kVectorOfDoubles = "vector_double";
 
@@ -62,16 +62,10 @@ public:
         readVertices();
         readEdges();
         readFaces();
-        far::ComplexBuilder builder(3, static_cast<Index>(positions_.size()));
+        far::ComplexBuilder builder(3, static_cast<Index>(lattice_.positions.size()));
         readPolyhedra(builder);
         while (!nextProperty_.empty() || !text_.atEnd()) readProperty();
-        return finishLattice(path_, std::move(builder),
-                             {.complex = {},
-                              .positions = std::move(positions_),
-                              .marks = std::move(marks_),
-                              .attributes = std::move(attributes_),
-                              .integers = std::move(integers_)},
-                             notes);
+        return finishLattice(path_, std::move(builder), std::move(lattice_), notes);
     }
 
 private:
@@ -100,8 +94,8 @@ private:
     void readVertices() {
         const std::size_t count = text_.count("the number of vertices", 6);
         checkedIndex(path_, count, "vertices");
-        positions_.resize(count);
-        for (Point3& position : positions_)
+        lattice_.positions.resize(count);
+        for (Point3& position : lattice_.positions)
             for (double& coordinate : position) coordinate = text_.number<double>("a coordinate");
     }
 
@@ -118,7 +112,8 @@ private:
         edges_.resize(beginSection("Edges", 4));
         for (auto& edge : edges_)
             for (Index& end : edge)
-                end = static_cast<Index>(readIndex(positions_.size(), "a vertex of an edge"));
+                end =
+                    static_cast<Index>(readIndex(lattice_.positions.size(), "a vertex of an edge"));
         isEdgeUsed_.assign(edges_.size(), false);
     }
 
@@ -190,8 +185,8 @@ private:
         const bool isOfVertices = kind == "vprop" || kind == "vertex_property";
         const bool isOfEdges = kind == "eprop" || kind == "edge_property";
         if (isOfVertices && name == kVertexSharpness && type == "double")
-            marks_.vertices =
-                vertexMarksFromFile(path_, readValues(positions_.size(), 1, VtkNumber::Float64));
+            lattice_.marks.vertices = vertexMarksFromFile(
+                path_, readValues(lattice_.positions.size(), 1, NumberType::Float64));
         else if (isOfEdges && name == kEdgeSharpness && type == "double")
             readEdgeMarks();
         else if (isOfVertices && type == kVectorOfDoubles)
@@ -205,12 +200,13 @@ private:
     void readAttribute(const std::string& name, const PropertyType& type) {
         const auto components = static_cast<std::size_t>(type.components);
         if (isInteger(type.number))
-            integers_.push_back(
+            lattice_.integers.push_back(
                 {name, type.components, integerTypeOf(type.number),
-                 readValues<std::int64_t>(positions_.size(), components, type.number)});
+                 readValues<std::int64_t>(lattice_.positions.size(), components, type.number)});
         else
-            attributes_.push_back(
-                {name, type.components, readValues(positions_.size(), components, type.number)});
+            lattice_.attributes.push_back(
+                {name, type.components,
+                 readValues(lattice_.positions.size(), components, type.number)});
     }
 
     static const PropertyType* find(std::string_view name) {
@@ -220,7 +216,7 @@ private:
     }
 
     template <class Value = double>
-    std::vector<Value> readValues(std::size_t rows, std::size_t components, VtkNumber type) {
+    std::vector<Value> readValues(std::size_t rows, std::size_t components, NumberType type) {
         const std::size_t count = saturatingProduct(rows, components);
         text_.checkRoom(count, 2, "the number of values of a property");
         std::vector<Value> values;
@@ -231,10 +227,10 @@ private:
     }
 
     void readEdgeMarks() {
-        const std::vector<double> sharpness = readValues(edges_.size(), 1, VtkNumber::Float64);
+        const std::vector<double> sharpness = readValues(edges_.size(), 1, NumberType::Float64);
         for (std::size_t edge = 0; edge < edges_.size(); ++edge)
             if (isMarkInFile(path_, kEdgeSharpness, edge, sharpness[edge]))
-                marks_.edges.push_back({edges_[edge], sharpnessFromFile(sharpness[edge])});
+                lattice_.marks.edges.push_back({edges_[edge], sharpnessFromFile(sharpness[edge])});
     }
 
     /// Vectors of any length, each after its length. They are an attribute if all have one length.
@@ -242,7 +238,7 @@ private:
         std::vector<double> values;
         std::optional<std::size_t> length;
         bool isEven = true;
-        for (std::size_t vertex = 0; vertex < positions_.size(); ++vertex) {
+        for (std::size_t vertex = 0; vertex < lattice_.positions.size(); ++vertex) {
             const std::size_t size = text_.count("the length of a vector", 2);
             isEven = isEven && size == length.value_or(size);
             length = size;
@@ -250,7 +246,7 @@ private:
                 values.push_back(text_.number<double>("a value of a property"));
         }
         if (isEven && length.value_or(0) > 0)
-            attributes_.push_back(
+            lattice_.attributes.push_back(
                 {name, checkedIndex(path_, *length, "components"), std::move(values)});
     }
 
@@ -286,7 +282,7 @@ private:
     char nextByte() { return text_.bytes(1, "a string")[0]; }
 
     std::size_t countOf(std::string_view kind) const {
-        if (kind == "vprop" || kind == "vertex_property") return positions_.size();
+        if (kind == "vprop" || kind == "vertex_property") return lattice_.positions.size();
         if (kind == "eprop" || kind == "edge_property") return edges_.size();
         if (kind == "heprop") return 2 * edges_.size();
         if (kind == "fprop") return faces_.size();
@@ -296,23 +292,16 @@ private:
 
     std::filesystem::path path_;
     TextReader text_;
-    std::vector<Point3> positions_;
     std::vector<std::array<Index, 2>> edges_;
     std::vector<Loop> faces_;
     std::vector<bool> isEdgeUsed_;
     std::vector<bool> isFaceUsed_;
     std::size_t cellCount_ = 0;
     std::string nextProperty_;  ///< its first word, if that has been read already
-    far::Marks marks_;
-    std::vector<VertexAttribute> attributes_;
-    std::vector<VertexIntegers> integers_;
+    Lattice lattice_;           ///< without its complex
 };
 
 }  // namespace
-
-Lattice readOvm(const std::filesystem::path& path, ReadNotes* notes) {
-    return readOvm(path, readFile(path), notes);
-}
 
 Lattice readOvm(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
     return OvmReader(path, bytes).read(notes);

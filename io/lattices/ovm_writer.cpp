@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "../files/text_output.h"
-#include "../vtk/point_arrays.h"
+#include "../vtk/vtk_xml.h"
 #include "lattice_parts.h"
 
 namespace espalier::io {
@@ -40,13 +40,13 @@ public:
 
     void write(const Lattice& lattice, const far::Marks& marks) {
         const far::CellComplex& complex = lattice.complex;
-        out_.text("OVM ASCII\n");
+        out_.put("OVM ASCII\n");
         beginSection("Vertices", complex.count(0));
-        rows(coordinatesOf(lattice.positions), 3);
+        out_.rows(coordinatesOf(lattice.positions), 3);
         beginSection("Edges", complex.count(1));
         for (Index edge = 0; edge < complex.count(1); ++edge) {
             const auto ends = complex.relation(1, 0)[edge];
-            rows(std::vector<Index>(ends.begin(), ends.end()), 2);
+            out_.rows(std::vector<Index>(ends.begin(), ends.end()), 2);
         }
         // A half-edge runs along its edge, or else has the odd number. Half-faces run anticlockwise
         // from inside, so that here it is the sign +1, outside, that has the odd number.
@@ -60,30 +60,17 @@ public:
     }
 
 private:
-    void beginSection(const char* name, Index count) {
-        out_.text(std::string(name) + "\n");
-        out_.number(count);
-        out_.text("\n");
-    }
-
-    template <class Value>
-    void rows(const std::vector<Value>& values, std::size_t rowLength) {
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            out_.number(values[i]);
-            out_.text((i + 1) % rowLength == 0 ? "\n" : " ");
-        }
-    }
+    void beginSection(const char* name, Index count) { out_.put(name, "\n", count, "\n"); }
 
     void writeHalves(const far::SignedIncidence& boundary, int oddSign) {
         for (Index row = 0; row < boundary.unsignedRows().rowCount(); ++row) {
             const auto parts = boundary[row];
             const auto signs = boundary.signs(row);
-            out_.number(parts.size());
+            out_.put(parts.size());
             for (std::size_t i = 0; i < parts.size(); ++i) {
-                out_.text(" ");
-                out_.number(2 * std::int64_t{parts[i]} + (signs[i] == oddSign ? 1 : 0));
+                out_.put(" ", 2 * std::int64_t{parts[i]} + (signs[i] == oddSign ? 1 : 0));
             }
-            out_.text("\n");
+            out_.put("\n");
         }
     }
 
@@ -93,34 +80,34 @@ private:
         const std::string type = components == 1 ? "double"
                                  : isVector      ? "vector_double"
                                                  : "vec" + std::to_string(components) + "d";
-        out_.text("VProp " + type + " \"" + attribute.name + "\"\n");
+        out_.put("VProp ", type, " \"", attribute.name, "\"\n");
         if (!isVector) {
-            rows(attribute.values, components);
+            out_.rows(attribute.values, components);
             return;
         }
         // A vector is its length and its values, each on a line.
         for (std::size_t i = 0; i < attribute.values.size(); ++i) {
-            if (i % components == 0) rows(std::vector<std::size_t>{components}, 1);
-            rows(std::vector<double>{attribute.values[i]}, 1);
+            if (i % components == 0) out_.put(components, "\n");
+            out_.put(attribute.values[i], "\n");
         }
     }
 
     /// \param integers of one component
     void writeIntegers(const VertexIntegers& integers) {
-        out_.text(std::string("VProp ") + propertyType(integers.type) + " \"" + integers.name +
-                  "\"\n");
+        out_.put("VProp ", propertyType(integers.type), " \"", integers.name, "\"\n");
         if (integers.type == IntegerType::UInt64)
-            rows(std::vector<std::uint64_t>(integers.values.begin(), integers.values.end()), 1);
+            out_.rows(std::vector<std::uint64_t>(integers.values.begin(), integers.values.end()),
+                      1);
         else
-            rows(integers.values, 1);
+            out_.rows(integers.values, 1);
     }
 
     void writeMarks(const far::CellComplex& complex, const far::Marks& marks) {
         if (!marks.vertices.empty())
             writeAttribute({kVertexSharpness, 1, vertexSharpnessForFile(complex, marks)});
         if (marks.edges.empty()) return;
-        out_.text(std::string("EProp double \"") + kEdgeSharpness + "\"\n");
-        rows(edgeSharpness(complex, marks), 1);
+        out_.put("EProp double \"", kEdgeSharpness, "\"\n");
+        out_.rows(edgeSharpness(complex, marks), 1);
     }
 
     static std::vector<double> edgeSharpness(const far::CellComplex& complex,

@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "../files/finite.h"
 #include "../files/text_output.h"
-#include "../files/words.h"
+#include "../files/text_reader.h"
+#include "matrix_rows.h"
 
 namespace espalier::io {
 
@@ -31,9 +31,7 @@ void writeComments(TextOutput& out, std::span<const std::string> comments) {
     for (std::string_view comment : comments) {
         while (true) {
             const std::size_t end = std::min(comment.find('\n'), comment.size());
-            out.text("% ");
-            out.text(comment.substr(0, end));
-            out.text("\n");
+            out.put("% ", comment.substr(0, end), "\n");
             if (end == comment.size()) break;
             comment.remove_prefix(end + 1);
         }
@@ -46,12 +44,8 @@ void writeEntries(TextOutput& out, const StencilTable<Real>& table) {
         const auto columns = table.columns(row);
         const auto weights = table.weights(row);
         for (std::size_t i = 0; i < columns.size(); ++i) {
-            out.number(std::int64_t{row} + 1);
-            out.text(" ");
-            out.number(std::int64_t{columns[i]} + 1);
-            out.text(" ");
-            out.number(double{weights[i]});
-            out.text("\n");
+            out.put(std::int64_t{row} + 1, " ", std::int64_t{columns[i]} + 1, " ",
+                    double{weights[i]}, "\n");
         }
     }
 }
@@ -218,15 +212,9 @@ void writeMatrixMarket(const std::filesystem::path& path, const StencilTable<Rea
     checkFinite(table);
     writeFile(path, [&](std::ostream& stream) {
         TextOutput out(stream);
-        out.text(kBanner);
-        out.text(" matrix coordinate real general\n");
+        out.put(kBanner, " matrix coordinate real general\n");
         writeComments(out, comments);
-        out.number(table.rowCount());
-        out.text(" ");
-        out.number(table.columnCount());
-        out.text(" ");
-        out.number(table.entryCount());
-        out.text("\n");
+        out.put(table.rowCount(), " ", table.columnCount(), " ", table.entryCount(), "\n");
         writeEntries(out, table);
     });
 }
@@ -235,10 +223,6 @@ template void writeMatrixMarket(const std::filesystem::path&, const StencilTable
                                 std::span<const std::string>);
 template void writeMatrixMarket(const std::filesystem::path&, const StencilTable<double>&,
                                 std::span<const std::string>);
-
-StencilTable<double> readMatrixMarket(const std::filesystem::path& path) {
-    return readMatrixMarket(path, readFile(path));
-}
 
 StencilTable<double> readMatrixMarket(const std::filesystem::path& path, std::string_view bytes) {
     return MatrixReader(path, bytes).read();

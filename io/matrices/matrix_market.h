@@ -35,15 +35,12 @@ extern template void writeMatrixMarket(const std::filesystem::path&,
 /// Reads a "matrix coordinate real general" or "integer general" as a table. Entries may come in
 /// any order; an entry that comes twice is an error, not a sum.
 ///
+/// \param path for messages
+/// \param bytes the whole file
 /// \throws FileError with the line, if the file is malformed or of another kind, if it has more or
 /// fewer entries than it claims, if a weight is not finite, if an integer is not a double; also if
 /// it claims rows by the million where it has not as many bytes
 /// \cost   24 bytes an entry while reading; O(entries · log entries) where they are not in order
-ESPALIER_API stencils::StencilTable<double> readMatrixMarket(const std::filesystem::path& path);
-
-/// The same for a file that is in memory already.
-/// \param path for messages
-/// \param bytes the whole file
 ESPALIER_API stencils::StencilTable<double> readMatrixMarket(const std::filesystem::path& path,
                                                              std::string_view bytes);
 

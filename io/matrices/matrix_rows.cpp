@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "matrix_rows.h"
-#include "../files/coding_error.h"
+#include "../files/bytes.h"
 
 #include <algorithm>
 #include <cmath>

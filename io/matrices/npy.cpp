@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "npy.h"
+#include <espalier/base/error.h>
+#include <espalier/base/index.h>
+#include <espalier/io/files/text_reader.h>
 
+#include <algorithm>
+#include <limits>
+#include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
+
+#include "../files/bytes.h"
+#include "../files/number_types.h"
+#include "npy.h"
 
 namespace espalier::io {
 
@@ -18,5 +29,206 @@ void writeNpyHead(ByteOutput& out, std::string_view type, std::optional<std::uin
     out.number(static_cast<std::uint16_t>(head.size()));
     out.bytes(head);
 }
+
+namespace {
+
+/// What the head of a file says.
+struct Head {
+    std::optional<std::string> type;
+    std::optional<bool> isFortranOrder;
+    std::optional<std::optional<std::uint64_t>> length;
+};
+
+/// Reads a head: a dictionary in Python's notation, with 'descr', 'fortran_order' and 'shape'.
+class HeadParser {
+public:
+    explicit HeadParser(std::string_view text) : text_(text) {}
+
+    Head parse() {
+        expect('{');
+        Head head;
+        while (!accept('}')) {
+            const std::string_view key = word();
+            expect(':');
+            if (key == "descr")
+                set(head.type, std::string(word()));
+            else if (key == "fortran_order")
+                set(head.isFortranOrder, truth());
+            else if (key == "shape")
+                set(head.length, length());
+            else
+                fail("its keys");
+            if (!accept(',')) {
+                expect('}');
+                break;
+            }
+        }
+        skipSpace();
+        if (!text_.empty() || !head.type || !head.isFortranOrder || !head.length)
+            fail("'descr', 'fortran_order' and 'shape'");
+        return head;
+    }
+
+private:
+    template <class Value>
+    void set(std::optional<Value>& where, Value value) {
+        if (where) fail("each key once");
+        where = std::move(value);
+    }
+
+    void skipSpace() {
+        text_.remove_prefix(std::min(text_.find_first_not_of(" \t\r\n"), text_.size()));
+    }
+
+    bool accept(char c) {
+        skipSpace();
+        if (!text_.starts_with(c)) return false;
+        text_.remove_prefix(1);
+        return true;
+    }
+
+    void expect(char c) {
+        if (!accept(c)) fail(std::string("'") + c + "'");
+    }
+
+    std::string_view word() {
+        const char quote = accept('"') ? '"' : '\'';
+        if (quote == '\'' && !accept(quote)) fail("a text in quotes");
+        const std::size_t end = text_.find(quote);
+        if (end == std::string_view::npos) fail("a text in quotes");
+        return take(end + 1).substr(0, end);
+    }
+
+    bool truth() {
+        skipSpace();
+        const bool value = text_.starts_with("True");
+        if (!value && !text_.starts_with("False")) fail("True or False");
+        take(value ? 4 : 5);
+        return value;
+    }
+
+    /// A tuple of none or one.
+    std::optional<std::uint64_t> length() {
+        expect('(');
+        if (accept(')')) return std::nullopt;
+        skipSpace();
+        const std::string_view digits =
+            take(std::min(text_.find_first_not_of("0123456789"), text_.size()));
+        std::uint64_t result = 0;
+        if (!parseNumber(digits, result)) fail("a number of items");
+        accept('L');  // as Python 2 wrote it
+        expect(',');
+        if (!accept(')')) throw CodingError("has several axes; expected one");
+        return result;
+    }
+
+    std::string_view take(std::size_t count) {
+        const std::string_view taken = text_.substr(0, count);
+        text_.remove_prefix(count);
+        return taken;
+    }
+
+    [[noreturn]] void fail(const std::string& expected) const {
+        throw CodingError("has a malformed head; expected " + expected +
+                          (text_.empty() ? " before its end" : ", got " + inQuotes(text_)));
+    }
+
+    std::string_view text_;
+};
+
+NpyType parseType(std::string name) {
+    NpyType type;
+    type.name = std::move(name);
+    const std::string_view text = type.name;
+    constexpr std::size_t kBeforeSize = 2;
+    if (text.size() < kBeforeSize || std::string_view("<>|").find(text[0]) == text.npos ||
+        !parseNumber(text.substr(kBeforeSize), type.size) || type.size == 0)
+        throw CodingError("is of type " + inQuotes(text) + ", which is not of numbers or text");
+    // '|' is of types for which the order makes no difference.
+    if (text[0] != '|') type.order = text[0] == '<' ? std::endian::little : std::endian::big;
+    type.kind = text[1];
+    constexpr std::size_t kCharacterSize = 4;
+    if (type.kind == 'U') {
+        if (type.size > std::numeric_limits<std::size_t>::max() / kCharacterSize)
+            throw CodingError("is of type " + inQuotes(text) + ", which is too large");
+        type.size *= kCharacterSize;
+    }
+    return type;
+}
+
+[[noreturn]] void failForType(const NpyArray& array, const std::string& expected) {
+    throw CodingError("is of type " + inQuotes(array.type.name) + "; expected " + expected);
+}
+
+/// The type of the numbers of an array; nothing if it is not of integers, or reals of 4 or 8 bytes.
+std::optional<NumberType> numberTypeOf(const NpyType& type) {
+    const std::string_view kind = type.kind == 'i'   ? "Int"
+                                  : type.kind == 'u' ? "UInt"
+                                  : type.kind == 'f' ? "Float"
+                                                     : "";
+    if (kind.empty() || type.size > sizeof(std::uint64_t)) return std::nullopt;
+    return numberOfXmlName(std::string(kind) + std::to_string(8 * type.size));
+}
+
+}  // namespace
+
+NpyArray readNpy(std::string_view file) {
+    ByteInput in(file, std::endian::little);
+    if (!file.starts_with(kNpyMagic)) throw CodingError("is not an array of NumPy");
+    in.bytes(kNpyMagic.size());
+    const int version = in.number<std::uint8_t>();
+    in.number<std::uint8_t>();  // of no meaning yet
+    if (version < 1 || version > 3)
+        throw CodingError("has version " + std::to_string(version) + "; expected 1 to 3");
+    const std::uint32_t headSize =
+        version == 1 ? in.number<std::uint16_t>() : in.number<std::uint32_t>();
+    const Head head = HeadParser(in.bytes(headSize)).parse();
+    NpyArray array{parseType(*head.type), *head.length, in.bytes(in.left())};
+    const std::uint64_t count = array.length.value_or(1);
+    if (array.bytes.size() % array.type.size != 0 || array.bytes.size() / array.type.size != count)
+        throw CodingError("claims " + std::to_string(count) + " items of " +
+                          std::to_string(array.type.size) + " bytes, but " +
+                          std::to_string(array.bytes.size()) + " bytes are there");
+    return array;
+}
+
+template <class Number>
+Array<Number> npyNumbers(const NpyArray& array) {
+    if (!array.length) throw CodingError("is a single item; expected an array");
+    constexpr bool kIsReal = std::is_floating_point_v<Number>;
+    const std::optional<NumberType> type = numberTypeOf(array.type);
+    if (!type || (!kIsReal && !isInteger(*type)))
+        failForType(array, kIsReal ? "integers, or reals of 4 or 8 bytes" : "integers");
+    return visitStored(*type, [&](auto zero) -> Array<Number> {
+        using Stored = decltype(zero);
+        if constexpr (kIsReal || std::is_integral_v<Stored>)
+            return ByteInput(array.bytes, array.type.order)
+                .numbersAs<Stored, Number>(*array.length);
+        else
+            return {};
+    });
+}
+
+std::string npyText(const NpyArray& array) {
+    if (array.length || (array.type.kind != 'S' && array.type.kind != 'U'))
+        failForType(array, "a single text");
+    const bool isUnicode = array.type.kind == 'U';
+    ByteInput in(array.bytes, array.type.order);
+    std::string text;
+    while (in.left() > 0) {
+        const std::uint32_t character =
+            isUnicode ? in.number<std::uint32_t>() : in.number<std::uint8_t>();
+        constexpr std::uint32_t kAsciiEnd = 128;
+        if (character >= kAsciiEnd) throw CodingError("is not a text in ASCII");
+        text += static_cast<char>(character);
+    }
+    // What is shorter than its type has zeros behind it.
+    text.resize(text.find_last_not_of('\0') + 1);
+    return text;
+}
+
+template Array<Index> npyNumbers(const NpyArray&);
+template Array<Offset> npyNumbers(const NpyArray&);
+template Array<double> npyNumbers(const NpyArray&);
 
 }  // namespace espalier::io

@@ -11,13 +11,10 @@
 #include <string>
 #include <utility>
 
-#include "../files/decode_file.h"
-#include "../files/finite.h"
-#include "../files/zip_reader.h"
-#include "../files/zip_writer.h"
+#include "../files/bytes.h"
+#include "../files/zip.h"
 #include "matrix_rows.h"
 #include "npy.h"
-#include "npy_reader.h"
 
 namespace espalier::io {
 namespace {
@@ -118,10 +115,6 @@ std::array<std::filesystem::path, 3> npyPaths(const std::filesystem::path& path)
         return result.replace_extension(std::string(".") + name + path.extension().string());
     };
     return {named("indptr"), named("indices"), named("data")};
-}
-
-StencilTable<double> readNpz(const std::filesystem::path& path) {
-    return readNpz(path, readFile(path));
 }
 
 StencilTable<double> readNpz(const std::filesystem::path& path, std::string_view bytes) {

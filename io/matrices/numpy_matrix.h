@@ -26,17 +26,14 @@ ESPALIER_API void writeNpz(const std::filesystem::path& path,
 /// exactly; indptr and indices are integers of any size; of either byte order. The columns of a row
 /// may come in any order; one that comes twice is an error, not a sum.
 ///
+/// \param path for messages
+/// \param bytes the whole file
 /// \throws FileError if the file is malformed or damaged, by the checksums of the archive, if it is
 ///         of another format, if it claims more than there is (before memory is taken for it), or
 ///         if a weight is not finite; it names the array, or the row, counted from 0
 /// \cost   the file, an array and the table in memory; of what is compressed, an array takes no
 /// more
 ///         than 1032 times its bytes, and up to 8 times that in the table (integers of 8 bits)
-ESPALIER_API stencils::StencilTable<double> readNpz(const std::filesystem::path& path);
-
-/// The same for a file that is in memory already.
-/// \param path for messages
-/// \param bytes the whole file
 ESPALIER_API stencils::StencilTable<double> readNpz(const std::filesystem::path& path,
                                                     std::string_view bytes);
 

@@ -7,10 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "../files/byte_input.h"
-#include "../files/byte_output.h"
-#include "../files/decode_file.h"
-#include "../files/finite.h"
+#include "../files/bytes.h"
 #include "matrix_rows.h"
 
 namespace espalier::io {
@@ -22,10 +19,8 @@ constexpr std::int32_t kMatrix = 1211216;  // MAT_FILE_CLASSID
 
 template <class Integer, class Real>
 void write(ByteOutput& out, const StencilTable<Real>& table) {
-    out.number(Integer{kMatrix});
-    out.number(static_cast<Integer>(table.rowCount()));
-    out.number(static_cast<Integer>(table.columnCount()));
-    out.number(static_cast<Integer>(table.entryCount()));
+    out.number(Integer{kMatrix}, Integer{table.rowCount()}, Integer{table.columnCount()},
+               static_cast<Integer>(table.entryCount()));
     for (Index row = 0; row < table.rowCount(); ++row)
         out.number(static_cast<Integer>(table.columns(row).size()));
     out.numbersAs<Integer>(table.columns());
@@ -93,10 +88,6 @@ void writePetscBinary(const std::filesystem::path& path, const StencilTable<Real
 
 template void writePetscBinary(const std::filesystem::path&, const StencilTable<float>&, PetscInt);
 template void writePetscBinary(const std::filesystem::path&, const StencilTable<double>&, PetscInt);
-
-StencilTable<double> readPetscBinary(const std::filesystem::path& path) {
-    return readPetscBinary(path, readFile(path));
-}
 
 StencilTable<double> readPetscBinary(const std::filesystem::path& path, std::string_view bytes) {
     return decodeFile(path, [&] {

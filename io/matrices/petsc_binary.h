@@ -27,15 +27,12 @@ ESPALIER_API void writePetscBinary(const std::filesystem::path& path,
 /// may come in any order; one that comes twice is an error. A file of several objects, of a dense
 /// matrix, or by a PETSc of other scalars than double, is refused.
 ///
+/// \param path for messages
+/// \param bytes the whole file
 /// \throws FileError if the file is malformed or of another kind, if it is not as long as it says
 ///         (before memory is taken for what it claims), or if a weight is not finite; it names the
 ///         row, counted from 0
 /// \cost   the file and the table in memory
-ESPALIER_API stencils::StencilTable<double> readPetscBinary(const std::filesystem::path& path);
-
-/// The same for a file that is in memory already.
-/// \param path for messages
-/// \param bytes the whole file
 ESPALIER_API stencils::StencilTable<double> readPetscBinary(const std::filesystem::path& path,
                                                             std::string_view bytes);
 

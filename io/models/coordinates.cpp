@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/vector3.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
 
@@ -8,7 +9,7 @@
 #include <limits>
 #include <string>
 
-#include "../files/byte_order.h"
+#include "../files/bytes.h"
 #include "../files/text_output.h"
 #include "coordinates.h"
 
@@ -130,6 +131,24 @@ void writeChanged(std::ostream& out, std::string_view text, std::span<const Vect
     for (std::size_t point = 0; point < changes.front().places.size(); ++point)
         points.apply(patch, point);
     patch.finish();
+}
+
+bool isDirection(const Point3& numbers, Precision precision) {
+    const double largest = precision == Precision::Float ? std::numeric_limits<float>::max()
+                                                         : std::numeric_limits<double>::max();
+    // Half of it, so that rounding takes no component beyond it. False for a length that is NaN.
+    const double size = length(numbers);
+    return size > 0 && size <= largest / 2;
+}
+
+std::vector<Point3> carried(std::span<const Point3> directions,
+                            std::span<const DeformationGradient> gradients, Carry carry,
+                            Precision precision) {
+    std::vector<Point3> result(directions.begin(), directions.end());
+    for (std::size_t point = 0; point < result.size(); ++point)
+        if (isDirection(result[point], precision))
+            result[point] = carry(gradients[point], result[point]);
+    return result;
 }
 
 }  // namespace espalier::io

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/base/point.h>
+#include <espalier/io/directions.h>
 
 #include <array>
 #include <bit>
@@ -16,6 +17,8 @@
 
 // What the model formats share about the coordinates in a file: how they are read, and how they are
 // put back.
+
+// What the model formats share about the directions in a file.
 
 namespace espalier::io {
 
@@ -97,5 +100,17 @@ private:
 /// Writes `text` with all changes in it.
 /// \param changes at least one, as for TextChanges
 void writeChanged(std::ostream& out, std::string_view text, std::span<const VectorChange> changes);
+
+/// What a direction is, is how it is carried: carryNormal() or carryTangent().
+using Carry = Point3 (*)(const DeformationGradient&, const Point3&);
+
+/// Whether three numbers of a file are a direction: not those that are no numbers, that are all 0,
+/// or that are too large to be turned. What is none is kept as it is.
+bool isDirection(const Point3& numbers, Precision precision);
+
+/// The directions of points, one each, as F of each makes them.
+std::vector<Point3> carried(std::span<const Point3> directions,
+                            std::span<const DeformationGradient> gradients, Carry carry,
+                            Precision precision);
 
 }  // namespace espalier::io

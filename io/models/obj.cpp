@@ -1,18 +1,300 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/vector3.h>
+#include <espalier/io/directions.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/models/obj.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <numeric>
+#include <optional>
 #include <ostream>
+#include <span>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "../files/text_output.h"
 #include "coordinates.h"
-#include "obj_normals.h"
 #include "obj_statements.h"
 
+// One `vn` may serve corners of several points, which carry it to different normals. So a normal
+// has versions: the first takes the place of the old one, each other gets a line of its own. That
+// line changes what numbers mean, those of later normals and those that count back over it, so that
+// a corner is rewritten if what it says no longer names its version, and only then.
+//
+//     normals_    the `vn` of the file, in its order, with the first version of each
+//     additions_  the other versions, in the order of their first use
+//     targets_    what each corner with a normal names, in the order of the file: n for the first
+//                 version of normal n, and the number of normals + a for addition a
+//
+// New lines stand after the last `vn` before the corner that first needs them: among normals, and
+// before their use, as readers want them that resolve a corner when they see it. In a file whose
+// normals precede its faces, the numbers of the old ones stay.
+
 namespace espalier::io {
+
 namespace {
+
+/// The precision of normals: nine digits after the point of a unit normal, finer than floats. With
+/// all digits of a double, corners whose gradients differ by their rounding alone, as in a rigid
+/// motion, would share no normal any more.
+constexpr int kDecimals = 9;
+
+/// What 1 is multiplied by to round a vector of this length to whole numbers; infinite where there
+/// is no such number.
+double decimalScale(double length) {
+    return std::pow(10.0, kDecimals - std::floor(std::log10(length)));
+}
+
+Point3 rounded(Point3 direction, double scale) {
+    if (!std::isfinite(scale)) return direction;
+    // Adding 0 turns a negative zero into a positive one.
+    for (double& component : direction) component = std::round(component * scale) / scale + 0.0;
+    return direction;
+}
+
+/// What a number in a corner names.
+struct Reference {
+    std::int64_t number;  ///< as it is written
+    std::size_t index;    ///< from 0
+};
+
+/// \param before how many there are before the statement, of `total` in the file
+/// \return nothing if there is none of that number
+std::optional<Reference> referenceOf(std::string_view word, std::size_t before, std::size_t total) {
+    std::int64_t number = 0;
+    if (!parseNumber(word, number)) return std::nullopt;
+    const std::int64_t index = number < 0 ? static_cast<std::int64_t>(before) + number : number - 1;
+    if (index < 0 || index >= static_cast<std::int64_t>(total)) return std::nullopt;
+    return Reference{number, static_cast<std::size_t>(index)};
+}
+
+/// The numbers of a corner that names a normal.
+struct Corner {
+    std::string_view point;
+    std::string_view normal;
+};
+
+/// The corner "1//3" or "1/2/3"; nothing for what names no normal.
+std::optional<Corner> cornerOf(std::string_view word) {
+    const std::size_t first = word.find('/');
+    if (first == std::string_view::npos) return std::nullopt;
+    const std::size_t second = word.find('/', first + 1);
+    if (second == std::string_view::npos) return std::nullopt;
+    return Corner{word.substr(0, first), word.substr(second + 1)};
+}
+
+/// What precedes a statement.
+struct CountsBefore {
+    std::size_t points = 0;
+    std::size_t normals = 0;
+};
+
+/// Calls onPoint(counts), onNormal(words, counts) and onCorner(corner, counts) for each `v`, `vn`
+/// and corner with a normal, in the order of the file.
+template <class OnPoint, class OnNormal, class OnCorner>
+void walk(const std::filesystem::path& path, std::string_view text, OnPoint onPoint,
+          OnNormal onNormal, OnCorner onCorner) {
+    CountsBefore counts;
+    forEachObjStatement(path, text, [&](ObjWords& words, std::size_t) {
+        const std::string_view keyword = words.next();
+        if (keyword == "v") {
+            onPoint(counts);
+            ++counts.points;
+        } else if (keyword == "vn") {
+            onNormal(words, counts);
+            ++counts.normals;
+        } else if (keyword == "f" || keyword == "fo" || keyword == "surf") {
+            for (std::string_view word = words.next(); !word.empty(); word = words.next())
+                if (const auto corner = cornerOf(word)) onCorner(*corner, counts);
+        }
+    });
+}
+
+constexpr auto kPassOver = [](auto&&...) {};
+
+struct Normal {
+    Point3 value;
+    double scale;                   ///< of the rounding of its versions
+    std::optional<Point3> carried;  ///< its first version
+};
+
+/// A version of a normal.
+struct Version {
+    std::size_t normal;
+    Point3 value;
+    bool operator==(const Version&) const = default;
+};
+
+struct VersionHash {
+    std::size_t operator()(const Version& version) const {
+        std::size_t hash = version.normal;
+        for (const double number : version.value)
+            hash = hash * 1000003 + std::hash<double>()(number);
+        return hash;
+    }
+};
+
+/// A version with a line of its own.
+struct Addition {
+    Point3 value;
+    std::size_t anchor;     ///< the normal whose line it follows
+    std::size_t place = 0;  ///< among all additions, in the order of the new file
+};
+
+class NormalWriter {
+public:
+    NormalWriter(const std::filesystem::path& path, std::string_view text,
+                 std::span<const DeformationGradient> gradients)
+        : path_(path), text_(text), gradients_(gradients) {
+        walk(
+            path_, text_, kPassOver,
+            [&](ObjWords& words, const CountsBefore&) { normals_.push_back(readNormal(words)); },
+            kPassOver);
+        walk(path_, text_, kPassOver, kPassOver,
+             [&](const Corner& corner, const CountsBefore& before) {
+                 if (const auto normal = normalOf(corner, before))
+                     targets_.push_back(targetOf(corner, normal->index, before));
+             });
+        placeAdditions();
+    }
+
+    void write(std::ostream& out, const VectorChange& points) const {
+        const TextChanges moves(text_, {&points, 1});
+        TextPatch patch(out, text_);
+        std::size_t corners = 0;
+        walk(
+            path_, text_, [&](const CountsBefore& before) { moves.apply(patch, before.points); },
+            [&](ObjWords& words, const CountsBefore& before) {
+                replaceNormal(patch, words, normals_[before.normals]);
+                insertAdditions(patch, words.end(), before.normals);
+            },
+            [&](const Corner& corner, const CountsBefore& before) {
+                const auto normal = normalOf(corner, before);
+                if (!normal) return;
+                const std::int64_t number = numberFor(targets_[corners++], *normal, before);
+                if (number != normal->number) patch.replace(corner.normal, number);
+            });
+        patch.finish();
+    }
+
+private:
+    static Normal readNormal(ObjWords& words) {
+        Normal normal{};
+        for (double& component : normal.value)
+            component = parseReal(words.next(), Precision::Double);
+        normal.scale = decimalScale(length(normal.value));
+        return normal;
+    }
+
+    std::optional<Reference> normalOf(const Corner& corner, const CountsBefore& before) const {
+        return referenceOf(corner.normal, before.normals, normals_.size());
+    }
+
+    std::size_t targetOf(const Corner& corner, std::size_t index, const CountsBefore& before) {
+        Normal& normal = normals_[index];
+        const auto point = referenceOf(corner.point, before.points, gradients_.size());
+        if (!point || !isDirection(normal.value, Precision::Double)) return index;
+        const Point3 carried =
+            rounded(carryNormal(gradients_[point->index], normal.value), normal.scale);
+        if (!normal.carried) normal.carried = carried;
+        if (*normal.carried == carried) return index;
+        const std::size_t next = normals_.size() + additions_.size();
+        const auto [at, isNew] = added_.try_emplace({index, carried}, next);
+        // Where a corner comes before its normal, the line follows that.
+        if (isNew) additions_.push_back({carried, std::max(index + 1, before.normals) - 1});
+        return at->second;
+    }
+
+    void placeAdditions() {
+        order_.resize(additions_.size());
+        std::iota(order_.begin(), order_.end(), std::size_t{0});
+        std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+            return additions_[a].anchor < additions_[b].anchor;
+        });
+        additionsBefore_.assign(normals_.size() + 1, 0);
+        for (std::size_t place = 0; place < order_.size(); ++place) {
+            Addition& addition = additions_[order_[place]];
+            addition.place = place;
+            ++additionsBefore_[addition.anchor + 1];
+        }
+        std::partial_sum(additionsBefore_.begin(), additionsBefore_.end(),
+                         additionsBefore_.begin());
+    }
+
+    /// The number by which a corner names its version in the new file, counting back if it did.
+    std::int64_t numberFor(std::size_t target, const Reference& old,
+                           const CountsBefore& before) const {
+        std::size_t index = 0;
+        if (target < normals_.size()) {
+            index = target + additionsBefore_[target];
+        } else {
+            const Addition& addition = additions_[target - normals_.size()];
+            index = addition.anchor + 1 + addition.place;
+        }
+        const std::size_t nowBefore = before.normals + additionsBefore_[before.normals];
+        return static_cast<std::int64_t>(index) -
+               (old.number < 0 ? static_cast<std::int64_t>(nowBefore) : -1);
+    }
+
+    static void replaceNormal(TextPatch& patch, ObjWords& words, const Normal& normal) {
+        if (!normal.carried) return;
+        const Point3 before = rounded(normal.value, normal.scale);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::string_view word = words.next();
+            if ((*normal.carried)[axis] != before[axis])
+                patch.replace(word, (*normal.carried)[axis]);
+        }
+    }
+
+    /// \param end of the statement, without its line end
+    void insertAdditions(TextPatch& patch, const char* end, std::size_t anchor) const {
+        const std::size_t first = additionsBefore_[anchor];
+        const std::size_t last = additionsBefore_[anchor + 1];
+        if (first == last) return;
+        const auto place = static_cast<std::size_t>(end - text_.data());
+        const std::string_view lineEnd = text_.substr(place).starts_with("\r\n") ? "\r\n" : "\n";
+        const auto add = [&](std::string_view text) { patch.insert(place, text); };
+        // A backslash that ends the file must not take the first of them for its own.
+        if (text_[place - 1] == '\\') add(lineEnd);
+        for (std::size_t i = first; i < last; ++i) {
+            add(lineEnd);
+            add("vn");
+            for (const double component : additions_[order_[i]].value) {
+                add(" ");
+                add(formatNumber(component));
+            }
+        }
+    }
+
+    const std::filesystem::path& path_;
+    std::string_view text_;
+    std::span<const DeformationGradient> gradients_;
+    std::vector<Normal> normals_;
+    std::vector<Addition> additions_;
+    std::unordered_map<Version, std::size_t, VersionHash> added_;  ///< their targets
+    std::vector<std::size_t> targets_;
+    std::vector<std::size_t> order_;            ///< the additions in the order of the new file
+    std::vector<std::size_t> additionsBefore_;  ///< how many there are before each normal, and all
+};
+
+/// Writes an OBJ with its points moved and its normals carried, as readObj() says.
+///
+/// \param path of the file that was read
+/// \param points of the `v` statements
+/// \param gradients one a point
+/// \cost as readObj() says
+void writeWithNormals(std::ostream& out, const std::filesystem::path& path, std::string_view text,
+                      const VectorChange& points, std::span<const DeformationGradient> gradients) {
+    NormalWriter(path, text, gradients).write(out, points);
+}
 
 class ObjModel final : public Model {
 public:

@@ -48,17 +48,14 @@ namespace espalier::io {
 /// that are on no line are dropped, and the others numbered without them. A backslash at the end of
 /// a line continues the statement on the next.
 ///
+/// \param path for messages
+/// \param bytes the whole file
 /// \param notes gets the dropped vertices, unless it is null
 /// \throws FileError with the line, if a `v`, an `f`, an `l` that counts or a known tag is
 ///         malformed, or names what is not there, if a statement begins with no keyword of the
 ///         format, or if lines join two vertices twice; TopologyError, with the path in its
 ///         message, if there is neither face nor line, and with path and line if a face has fewer
 ///         than three corners
-ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path, ReadNotes* notes = nullptr);
-
-/// The same for a file that is in memory already.
-/// \param path for messages
-/// \param bytes the whole file
 ESPALIER_API Lattice readObjMesh(const std::filesystem::path& path, std::string_view bytes,
                                  ReadNotes* notes = nullptr);
 

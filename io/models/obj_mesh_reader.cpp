@@ -176,10 +176,6 @@ private:
 
 }  // namespace
 
-Lattice readObjMesh(const std::filesystem::path& path, ReadNotes* notes) {
-    return readObjMesh(path, readFile(path), notes);
-}
-
 Lattice readObjMesh(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
     return ObjMeshReader(path).read(bytes, notes);
 }

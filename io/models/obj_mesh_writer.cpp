@@ -13,7 +13,7 @@
 
 #include "../files/text_output.h"
 #include "../lattices/lattice_parts.h"
-#include "../vtk/point_arrays.h"
+#include "../vtk/vtk_xml.h"
 
 namespace espalier::io {
 
@@ -50,9 +50,9 @@ public:
 
     void write(const Lattice& mesh, const far::Marks& marks) {
         for (const Point3& position : mesh.positions) {
-            out_.text("v");
-            for (const double coordinate : position) number(coordinate);
-            out_.text("\n");
+            out_.put("v");
+            for (const double coordinate : position) out_.put(" ", coordinate);
+            out_.put("\n");
         }
         if (mesh.complex.dimension() == 1)
             for (const std::vector<Index>& line : linesOf(mesh.complex)) writePath("l", line);
@@ -64,53 +64,38 @@ public:
             writeMark("t crease 2/1/0", {mark.vertices[0], mark.vertices[1]}, mark.sharpness);
         for (const auto& mark : marks.vertices)
             writeMark("t corner 1/1/0", {mark.vertex}, mark.sharpness);
-        for (const Index face : marks.holes) {
-            out_.text("t hole 1/0/0");
-            number(face);
-            out_.text("\n");
-        }
+        for (const Index face : marks.holes) out_.put("t hole 1/0/0 ", face, "\n");
     }
 
 private:
     void writePath(const char* keyword, std::span<const Index> vertices) {
-        out_.text(keyword);
-        for (const Index vertex : vertices) number(vertex + 1);
-        out_.text("\n");
-    }
-
-    template <class Number>
-    void number(Number value) {
-        out_.text(" ");
-        out_.number(value);
+        out_.put(keyword);
+        for (const Index vertex : vertices) out_.put(" ", vertex + 1);
+        out_.put("\n");
     }
 
     void writeTags(const RefinementTags& tags) {
         if (tags.boundary) {
             const bool isOpen = tags.boundary == far::Boundary::Open;
             const bool isSharp = tags.boundary == far::Boundary::Sharp;
-            out_.text("t interpolateboundary 1/0/0");
-            number(isOpen ? 0 : isSharp ? 1 : 2);
-            out_.text("\n");
+            out_.put("t interpolateboundary 1/0/0 ", isOpen ? 0 : isSharp ? 1 : 2, "\n");
         }
         if (tags.creasing) {
             const bool isChaikin = tags.creasing == far::Creasing::Chaikin;
-            out_.text("t creasemethod 0/0/1 ");
-            out_.text(isChaikin ? "chaikin\n" : "normal\n");
+            out_.put("t creasemethod 0/0/1 ", isChaikin ? "chaikin\n" : "normal\n");
         }
         if (tags.triangles) {
             const bool isSmooth = tags.triangles == far::TriangleSubdivision::Smooth;
-            out_.text("t smoothtriangles 0/0/1 ");
-            out_.text(isSmooth ? "smooth\n" : "catmark\n");
+            out_.put("t smoothtriangles 0/0/1 ", isSmooth ? "smooth\n" : "catmark\n");
         }
     }
 
     void writeMark(const char* tag, std::initializer_list<Index> vertices, double sharpness) {
         const float stored = far::storedSharpness(sharpness);
         if (stored == far::kSmooth) return;
-        out_.text(tag);
-        for (const Index vertex : vertices) number(vertex);
-        number(static_cast<float>(sharpnessToFile(stored)));
-        out_.text("\n");
+        out_.put(tag);
+        for (const Index vertex : vertices) out_.put(" ", vertex);
+        out_.put(" ", static_cast<float>(sharpnessToFile(stored)), "\n");
     }
 
     TextOutput out_;

@@ -1,19 +1,287 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
+#include <espalier/base/point.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
 #include <espalier/io/models/ply.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "../files/bytes.h"
 #include "coordinates.h"
 #include "ply_header.h"
-#include "ply_rows.h"
 
 namespace espalier::io {
 namespace {
+
+/// Three numbers of each vertex, and where in the bytes of the file they are.
+struct PlyVectors {
+    std::array<Precision, 3> precisions;
+    std::vector<Point3> values;
+    std::vector<CoordinatePlaces> places;
+};
+
+struct PlyPoints {
+    PlyVectors positions;
+    /// Of the header's directions, in their order. What cannot be read as a number is NaN.
+    std::vector<PlyVectors> directions;
+};
+
+/// Walks through the rows of all elements, and gathers the points among them.
+class RowReader {
+public:
+    /// \param path, bytes, header must outlive the reader
+    RowReader(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
+        : path_(path), bytes_(bytes), header_(header), slots_(header.vertices().properties.size()) {
+        points_.directions.resize(header.directions.size());
+        setSlots(header.axes, points_.positions);
+        for (std::size_t i = 0; i < header.directions.size(); ++i)
+            setSlots(header.directions[i].columns, points_.directions[i]);
+    }
+    RowReader(const RowReader&) = delete;
+    RowReader& operator=(const RowReader&) = delete;
+    virtual ~RowReader() = default;
+
+    PlyPoints read() {
+        for (const PlyElement& element : header_.elements) {
+            isVertex_ = &element == &header_.vertices();
+            // Rows without properties leave no trace in a file.
+            if (element.properties.empty()) continue;
+            checkClaim(element);
+            if (!isVertex_ && skipRows(element)) continue;
+            if (isVertex_) addVertices(points_.positions, element.count);
+            for (PlyVectors& direction : points_.directions)
+                if (isVertex_) addVertices(direction, element.count);
+            for (row_ = 0; row_ < element.count; ++row_) readRow(element);
+        }
+        checkEnd();
+        return std::move(points_);
+    }
+
+protected:
+    /// Fails if the bytes that are left cannot hold the rows, however short their lists are.
+    virtual void checkClaim(const PlyElement& element) const = 0;
+
+    /// Steps over all rows of an element, if that is possible without looking at each.
+    virtual bool skipRows(const PlyElement& element) = 0;
+
+    virtual void readRow(const PlyElement& element) = 0;
+
+    /// Fails if more than blank lines (ASCII) or a line end (binary) follow the last row.
+    virtual void checkEnd() = 0;
+
+    /// What a column of the vertices belongs to.
+    struct Slot {
+        PlyVectors* vectors = nullptr;  ///< null for what is passed over
+        std::size_t axis = 0;
+        Precision precision() const { return vectors->precisions[axis]; }
+    };
+
+    /// \return null if a column of the current element is passed over
+    const Slot* slotOf(std::size_t column) const {
+        return isVertex_ && slots_[column].vectors ? &slots_[column] : nullptr;
+    }
+
+    bool isPosition(const Slot& slot) const { return slot.vectors == &points_.positions; }
+
+    void set(const Slot& slot, double value, std::size_t place) {
+        slot.vectors->values[row_][slot.axis] = value;
+        slot.vectors->places[row_][slot.axis] = place;
+    }
+
+    /// How a message begins that finds fewer rows than the header claims.
+    static std::string claimOf(const PlyElement& element) {
+        return "the file ends; the header claims " + std::to_string(element.count) +
+               " rows of the element " + inQuotes(element.name);
+    }
+
+    const std::filesystem::path& path_;
+    const std::string_view bytes_;
+    const PlyHeader& header_;
+    std::size_t row_ = 0;  ///< of the current element
+
+private:
+    void setSlots(const std::array<std::size_t, 3>& columns, PlyVectors& vectors) {
+        vectors.precisions = header_.precisions(columns);
+        for (std::size_t axis = 0; axis < 3; ++axis) slots_[columns[axis]] = {&vectors, axis};
+    }
+
+    static void addVertices(PlyVectors& vectors, std::size_t count) {
+        vectors.values.resize(count);
+        vectors.places.resize(count);
+    }
+
+    PlyPoints points_;
+    std::vector<Slot> slots_;  ///< of the columns of the vertices
+    bool isVertex_ = false;
+};
+
+class AsciiRows final : public RowReader {
+public:
+    AsciiRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
+        : RowReader(path, bytes, header),
+          lines_(path, bytes.substr(header.size), header.lineCount + 1) {}
+
+private:
+    void checkClaim(const PlyElement& element) const override {
+        // A number and what parts it from the next are two bytes.
+        const std::string rows = "the number of rows of the element " + inQuotes(element.name);
+        lines_.checkRoom(element.count, 2 * element.properties.size(), rows.c_str());
+    }
+
+    bool skipRows(const PlyElement&) override { return false; }
+
+    void readRow(const PlyElement& element) override {
+        std::string_view line;
+        std::string_view word;
+        while (word.empty()) {
+            if (lines_.remaining() == 0)
+                lines_.fail(claimOf(element) + ", got " + std::to_string(row_));
+            line = lines_.restOfLine();
+            word = takeWord(line);
+        }
+        for (std::size_t column = 0; column < element.properties.size(); ++column) {
+            const PlyProperty& property = element.properties[column];
+            if (column > 0) word = needWord(line, property);
+            if (property.lengthType)
+                skipList(line, word, property);
+            else if (const Slot* slot = slotOf(column))
+                set(*slot, parse(*slot, word), word.data() - bytes_.data());
+        }
+        if (const std::string_view more = takeWord(line); !more.empty())
+            lines_.fail("expected the end of a row of the element " + inQuotes(element.name) +
+                        ", got " + inQuotes(more));
+    }
+
+    void checkEnd() override {
+        while (lines_.remaining() > 0) {
+            std::string_view line = lines_.restOfLine();
+            if (const std::string_view word = takeWord(line); !word.empty())
+                lines_.fail(
+                    "expected the end of the file after all rows that the header claims, "
+                    "got " +
+                    inQuotes(word));
+        }
+    }
+
+    double parse(const Slot& slot, std::string_view word) const {
+        return isPosition(slot)
+                   ? parseCoordinate(word, slot.axis, slot.precision(), path_, lines_.line())
+                   : parseReal(word, slot.precision());
+    }
+
+    std::string_view needWord(std::string_view& line, const PlyProperty& property) const {
+        const std::string_view word = takeWord(line);
+        if (word.empty())
+            lines_.fail("the line ends; expected the property " + inQuotes(property.name));
+        return word;
+    }
+
+    void skipList(std::string_view& line, std::string_view length,
+                  const PlyProperty& property) const {
+        std::uint64_t left = 0;
+        if (!parseNumber(length, left))
+            lines_.fail(inQuotes(length) + " is not the length of a list; expected that of " +
+                        inQuotes(property.name));
+        for (; left > 0; --left) needWord(line, property);
+    }
+
+    TextReader lines_;
+};
+
+class BinaryRows final : public RowReader {
+public:
+    BinaryRows(const std::filesystem::path& path, std::string_view bytes, const PlyHeader& header)
+        : RowReader(path, bytes, header), at_(header.size), order_(header.byteOrder()) {}
+
+private:
+    [[noreturn]] void fail(const std::string& cause) const {
+        throw FileError(path_, "byte " + std::to_string(at_) + ": " + cause);
+    }
+
+    void checkClaim(const PlyElement& element) const override {
+        const std::size_t bytesLeft = bytes_.size() - at_;
+        if (element.count > bytesLeft / element.smallestRow())
+            fail(claimOf(element) + ", of at least " + std::to_string(element.smallestRow()) +
+                 " bytes each; got " + std::to_string(bytesLeft) + " bytes");
+    }
+
+    bool skipRows(const PlyElement& element) override {
+        if (element.hasLists()) return false;
+        at_ += element.count * element.smallestRow();
+        return true;
+    }
+
+    void readRow(const PlyElement& element) override {
+        for (std::size_t column = 0; column < element.properties.size(); ++column) {
+            const PlyProperty& property = element.properties[column];
+            const std::size_t size = byteSize(property.type);
+            if (property.lengthType)
+                skipList(property);
+            else if (const Slot* slot = slotOf(column))
+                readReal(*slot, take(1, size, property));
+            else
+                take(1, size, property);
+        }
+    }
+
+    void checkEnd() override {
+        const std::string_view rest = bytes_.substr(at_);
+        if (!rest.empty() && rest != "\n" && rest != "\r\n")
+            fail("expected the end of the file after all rows that the header claims, got " +
+                 std::to_string(rest.size()) + " more bytes");
+    }
+
+    /// Moves on by `count` numbers of `size` bytes.
+    /// \return where they begin
+    std::size_t take(std::uint64_t count, std::size_t size, const PlyProperty& property) {
+        if (count > (bytes_.size() - at_) / size)
+            fail("the file ends; expected " + std::to_string(count) + " numbers of " +
+                 std::to_string(size) + " bytes, the property " + inQuotes(property.name));
+        return std::exchange(at_, at_ + count * size);
+    }
+
+    void skipList(const PlyProperty& property) {
+        const NumberType type = *property.lengthType;
+        const std::size_t at = take(1, byteSize(type), property);
+        const std::int64_t length = loadInteger(bytes_.data() + at, type, order_);
+        if (length < 0)
+            fail("a list " + inQuotes(property.name) + " of length " + std::to_string(length));
+        take(static_cast<std::uint64_t>(length), byteSize(property.type), property);
+    }
+
+    void readReal(const Slot& slot, std::size_t at) {
+        set(slot,
+            isPosition(slot)
+                ? loadCoordinate(bytes_, at, slot.precision(), order_, slot.axis, row_, path_)
+                : loadReal(bytes_, at, slot.precision(), order_),
+            at);
+    }
+
+    std::size_t at_;
+    std::endian order_;
+};
+
+/// Walks through all rows of a PLY file.
+///
+/// \param path for messages
+/// \param bytes the whole file
+/// \throws FileError with the line (ASCII) or the byte (binary) if there are fewer or more rows
+/// than the header claims, if one is malformed, or if a position is not finite
+/// \cost   takes memory for as many points as there are bytes for, whatever the header claims
+PlyPoints readPlyRows(const std::filesystem::path& path, std::string_view bytes,
+                      const PlyHeader& header) {
+    if (header.format == PlyFormat::Ascii) return AsciiRows(path, bytes, header).read();
+    return BinaryRows(path, bytes, header).read();
+}
 
 class PlyModel final : public Model {
 public:

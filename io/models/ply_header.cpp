@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "../files/words.h"
+#include "../files/text_reader.h"
 #include "ply_header.h"
 
 namespace espalier::io {
@@ -13,20 +13,18 @@ namespace {
 
 struct TypeName {
     std::string_view name;
-    PlyType type;
+    NumberType type;
 };
 
 constexpr TypeName kTypeNames[] = {
-    {"char", PlyType::Int8},     {"int8", PlyType::Int8},     {"uchar", PlyType::Uint8},
-    {"uint8", PlyType::Uint8},   {"short", PlyType::Int16},   {"int16", PlyType::Int16},
-    {"ushort", PlyType::Uint16}, {"uint16", PlyType::Uint16}, {"int", PlyType::Int32},
-    {"int32", PlyType::Int32},   {"uint", PlyType::Uint32},   {"uint32", PlyType::Uint32},
-    {"float", PlyType::Float},   {"float32", PlyType::Float}, {"double", PlyType::Double},
-    {"float64", PlyType::Double}};
-
-bool isReal(PlyType type) {
-    return type == PlyType::Float || type == PlyType::Double;
-}
+    {"char", NumberType::Int8},      {"int8", NumberType::Int8},
+    {"uchar", NumberType::UInt8},    {"uint8", NumberType::UInt8},
+    {"short", NumberType::Int16},    {"int16", NumberType::Int16},
+    {"ushort", NumberType::UInt16},  {"uint16", NumberType::UInt16},
+    {"int", NumberType::Int32},      {"int32", NumberType::Int32},
+    {"uint", NumberType::UInt32},    {"uint32", NumberType::UInt32},
+    {"float", NumberType::Float32},  {"float32", NumberType::Float32},
+    {"double", NumberType::Float64}, {"float64", NumberType::Float64}};
 
 class HeaderParser {
 public:
@@ -102,7 +100,8 @@ private:
         std::string_view type = takeWord(line);
         if (type == "list") {
             property.lengthType = typeOf(takeWord(line));
-            if (isReal(*property.lengthType)) lines_.fail("the length of a list is not an integer");
+            if (!isInteger(*property.lengthType))
+                lines_.fail("the length of a list is not an integer");
             type = takeWord(line);
         }
         property.type = typeOf(type);
@@ -110,7 +109,7 @@ private:
         if (property.name.empty()) lines_.fail("the line ends; expected the name of a property");
     }
 
-    PlyType typeOf(std::string_view word) const {
+    NumberType typeOf(std::string_view word) const {
         for (const TypeName& entry : kTypeNames)
             if (entry.name == word) return entry.type;
         lines_.fail(inQuotes(word) +
@@ -142,7 +141,7 @@ private:
             const auto& properties = vertex.properties;
             const auto found = std::find_if(properties.begin(), properties.end(), isNamed);
             if (std::count_if(properties.begin(), properties.end(), isNamed) != 1) return;
-            if (found->lengthType || !isReal(found->type)) return;
+            if (found->lengthType || isInteger(found->type)) return;
             direction.columns[axis] = static_cast<std::size_t>(found - properties.begin());
         }
         header_.directions.push_back(direction);
@@ -157,7 +156,7 @@ private:
             lines_.fail("the vertices have no property " + inQuotes(name));
         if (std::count_if(properties.begin(), properties.end(), isAxis) > 1)
             lines_.fail("the vertices have several properties " + inQuotes(name));
-        if (found->lengthType || !isReal(found->type))
+        if (found->lengthType || isInteger(found->type))
             lines_.fail("the property " + inQuotes(name) + " of the vertices is " +
                         (found->lengthType ? "a list" : "an integer") +
                         ", and cannot hold a deformed position; expected float or double");
@@ -171,15 +170,10 @@ private:
 
 }  // namespace
 
-std::size_t plySize(PlyType type) {
-    static constexpr std::array<std::size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-    return kSizes[static_cast<std::size_t>(type)];
-}
-
 std::size_t PlyElement::smallestRow() const {
     std::size_t bytes = 0;
     for (const PlyProperty& property : properties)
-        bytes += plySize(property.lengthType.value_or(property.type));
+        bytes += byteSize(property.lengthType.value_or(property.type));
     return bytes;
 }
 
@@ -191,7 +185,7 @@ bool PlyElement::hasLists() const {
 std::array<Precision, 3> PlyHeader::precisions(const std::array<std::size_t, 3>& columns) const {
     std::array<Precision, 3> result{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const bool isFloat = vertices().properties[columns[axis]].type == PlyType::Float;
+        const bool isFloat = vertices().properties[columns[axis]].type == NumberType::Float32;
         result[axis] = isFloat ? Precision::Float : Precision::Double;
     }
     return result;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "carried_directions.h"
+#include "../files/number_types.h"
 #include "coordinates.h"
 
 #include <array>
@@ -17,16 +17,11 @@ namespace espalier::io {
 
 enum class PlyFormat { Ascii, BinaryLittleEndian, BinaryBigEndian };
 
-enum class PlyType { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float, Double };
-
-/// Bytes of a number in the binary formats.
-std::size_t plySize(PlyType type);
-
 /// A column of an element: one number, or a list of numbers that begins with its length.
 struct PlyProperty {
     std::string name;
-    PlyType type = PlyType::Float;
-    std::optional<PlyType> lengthType;  ///< of a list: an integer type
+    NumberType type = NumberType::Float32;
+    std::optional<NumberType> lengthType;  ///< of a list: an integer type
 };
 
 /// A table: `count` rows of the properties.

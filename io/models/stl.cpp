@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "../files/byte_order.h"
+#include "../files/bytes.h"
 #include "../files/text_output.h"
 #include "coordinates.h"
 

@@ -24,14 +24,11 @@ namespace espalier::io {
 /// of CELL_DATA are skipped. Vertices that no cell uses are dropped, and the others numbered
 /// without them; else vertices and cells keep their numbers.
 ///
+/// \param path for messages
+/// \param bytes the whole file
 /// \param notes gets the dropped vertices, unless it is null
 /// \throws FileError with the line, if the file is malformed or holds cells of other types;
 ///         TopologyError, with the path in its message, if the cells do not form a lattice
-ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, ReadNotes* notes = nullptr);
-
-/// The same for a file that is in memory already.
-/// \param path for messages
-/// \param bytes the whole file
 ESPALIER_API Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes,
                                    ReadNotes* notes = nullptr);
 

@@ -1,20 +1,169 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
+#include <espalier/io/files/text_reader.h>
 #include <espalier/io/vtk/vtk_legacy.h>
 
+#include <bit>
+#include <charconv>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
-#include "../files/words.h"
+#include "../files/number_types.h"
 #include "../lattices/lattice_parts.h"
-#include "point_arrays.h"
 #include "vtk_cells.h"
-#include "vtk_legacy_data.h"
+#include "vtk_xml.h"
 
 namespace espalier::io {
 namespace {
+
+/// Reads the parts that legacy VTK files are made of: words, and arrays of numbers that are text or
+/// big-endian binary data. Every error is a FileError with path and line.
+class LegacyData {
+public:
+    /// \param text must outlive the reader
+    LegacyData(const std::filesystem::path& path, std::string_view text) : text_(path, text) {}
+
+    TextReader& text() { return text_; }
+    void setBinary(bool isBinary) { isBinary_ = isBinary; }
+
+    /// The next keyword, in lower case.
+    std::string keyword(const char* what) { return lowerCase(text_.token(what)); }
+
+    /// \throws FileError if the next word is another one, in upper or lower case
+    void expect(const char* word);
+
+    /// A name, with its "%20" and the like resolved.
+    std::string name();
+
+    /// `count` numbers of a type in lower case: "float".
+    /// \throws FileError if the type is unknown, or not of this kind, or so many are not there
+    template <class Value>
+    std::vector<Value> numbers(const std::string& type, std::size_t count, const char* what);
+
+    /// `count` numbers of any type; nothing if they are bits or strings, which are skipped.
+    std::optional<std::vector<double>> values(const std::string& type, std::size_t count,
+                                              const char* what);
+
+    /// Skips colours: unsigned bytes if binary, else fractions.
+    void skipColours(std::size_t count);
+
+    /// Skips METADATA, whose keyword has been read, to the empty line at its end.
+    void skipMetadata();
+
+private:
+    void skipBits(std::size_t count);
+    void skipStrings(std::size_t count);
+    void skipBinaryString();
+    void beginBinary() { text_.restOfLine(); }
+
+    TextReader text_;
+    bool isBinary_ = false;
+};
+
+void LegacyData::expect(const char* word) {
+    const std::string got(text_.token(word));
+    if (lowerCase(got) != lowerCase(word))
+        text_.fail("expected " + std::string(word) + ", got " + inQuotes(got));
+}
+
+std::string LegacyData::name() {
+    const std::string_view token = text_.token("a name");
+    std::string name;
+    for (std::size_t i = 0; i < token.size(); ++i) {
+        unsigned code = 0;
+        const char* digits = token.data() + i + 1;
+        if (token[i] == '%' && i + 2 < token.size() &&
+            std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
+            name += static_cast<char>(code);
+            i += 2;
+        } else {
+            name += token[i];
+        }
+    }
+    return name;
+}
+
+template <class Value>
+std::vector<Value> LegacyData::numbers(const std::string& type, std::size_t count,
+                                       const char* what) {
+    const std::optional<NumberType> number = numberOfLegacyName(type);
+    if (!number) text_.fail(inQuotes(type) + " is not a type of numbers");
+    if (std::is_integral_v<Value> && !isInteger(*number))
+        text_.fail(inQuotes(type) + " is not a type of integers");
+    if (isBinary_) {
+        beginBinary();
+        return decodeNumbers<Value>(text_.bytes(saturatingProduct(count, byteSize(*number)), what),
+                                    *number, std::endian::big);
+    }
+    text_.checkRoom(count, 2, what);
+    std::vector<Value> values;
+    values.reserve(count);
+    for (std::size_t i = 0; i < count; ++i)
+        values.push_back(readNumber<Value>(text_, *number, what));
+    return values;
+}
+
+std::optional<std::vector<double>> LegacyData::values(const std::string& type, std::size_t count,
+                                                      const char* what) {
+    if (type == "bit")
+        skipBits(count);
+    else if (type == "string" || type == "utf8_string")
+        skipStrings(count);
+    else
+        return numbers<double>(type, count, what);
+    return std::nullopt;
+}
+
+void LegacyData::skipColours(std::size_t count) {
+    numbers<double>(isBinary_ ? "unsigned_char" : "float", count, "a colour");
+}
+
+void LegacyData::skipMetadata() {
+    text_.restOfLine();
+    while (text_.remaining() > 0 &&
+           text_.restOfLine().find_first_not_of(" \t") != std::string::npos) {
+    }
+}
+
+void LegacyData::skipBits(std::size_t count) {
+    if (!isBinary_) {
+        numbers<double>("int", count, "a bit");
+        return;
+    }
+    beginBinary();
+    text_.bytes(count / 8 + (count % 8 != 0 ? 1 : 0), "bits");
+}
+
+void LegacyData::skipStrings(std::size_t count) {
+    text_.restOfLine();
+    text_.checkRoom(count, 1, "strings");
+    for (std::size_t i = 0; i < count; ++i) {
+        if (isBinary_)
+            skipBinaryString();
+        else
+            text_.restOfLine();
+    }
+}
+
+/// The two highest bits of the first byte say how many bytes the length takes: 8, 4, 2 or 1. The
+/// other bits of those are the length.
+void LegacyData::skipBinaryString() {
+    const auto byte = [](std::string_view bytes) {
+        return static_cast<std::uint64_t>(static_cast<unsigned char>(bytes[0]));
+    };
+    const std::uint64_t first = byte(text_.bytes(1, "a string"));
+    const int lengthBytes = 8 >> (first >> 6);
+    std::uint64_t length = first & 0x3f;
+    for (int i = 1; i < lengthBytes; ++i)
+        length = length << 8 | byte(text_.bytes(1, "the length of a string"));
+    text_.bytes(length, "a string");
+}
 
 class LegacyReader {
 public:
@@ -24,17 +173,11 @@ public:
     Lattice read(ReadNotes* notes) {
         readHeader();
         while (!text().atEnd()) readPart(data_.keyword("a keyword"));
-        VtkCellReader cells(path_, checkedIndex(path_, positions_.size(), "points"));
+        VtkCellReader cells(path_, checkedIndex(path_, lattice_.positions.size(), "points"));
         addCells(cells);
-        marks_.vertices = vertexMarksFromFile(path_, vertexSharpness_);
+        lattice_.marks.vertices = vertexMarksFromFile(path_, vertexSharpness_);
         addEdgeMarks();
-        return finishLattice(path_, cells.takeBuilder(),
-                             {.complex = {},
-                              .positions = std::move(positions_),
-                              .marks = std::move(marks_),
-                              .attributes = std::move(attributes_),
-                              .integers = std::move(integers_)},
-                             notes);
+        return finishLattice(path_, cells.takeBuilder(), std::move(lattice_), notes);
     }
 
 private:
@@ -74,7 +217,7 @@ private:
         else if (keyword == "cell_types")
             readCellTypes();
         else if (keyword == "point_data")
-            beginData(Owner::Points, positions_.size(), "points");
+            beginData(Owner::Points, lattice_.positions.size(), "points");
         else if (keyword == "cell_data")
             beginData(Owner::Cells, cellOffsets_.empty() ? 0 : cellOffsets_.size() - 1, "cells");
         else if (keyword == "field")
@@ -88,7 +231,7 @@ private:
     void readPoints() {
         const std::size_t count = text().count("the number of points", 3);
         const std::string type = data_.keyword("the type of the points");
-        positions_ =
+        lattice_.positions =
             pointsOf(data_.numbers<double>(type, saturatingProduct(3, count), "a coordinate"));
     }
 
@@ -215,14 +358,14 @@ private:
     void readArray(const std::string& name, const std::string& type, std::size_t components,
                    std::size_t tuples) {
         const std::size_t line = text().line();
-        const std::optional<VtkNumber> number = numberOfLegacyName(type);
+        const std::optional<NumberType> number = numberOfLegacyName(type);
         if (owner_ == Owner::Points && number && isInteger(*number) && name != kVertexSharpness) {
             auto integers = data_.numbers<std::int64_t>(type, saturatingProduct(components, tuples),
                                                         "an integer");
             checkTuples(line, name, components, tuples);
             if (name != kVtkGhosts)
-                integers_.push_back({name, checkedIndex(path_, components, "components"),
-                                     integerTypeOf(*number), std::move(integers)});
+                lattice_.integers.push_back({name, checkedIndex(path_, components, "components"),
+                                             integerTypeOf(*number), std::move(integers)});
             return;
         }
         auto values = data_.values(type, saturatingProduct(components, tuples), "a number");
@@ -237,18 +380,18 @@ private:
             if (name == kVertexSharpness && components == 1)
                 vertexSharpness_ = std::move(*values);
             else
-                attributes_.push_back(
+                lattice_.attributes.push_back(
                     {name, checkedIndex(path_, components, "components"), std::move(*values)});
         }
     }
 
     void checkTuples(std::size_t line, const std::string& name, std::size_t components,
                      std::size_t tuples) {
-        if (tuples != positions_.size() || components == 0)
+        if (tuples != lattice_.positions.size() || components == 0)
             throw FileError(path_, line,
                             "the array " + inQuotes(name) + " has " + std::to_string(tuples) +
                                 " tuples of " + std::to_string(components) + " for " +
-                                std::to_string(positions_.size()) + " points");
+                                std::to_string(lattice_.positions.size()) + " points");
     }
 
     void addCells(VtkCellReader& cells) {
@@ -273,16 +416,17 @@ private:
                                        " edges, and " + std::to_string(edgeVertices_.size()) +
                                        " vertices of marked edges");
         const auto markedVertex = [&](double vertex) {
-            if (!(vertex >= 0 && vertex < static_cast<double>(positions_.size())))
+            if (!(vertex >= 0 && vertex < static_cast<double>(lattice_.positions.size())))
                 throw FileError(path_, "a mark names vertex " + formatNumber(vertex) +
-                                           "; there are " + std::to_string(positions_.size()));
+                                           "; there are " +
+                                           std::to_string(lattice_.positions.size()));
             return static_cast<Index>(vertex);
         };
         for (std::size_t mark = 0; mark < edgeSharpness_.size(); ++mark)
             if (isMarkInFile(path_, kEdgeSharpness, mark, edgeSharpness_[mark]))
-                marks_.edges.push_back({{markedVertex(edgeVertices_[2 * mark]),
-                                         markedVertex(edgeVertices_[2 * mark + 1])},
-                                        sharpnessFromFile(edgeSharpness_[mark])});
+                lattice_.marks.edges.push_back({{markedVertex(edgeVertices_[2 * mark]),
+                                                 markedVertex(edgeVertices_[2 * mark + 1])},
+                                                sharpnessFromFile(edgeSharpness_[mark])});
     }
 
     [[noreturn]] void failAt(const std::string& keyword) {
@@ -295,23 +439,16 @@ private:
     Owner owner_ = Owner::DataSet;
     std::size_t tupleCount_ = 0;
 
-    std::vector<Point3> positions_;
     std::vector<std::int64_t> cellOffsets_;  ///< cell c is connectivity_[c] to [c + 1]
     std::vector<std::int64_t> connectivity_;
     std::vector<std::int64_t> types_;
-    std::vector<VertexAttribute> attributes_;
-    std::vector<VertexIntegers> integers_;
     std::vector<double> vertexSharpness_;
     std::vector<double> edgeVertices_;
     std::vector<double> edgeSharpness_;
-    far::Marks marks_;
+    Lattice lattice_;  ///< without its complex
 };
 
 }  // namespace
-
-Lattice readVtkLegacy(const std::filesystem::path& path, ReadNotes* notes) {
-    return readVtkLegacy(path, readFile(path), notes);
-}
 
 Lattice readVtkLegacy(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
     return LegacyReader(path, bytes).read(notes);

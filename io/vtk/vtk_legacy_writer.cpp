@@ -8,8 +8,8 @@
 
 #include "../files/text_output.h"
 #include "../lattices/lattice_parts.h"
-#include "point_arrays.h"
 #include "vtk_cells.h"
+#include "vtk_xml.h"
 
 namespace espalier::io {
 namespace {
@@ -36,41 +36,24 @@ public:
     explicit LegacyWriter(std::ostream& out) : out_(out) {}
 
     void write(const Lattice& lattice, const far::Marks& marks) {
-        out_.text(
+        out_.put(
             "# vtk DataFile Version 3.0\nEspalier lattice\nASCII\nDATASET UNSTRUCTURED_GRID\n");
         writeEdgeMarks(marks);
-        out_.text("POINTS ");
-        out_.number(lattice.positions.size());
-        out_.text(" double\n");
-        rows(coordinatesOf(lattice.positions), 3);
+        out_.put("POINTS ", lattice.positions.size(), " double\n");
+        out_.rows(coordinatesOf(lattice.positions), 3);
         writeCells(vtkCells(lattice.complex));
         writePointData(lattice, marks);
     }
 
 private:
-    template <class Value>
-    void rows(const std::vector<Value>& values, std::size_t rowLength) {
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            out_.number(values[i]);
-            out_.text((i + 1) % rowLength == 0 ? "\n" : " ");
-        }
-    }
-
-    void beginField(std::size_t arrayCount) {
-        out_.text("FIELD FieldData ");
-        out_.number(arrayCount);
-        out_.text("\n");
-    }
+    void beginField(std::size_t arrayCount) { out_.put("FIELD FieldData ", arrayCount, "\n"); }
 
     template <class Value>
     void array(const std::string& name, std::size_t components, const char* type,
                const std::vector<Value>& values) {
-        out_.text(encodedName(name) + " ");
-        out_.number(components);
-        out_.text(" ");
-        out_.number(values.size() / components);
-        out_.text(std::string(" ") + type + "\n");
-        rows(values, components);
+        out_.put(encodedName(name), " ", components, " ", values.size() / components, " ", type,
+                 "\n");
+        out_.rows(values, components);
     }
 
     void writeEdgeMarks(const far::Marks& marks) {
@@ -90,9 +73,7 @@ private:
         const std::size_t arrayCount =
             lattice.attributes.size() + lattice.integers.size() + (marks.vertices.empty() ? 0 : 1);
         if (arrayCount == 0) return;
-        out_.text("POINT_DATA ");
-        out_.number(lattice.positions.size());
-        out_.text("\n");
+        out_.put("POINT_DATA ", lattice.positions.size(), "\n");
         beginField(arrayCount);
         for (const VertexAttribute& attribute : lattice.attributes)
             array(attribute.name, attribute.components, "double", attribute.values);
@@ -131,23 +112,16 @@ private:
             numberCount += line.size() + 1;
             lines.push_back(line);
         }
-        out_.text("CELLS ");
-        out_.number(lines.size());
-        out_.text(" ");
-        out_.number(numberCount);
-        out_.text("\n");
+        out_.put("CELLS ", lines.size(), " ", numberCount, "\n");
         for (const auto line : lines) {
-            out_.number(line.size());
+            out_.put(line.size());
             for (const std::int64_t number : line) {
-                out_.text(" ");
-                out_.number(number);
+                out_.put(" ", number);
             }
-            out_.text("\n");
+            out_.put("\n");
         }
-        out_.text("CELL_TYPES ");
-        out_.number(lines.size());
-        out_.text("\n");
-        rows(cells.types, 1);
+        out_.put("CELL_TYPES ", lines.size(), "\n");
+        out_.rows(cells.types, 1);
     }
 
     TextOutput out_;

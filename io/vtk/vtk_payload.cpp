@@ -9,11 +9,9 @@
 #include <variant>
 #include <vector>
 
-#include "../files/base64.h"
-#include "../files/byte_order.h"
-#include "../files/coding_error.h"
-#include "../files/inflate.h"
-#include "vtk_numbers.h"
+#include "../files/bytes.h"
+#include "../files/coding.h"
+#include "../files/number_types.h"
 #include "vtk_payload.h"
 
 namespace espalier::io {

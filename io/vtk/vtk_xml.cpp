@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
+#include <espalier/base/utf8.h>
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <string>
 #include <type_traits>
 
-#include "../files/coding_error.h"
+#include "../files/bytes.h"
 #include "vtk_xml.h"
 
 namespace espalier::io {
@@ -143,6 +148,126 @@ std::string VtkXmlFile::nameOf(const VtkDataArray& array) const {
 
 void VtkXmlFile::failIn(const VtkDataArray& array, const std::string& cause) const {
     fail(array.line, "the array " + inQuotes(array.name) + " " + cause);
+}
+
+namespace {
+
+template <class Number>
+void append(std::string& text, Number number) {
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
+    text.append(digits, end);
+}
+
+/// One tuple a line, or some more of short ones.
+template <class Value>
+std::string asciiLines(const VtkArrayHead& head, std::span<const Value> values,
+                       std::string_view indent) {
+    constexpr std::size_t kNumbersOnALine = 12;
+    const std::size_t onALine = head.components > 1 ? head.components : kNumbersOnALine;
+    std::string text;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (i % onALine == 0)
+            text.append("\n").append(indent).append("  ");
+        else
+            text += ' ';
+        if (std::is_floating_point_v<Value> && head.type == NumberType::Float32)
+            append(text, static_cast<float>(values[i]));
+        else if (std::is_integral_v<Value> && head.type == NumberType::UInt64)
+            append(text, static_cast<std::uint64_t>(values[i]));
+        else
+            append(text, values[i]);
+    }
+    return text;
+}
+
+}  // namespace
+
+template <class Value>
+std::string dataArrayElement(const VtkArrayHead& head, std::span<const Value> values,
+                             VtkArrayForm form, const VtkCoding& coding, std::string_view indent) {
+    const bool isAscii = form == VtkArrayForm::Ascii;
+    std::string text = std::string("<DataArray type=\"") + xmlName(head.type) + "\" Name=\"" +
+                       xmlEscaped(head.name) + "\"";
+    if (head.components != 1)
+        text += " NumberOfComponents=\"" + std::to_string(head.components) + "\"";
+    if (head.hasTupleCount)
+        text += " NumberOfTuples=\"" + std::to_string(values.size() / head.components) + "\"";
+    text += isAscii ? " format=\"ascii\">" : " format=\"binary\">";
+    if (isAscii) {
+        text += asciiLines(head, values, indent);
+    } else {
+        text.append("\n").append(indent).append("  ");
+        text += encodePayload(encodeNumbers(values, head.type, coding.byteOrder), coding);
+    }
+    return text.append("\n").append(indent).append("</DataArray>");
+}
+
+bool isXmlText(std::string_view text) {
+    while (!text.empty()) {
+        const CodePoint point = firstCodePoint(text);
+        const std::uint32_t value = point.value;
+        const bool isSpace = value == '\t' || value == '\n' || value == '\r';
+        if (!point.isCharacter || (value < 0x20 && !isSpace) || value == 0xFFFE || value == 0xFFFF)
+            return false;
+        text.remove_prefix(point.size);
+    }
+    return true;
+}
+
+std::string xmlEscaped(std::string_view text) {
+    std::string result;
+    for (const char c : text) {
+        const auto code = static_cast<unsigned char>(c);
+        if (code < 0x20 || c == '&' || c == '<' || c == '>' || c == '"')
+            result += "&#" + std::to_string(code) + ";";
+        else
+            result += c;
+    }
+    return result;
+}
+
+#define ESPALIER_INSTANTIATE(Value)                                                    \
+    template std::string dataArrayElement(const VtkArrayHead&, std::span<const Value>, \
+                                          VtkArrayForm, const VtkCoding&, std::string_view);
+ESPALIER_INSTANTIATE(double)
+ESPALIER_INSTANTIATE(std::int64_t)
+#undef ESPALIER_INSTANTIATE
+
+std::vector<Point3> pointsOf(std::span<const double> coordinates) {
+    std::vector<Point3> points(coordinates.size() / 3);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        points[i] = {coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]};
+    return points;
+}
+
+std::vector<double> coordinatesOf(std::span<const Point3> points) {
+    std::vector<double> coordinates;
+    coordinates.reserve(3 * points.size());
+    for (const Point3& point : points)
+        coordinates.insert(coordinates.end(), point.begin(), point.end());
+    return coordinates;
+}
+
+void checkFinite(const std::filesystem::path& path, std::span<const Point3> points) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (const double coordinate : points[i])
+            if (!std::isfinite(coordinate))
+                throw FileError(path, "point " + std::to_string(i) + " is not finite");
+}
+
+const VtkDataArray& pointArray(const VtkXmlFile& file, const VtkPiece& piece) {
+    const VtkSection& section = file.section(piece, "Points");
+    if (section.arrays.size() != 1 || section.arrays[0].components != 3)
+        file.fail(section.line, "Points has " + std::to_string(section.arrays.size()) +
+                                    " arrays; expected one, of 3 components");
+    return section.arrays[0];
+}
+
+std::vector<Point3> readPoints(const VtkXmlFile& file, const VtkPiece& piece) {
+    const std::size_t count = file.count(piece, "NumberOfPoints");
+    if (count == 0) return {};
+    return pointsOf(file.reals(pointArray(file, piece), count));
 }
 
 }  // namespace espalier::io

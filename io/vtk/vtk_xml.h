@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vtk_numbers.h"
-#include "vtk_payload.h"
+#include <espalier/base/point.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "../files/number_types.h"
+#include "vtk_payload.h"
 
 // VTK's XML files: what arrays there are, where they are, and the numbers in them.
 //
@@ -25,8 +29,8 @@ struct VtkDataArray {
     enum class Format { Ascii, Binary, Appended };
 
     std::string name;
-    std::optional<VtkNumber> type;  ///< none for "String" and "Bit", which cannot be read
-    std::size_t components = 1;     ///< numbers a tuple, at least 1
+    std::optional<NumberType> type;  ///< none for "String" and "Bit", which cannot be read
+    std::size_t components = 1;      ///< numbers a tuple, at least 1
     Format format = Format::Ascii;
     std::size_t offset = 0;  ///< of an appended array, in the appended data
     std::size_t line = 1;    ///< where the element begins
@@ -140,5 +144,50 @@ private:
     std::size_t appendedBegin_ = 0;  ///< after the "_"; no appended data if both are 0
     std::size_t appendedEnd_ = 0;
 };
+
+/// How an inline array is written.
+enum class VtkArrayForm { Ascii, Base64 };
+
+/// The attributes of a DataArray element.
+struct VtkArrayHead {
+    std::string name;
+    NumberType type = NumberType::Float64;
+    std::size_t components = 1;
+    bool hasTupleCount = false;  ///< as arrays of FieldData need it
+};
+
+/// A DataArray element with its numbers in it, from "<DataArray" to "</DataArray>".
+///
+/// \tparam Value double for real types, std::int64_t for integers, within the range of the type
+/// \param indent is put before each line but the first
+/// \param coding of the file that the element is for
+/// \throws CodingError if the array is too large for the file's header_type
+template <class Value>
+std::string dataArrayElement(const VtkArrayHead& head, std::span<const Value> values,
+                             VtkArrayForm form, const VtkCoding& coding, std::string_view indent);
+
+/// Whether XML 1.0 can hold a text (section 2.2): UTF-8 without control characters, but for tabs
+/// and line ends, and without U+FFFE and U+FFFF.
+bool isXmlText(std::string_view text);
+
+/// A text as the value of an XML attribute. \param text such as isXmlText() accepts
+std::string xmlEscaped(std::string_view text);
+
+/// Points from their coordinates, x y z x y z ...
+std::vector<Point3> pointsOf(std::span<const double> coordinates);
+
+/// The coordinates of points, x y z x y z ...
+std::vector<double> coordinatesOf(std::span<const Point3> points);
+
+/// \throws FileError naming the first point that is not finite
+void checkFinite(const std::filesystem::path& path, std::span<const Point3> points);
+
+/// The array that holds the points of a piece.
+/// \throws FileError if Points is missing, or holds anything but one array of 3 components
+const VtkDataArray& pointArray(const VtkXmlFile& file, const VtkPiece& piece);
+
+/// The points of a piece, as many as it claims; none if that is 0.
+/// \throws FileError as pointArray() and VtkXmlFile::reals()
+std::vector<Point3> readPoints(const VtkXmlFile& file, const VtkPiece& piece);
 
 }  // namespace espalier::io

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
+#include <espalier/io/vtk/vtu.h>
 
 #include <algorithm>
 #include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "../files/coding_error.h"
+#include "../files/bytes.h"
 #include "../models/coordinates.h"
-#include "point_arrays.h"
-#include "vtk_xml_writer.h"
-#include "vtu_model.h"
+#include "vtk_xml.h"
 
 namespace espalier::io {
 namespace {
@@ -20,12 +22,12 @@ std::string_view indentOf(std::string_view bytes, std::size_t begin) {
     return before.find_first_not_of(" \t") == std::string_view::npos ? before : "";
 }
 
-Precision precisionOf(VtkNumber type) {
-    return type == VtkNumber::Float32 ? Precision::Float : Precision::Double;
+Precision precisionOf(NumberType type) {
+    return type == NumberType::Float32 ? Precision::Float : Precision::Double;
 }
 
 /// What an array of this type holds of the points, or of directions there.
-std::vector<Point3> rounded(std::vector<Point3> values, VtkNumber type, std::size_t firstPoint) {
+std::vector<Point3> rounded(std::vector<Point3> values, NumberType type, std::size_t firstPoint) {
     if (precisionOf(type) == Precision::Float)
         for (std::size_t i = 0; i < values.size(); ++i)
             for (double& number : values[i])
@@ -33,7 +35,7 @@ std::vector<Point3> rounded(std::vector<Point3> values, VtkNumber type, std::siz
     return values;
 }
 
-std::string elementOf(const VtkXmlFile& file, const VtkDataArray& array, VtkNumber type,
+std::string elementOf(const VtkXmlFile& file, const VtkDataArray& array, NumberType type,
                       std::span<const Point3> points) {
     const auto form =
         array.format == VtkDataArray::Format::Ascii ? VtkArrayForm::Ascii : VtkArrayForm::Base64;
@@ -63,78 +65,89 @@ bool areSame(std::span<const Point3> a, std::span<const Point3> b) {
     return std::equal(a.begin(), a.end(), b.begin(), isSamePoint);
 }
 
+class VtuModel final : public Model {
+public:
+    VtuModel(const std::filesystem::path& path, std::string bytes)
+        : file_(VtkXmlFile::read(path, std::move(bytes), "UnstructuredGrid")) {
+        for (const VtkPiece& piece : file_.pieces()) {
+            const std::size_t first = positions_.size();
+            const std::vector<Point3> points = readPoints(file_, piece);
+            if (points.empty()) continue;
+            positions_.insert(positions_.end(), points.begin(), points.end());
+            arrays_.push_back({pointArray(file_, piece), first, points.size(), nullptr, {}});
+            addDirections(piece, first, points.size());
+        }
+        checkFinite(path, positions_);
+        std::ranges::sort(arrays_, {}, [](const PlacedArray& a) { return a.array.begin; });
+    }
+
+    std::span<const Point3> positions() const override { return positions_; }
+    std::string_view extension() const override { return ".vtu"; }
+    bool hasDirections() const override {
+        return std::ranges::any_of(arrays_,
+                                   [](const PlacedArray& a) { return a.carry != nullptr; });
+    }
+
+private:
+    /// An array of the points of a piece, or of directions there.
+    struct PlacedArray {
+        VtkDataArray array;
+        std::size_t firstPoint = 0;
+        std::size_t pointCount = 0;
+        Carry carry = nullptr;  ///< null for the points themselves
+        std::vector<Point3> directions;
+    };
+
+    void addDirections(const VtkPiece& piece, std::size_t firstPoint, std::size_t pointCount) {
+        const auto pointData = piece.sections.find("PointData");
+        if (pointData == piece.sections.end()) return;
+        for (const VtkDataArray& array : pointData->second.arrays)
+            if (const Carry carry = carryOf(pointData->second, array))
+                arrays_.push_back({array, firstPoint, pointCount, carry,
+                                   pointsOf(file_.reals(array, pointCount))});
+    }
+
+    void writeChecked(const std::filesystem::path& path, std::span<const Point3> positions,
+                      std::span<const DeformationGradient> gradients) const override {
+        const std::string_view bytes = file_.bytes();
+        writeFile(path, [&](std::ostream& out) {
+            std::size_t done = 0;
+            for (const PlacedArray& placed : arrays_) {
+                if (placed.carry && gradients.empty()) continue;
+                const VtkDataArray& array = placed.array;
+                const NumberType type = isInteger(*array.type) ? NumberType::Float64 : *array.type;
+                const auto ofPiece = [&](auto values) {
+                    return values.subspan(placed.firstPoint, placed.pointCount);
+                };
+                const std::vector<Point3> now =
+                    rounded(placed.carry ? carried(placed.directions, ofPiece(gradients),
+                                                   placed.carry, precisionOf(type))
+                                         : copyOf(ofPiece(positions)),
+                            type, placed.firstPoint);
+                const std::span<const Point3> before =
+                    placed.carry ? placed.directions : ofPiece(std::span(positions_));
+                if (areSame(now, before)) continue;
+                out << bytes.substr(done, array.begin - done);
+                try {
+                    out << elementOf(file_, array, type, now);
+                } catch (const CodingError& error) {
+                    throw FileError(path, error.what());
+                }
+                done = array.end;
+            }
+            out << bytes.substr(done);
+        });
+    }
+
+    VtkXmlFile file_;
+    std::vector<PlacedArray> arrays_;  ///< in the order of the file
+    std::vector<Point3> positions_;
+};
+
 }  // namespace
 
-VtuModel VtuModel::read(const std::filesystem::path& path) {
-    return read(path, readFile(path));
-}
-
-VtuModel VtuModel::read(const std::filesystem::path& path, std::string bytes) {
-    VtuModel model(VtkXmlFile::read(path, std::move(bytes), "UnstructuredGrid"));
-    for (const VtkPiece& piece : model.file_.pieces()) {
-        const std::size_t first = model.positions_.size();
-        const std::vector<Point3> points = readPoints(model.file_, piece);
-        if (points.empty()) continue;
-        model.positions_.insert(model.positions_.end(), points.begin(), points.end());
-        model.arrays_.push_back(
-            {pointArray(model.file_, piece), first, points.size(), nullptr, {}});
-        model.addDirections(piece, first, points.size());
-    }
-    checkFinite(path, model.positions_);
-    std::sort(
-        model.arrays_.begin(), model.arrays_.end(),
-        [](const PlacedArray& a, const PlacedArray& b) { return a.array.begin < b.array.begin; });
-    return model;
-}
-
-void VtuModel::addDirections(const VtkPiece& piece, std::size_t firstPoint,
-                             std::size_t pointCount) {
-    const auto pointData = piece.sections.find("PointData");
-    if (pointData == piece.sections.end()) return;
-    for (const VtkDataArray& array : pointData->second.arrays)
-        if (const Carry carry = carryOf(pointData->second, array))
-            arrays_.push_back(
-                {array, firstPoint, pointCount, carry, pointsOf(file_.reals(array, pointCount))});
-}
-
-bool VtuModel::hasDirections() const {
-    return std::any_of(arrays_.begin(), arrays_.end(),
-                       [](const PlacedArray& placed) { return placed.carry != nullptr; });
-}
-
-void VtuModel::write(const std::filesystem::path& path, std::span<const Point3> positions,
-                     std::span<const DeformationGradient> gradients) const {
-    if (positions.size() != positions_.size())
-        throw Error("got " + std::to_string(positions.size()) + " positions for a model of " +
-                    std::to_string(positions_.size()) + " points");
-    const std::string_view bytes = file_.bytes();
-    writeFile(path, [&](std::ostream& out) {
-        std::size_t done = 0;
-        for (const PlacedArray& placed : arrays_) {
-            if (placed.carry && gradients.empty()) continue;
-            const VtkDataArray& array = placed.array;
-            const VtkNumber type = isInteger(*array.type) ? VtkNumber::Float64 : *array.type;
-            const auto ofPiece = [&](auto values) {
-                return values.subspan(placed.firstPoint, placed.pointCount);
-            };
-            const std::vector<Point3> now =
-                rounded(placed.carry ? carried(placed.directions, ofPiece(gradients), placed.carry,
-                                               precisionOf(type))
-                                     : copyOf(ofPiece(positions)),
-                        type, placed.firstPoint);
-            const std::span<const Point3> before =
-                placed.carry ? placed.directions : ofPiece(std::span(positions_));
-            if (areSame(now, before)) continue;
-            out << bytes.substr(done, array.begin - done);
-            try {
-                out << elementOf(file_, array, type, now);
-            } catch (const CodingError& error) {
-                throw FileError(path, error.what());
-            }
-            done = array.end;
-        }
-        out << bytes.substr(done);
-    });
+std::unique_ptr<Model> readVtuModel(const std::filesystem::path& path, std::string bytes) {
+    return std::make_unique<VtuModel>(path, std::move(bytes));
 }
 
 }  // namespace espalier::io

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "../lattices/lattice_parts.h"
-#include "point_arrays.h"
 #include "vtk_cells.h"
 #include "vtk_xml.h"
 
@@ -57,10 +56,11 @@ public:
     Lattice read(ReadNotes* notes) {
         for (const VtkPiece& piece : file_.pieces()) {
             const std::vector<Point3> points = readPoints(file_, piece);
-            positions_.insert(positions_.end(), points.begin(), points.end());
+            lattice_.positions.insert(lattice_.positions.end(), points.begin(), points.end());
             readPointData(piece);
         }
-        VtkCellReader cells(file_.path(), checkedIndex(file_.path(), positions_.size(), "points"));
+        VtkCellReader cells(file_.path(),
+                            checkedIndex(file_.path(), lattice_.positions.size(), "points"));
         Index firstVertex = 0;
         for (const VtkPiece& piece : file_.pieces()) {
             const auto count = static_cast<Index>(file_.count(piece, "NumberOfPoints"));
@@ -69,14 +69,8 @@ public:
             firstVertex += count;
         }
         readEdgeMarks(cells.mostEdges());
-        marks_.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
-        return finishLattice(file_.path(), cells.takeBuilder(),
-                             {.complex = {},
-                              .positions = std::move(positions_),
-                              .marks = std::move(marks_),
-                              .attributes = std::move(attributes_),
-                              .integers = std::move(integers_)},
-                             notes);
+        lattice_.marks.vertices = vertexMarksFromFile(file_.path(), vertexSharpness_);
+        return finishLattice(file_.path(), cells.takeBuilder(), std::move(lattice_), notes);
     }
 
 private:
@@ -100,9 +94,9 @@ private:
                     append(attributeOf(array, attributeCount++).values, file_.reals(array, count));
                 }
             }
-        if (!hasSharpness) vertexSharpness_.resize(positions_.size(), kUnmarkedInFile);
+        if (!hasSharpness) vertexSharpness_.resize(lattice_.positions.size(), kUnmarkedInFile);
         const std::size_t known = attributeCount + integersCount;
-        const std::size_t expected = attributes_.size() + integers_.size();
+        const std::size_t expected = lattice_.attributes.size() + lattice_.integers.size();
         if (known != expected)
             file_.fail(piece.line, "the piece has " + std::to_string(known) +
                                        " arrays of PointData; the first one has " +
@@ -113,24 +107,24 @@ private:
     VertexAttribute& attributeOf(const VtkDataArray& array, std::size_t number) {
         if (isFirstPiece_) {
             const auto components = checkedIndex(file_.path(), array.components, "components");
-            attributes_.push_back({array.name, components, {}});
+            lattice_.attributes.push_back({array.name, components, {}});
         }
-        requireSame(attributes_, array, number);
-        return attributes_[number];
+        requireSame(lattice_.attributes, array, number);
+        return lattice_.attributes[number];
     }
 
     VertexIntegers& integersOf(const VtkDataArray& array, std::size_t number) {
         const IntegerType type = integerTypeOf(*array.type);
         if (isFirstPiece_) {
             const auto components = checkedIndex(file_.path(), array.components, "components");
-            integers_.push_back({array.name, components, type, {}});
+            lattice_.integers.push_back({array.name, components, type, {}});
         }
-        requireSame(integers_, array, number);
-        if (integers_[number].type != type)
+        requireSame(lattice_.integers, array, number);
+        if (lattice_.integers[number].type != type)
             file_.fail(array.line, "the array " + inQuotes(array.name) + " holds " +
                                        xmlName(*array.type) + "; in the first piece it holds " +
-                                       integerTypeName(integers_[number].type));
-        return integers_[number];
+                                       integerTypeName(lattice_.integers[number].type));
+        return lattice_.integers[number];
     }
 
     /// That the array is the one of this number in the first piece.
@@ -240,33 +234,26 @@ private:
                                         "one an edge of " + inQuotes(kEdgeVertices));
         for (std::size_t mark = 0; mark < values.size(); ++mark) {
             if (!isMarkInFile(file_.path(), kEdgeSharpness, mark, values[mark])) continue;
-            marks_.edges.push_back({{markedVertex(*ends, vertices[2 * mark]),
-                                     markedVertex(*ends, vertices[2 * mark + 1])},
-                                    sharpnessFromFile(values[mark])});
+            lattice_.marks.edges.push_back({{markedVertex(*ends, vertices[2 * mark]),
+                                             markedVertex(*ends, vertices[2 * mark + 1])},
+                                            sharpnessFromFile(values[mark])});
         }
     }
 
     Index markedVertex(const VtkDataArray& array, std::int64_t vertex) {
-        if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= positions_.size())
+        if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= lattice_.positions.size())
             file_.fail(array.line, "a mark names vertex " + std::to_string(vertex) +
-                                       "; there are " + std::to_string(positions_.size()));
+                                       "; there are " + std::to_string(lattice_.positions.size()));
         return static_cast<Index>(vertex);
     }
 
     VtkXmlFile file_;
-    std::vector<Point3> positions_;
-    std::vector<VertexAttribute> attributes_;
-    std::vector<VertexIntegers> integers_;
     std::vector<double> vertexSharpness_;
-    far::Marks marks_;
+    Lattice lattice_;  ///< without its complex
     bool isFirstPiece_ = true;
 };
 
 }  // namespace
-
-Lattice readVtu(const std::filesystem::path& path, ReadNotes* notes) {
-    return VtuReader(path, readFile(path)).read(notes);
-}
 
 Lattice readVtu(const std::filesystem::path& path, std::string_view bytes, ReadNotes* notes) {
     return VtuReader(path, std::string(bytes)).read(notes);

@@ -6,9 +6,8 @@
 #include <ostream>
 
 #include "../lattices/lattice_parts.h"
-#include "point_arrays.h"
 #include "vtk_cells.h"
-#include "vtk_xml_writer.h"
+#include "vtk_xml.h"
 
 namespace espalier::io {
 namespace {
@@ -46,11 +45,11 @@ private:
     }
 
     void array(const std::string& name, std::size_t components, const std::vector<double>& values) {
-        element({name, VtkNumber::Float64, components}, values);
+        element({name, NumberType::Float64, components}, values);
     }
 
     void array(const std::string& name, const std::vector<std::int64_t>& values,
-               VtkNumber type = VtkNumber::Int64) {
+               NumberType type = NumberType::Int64) {
         element({name, type}, values);
     }
 
@@ -69,8 +68,8 @@ private:
             sharpness.push_back(sharpnessToFile(mark.sharpness));
         }
         section("FieldData", [&] {
-            element({kEdgeVertices, VtkNumber::Int64, 2, true}, vertices);
-            element({kEdgeSharpness, VtkNumber::Float64, 1, true}, sharpness);
+            element({kEdgeVertices, NumberType::Int64, 2, true}, vertices);
+            element({kEdgeSharpness, NumberType::Float64, 1, true}, sharpness);
         });
     }
 
@@ -91,7 +90,7 @@ private:
         section("Cells", [&] {
             array("connectivity", cells.connectivity);
             array("offsets", cells.offsets);
-            array("types", cells.types, VtkNumber::UInt8);
+            array("types", cells.types, NumberType::UInt8);
             if (cells.havePolyhedra()) {
                 array("faces", cells.faces);
                 array("faceoffsets", cells.faceOffsets);

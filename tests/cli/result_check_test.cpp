@@ -166,7 +166,7 @@ protected:
             rest = isLast ? 1 : rest - weight;
             return weight;
         });
-        matrix = stencils::multiply<double>(factors.points, factors.vertices);
+        matrix = stencils::multiply(factors.points, factors.vertices);
     }
 
     FactoredTable<double> factors;

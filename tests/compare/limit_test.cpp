@@ -115,7 +115,7 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
         values.push_back({Eigen::Vector3d(pose[vertex].data())});
     const Limits limits = limitsOf(*theirs.refiner, values);
     const auto ours = test::times(
-        limit::buildVertexLimits<double>(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
+        limit::buildVertexLimits(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
     const auto positions = test::asMatrix(pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
         const Index vertex = surface.vertices[i];
@@ -174,8 +174,8 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
     for (const Value& limit : rest.points)
         points.push_back({limit.point[0], limit.point[1], limit.point[2]});
     const far::TopologyRefiner base(lattice.complex, refiner.options());
-    const auto bound = limit::bindLimit<double>(base, lattice.positions, Rules::Siggraph96, points,
-                                                {.gradients = true});
+    const auto bound =
+        limit::bindLimit(base, lattice.positions, Rules::Siggraph96, points, {.gradients = true});
     std::array<test::Positions, 3> columns;
     for (std::size_t axis = 0; axis < 3; ++axis)
         columns[axis] = test::times(bound.binding.table.gradients[axis], pose);

@@ -26,15 +26,15 @@ std::vector<Point3> scaled(std::vector<Point3> points, int exponent) {
     return points;
 }
 
-BoundModel<double> bind(const Lattice& lattice, const std::vector<Point3>& points,
-                        const EmbeddingOptions& options = {}, int level = 2) {
+BindingResult bind(const Lattice& lattice, const std::vector<Point3>& points,
+                   const EmbeddingOptions& options = {}, int level = 2) {
     const far::TopologyRefiner refiner(lattice.complex);
-    return bindPoints<double>(refiner, lattice.positions, level, stencils::Rules::Siggraph96,
-                              points, options);
+    return bindPoints(refiner, lattice.positions, level, stencils::Rules::Siggraph96, points,
+                      options);
 }
 
 /// How far D puts point `i` from where it was, at rest.
-double errorOf(const BoundModel<double>& model, const Lattice& lattice,
+double errorOf(const BindingResult& model, const Lattice& lattice,
                const std::vector<Point3>& points, std::size_t i) {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     const auto& table = model.binding.table;

@@ -25,9 +25,8 @@ using ::testing::ThrowsMessage;
 constexpr int kLevel = 2;
 
 stencils::StencilTable<double> bindTo(const Lattice& lattice, const std::vector<Point3>& points) {
-    return bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions, kLevel,
-                              stencils::Rules::Siggraph96, points,
-                              {.outside = OutsidePolicy::Error})
+    return bindPoints(far::TopologyRefiner(lattice.complex), lattice.positions, kLevel,
+                      stencils::Rules::Siggraph96, points, {.outside = OutsidePolicy::Error})
         .binding.table;
 }
 

@@ -39,7 +39,7 @@ TEST(TensorEmbedding, PointsOutsideAreKeptCarriedOrRefused) {
     EXPECT_EQ(kept.points[1].status, PointStatus::Outside);
     EXPECT_FALSE(kept.points[1].place);
     EXPECT_EQ(kept.points[2].status, PointStatus::NotConverged);
-    const auto binding = makeBinding<double>(lattice, kept, points);
+    const auto binding = makeBinding(lattice, kept, points);
     EXPECT_EQ(binding.kept, (std::vector<Index>{1, 2}));
     EXPECT_EQ(binding.keptAt[0], points[1]);
     EXPECT_TRUE(binding.table.columns(1).empty());
@@ -49,7 +49,7 @@ TEST(TensorEmbedding, PointsOutsideAreKeptCarriedOrRefused) {
     EXPECT_EQ(carried.points[1].status, PointStatus::Outside);
     EXPECT_EQ(carried.points[1].distance, 0.5);
     EXPECT_FALSE(carried.points[2].place);
-    EXPECT_EQ(makeBinding<float>(lattice, carried, points).kept, (std::vector<Index>{2}));
+    EXPECT_EQ(makeBinding(lattice, carried, points).kept, (std::vector<Index>{2}));
 
     try {
         embedPoints(lattice, points, {.outside = OutsidePolicy::Error});
@@ -57,7 +57,7 @@ TEST(TensorEmbedding, PointsOutsideAreKeptCarriedOrRefused) {
     } catch (const Error& error) {
         EXPECT_THAT(error.what(), HasSubstr("point 1 at (0.5, 2, 2) is outside the lattice"));
     }
-    EXPECT_THROW(makeBinding<double>(lattice, kept, std::span(points).first(2)), Error);
+    EXPECT_THROW(makeBinding(lattice, kept, std::span(points).first(2)), Error);
 }
 
 // The tolerance is a distance, here of 1e-6 × √48.

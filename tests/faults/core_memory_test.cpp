@@ -59,8 +59,7 @@ protected:
     }
 
     auto bind() const {
-        return embed::bindPoints<double>(refined(0), lattice.positions, 2, Rules::Siggraph96,
-                                         points);
+        return embed::bindPoints(refined(0), lattice.positions, 2, Rules::Siggraph96, points);
     }
 };
 
@@ -144,11 +143,11 @@ TEST_F(CoreMemory, ARefinerHasTheLevelsThatWereComplete) {
 TEST_F(CoreMemory, Tables) {
     const auto refiner = refined(2);
     failEachAllocation([&] { return stencils::buildLevelTables(refiner, 2, Rules::Cse96); });
-    failEachAllocation(
-        [&] { return stencils::buildStencils<float>(refiner, 1, Rules::Siggraph96); });
+    failEachAllocation([&] { return stencils::buildStencils(refiner, 1, Rules::Siggraph96); });
     const auto table = stencils::buildStencils(refiner, 1, Rules::Siggraph96);
     failEachAllocation([&] { return stencils::transposeTable(table); });
     failEachAllocation([&] { return stencils::convertTable<float>(table); });
+    failEachAllocation([&] { return stencils::convertTable<float>(StencilTable<double>(table)); });
     failEachAllocation([&] { return stencils::selectRows(table, std::vector<Index>{3, 1}); });
     failEachAllocation([&] {
         return stencils::refinePositions(refiner, 2, Rules::Siggraph96, lattice.positions);
@@ -162,7 +161,7 @@ TEST_F(CoreMemory, Binding) {
     });
     failEachAllocation([&] {
         const auto bound =
-            embed::bindFactored<float>(refined(0), lattice.positions, 1, Rules::Siggraph96, points);
+            embed::bindFactored(refined(0), lattice.positions, 1, Rules::Siggraph96, points);
         return bound.statuses;
     });
     const auto refiner = refined(1);
@@ -171,7 +170,7 @@ TEST_F(CoreMemory, Binding) {
     failEachAllocation([&] {
         const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points,
                                                   {.outside = embed::OutsidePolicy::Nearest});
-        return embed::makeBinding<double>(refiner, 1, Rules::Siggraph96, embedding, points);
+        return embed::makeBinding(refiner, 1, Rules::Siggraph96, embedding, points);
     });
 }
 
@@ -179,8 +178,8 @@ TEST_F(CoreMemory, Binding) {
 TEST_F(CoreMemory, Refusals) {
     failEachAllocation([&] {
         try {
-            embed::bindPoints<double>(refined(0), lattice.positions, 1, Rules::Siggraph96, points,
-                                      {.outside = embed::OutsidePolicy::Error});
+            embed::bindPoints(refined(0), lattice.positions, 1, Rules::Siggraph96, points,
+                              {.outside = embed::OutsidePolicy::Error});
         } catch (const Error& error) {
             return std::string(error.what()).find("point 3 at (9") != std::string::npos;
         }
@@ -193,7 +192,7 @@ TEST_F(CoreMemory, BoxLatticesOfOtherBases) {
     failEachAllocation([&] {
         const embed::TensorLattice tensor(rest.complex, rest.positions, embed::Basis::Bezier);
         const auto embedding = embed::embedPoints(tensor, points, {});
-        return embed::makeBinding<double>(tensor, embedding, points);
+        return embed::makeBinding(tensor, embedding, points);
     });
 }
 
@@ -201,8 +200,7 @@ TEST_F(CoreMemory, Evaluation) {
     const auto bound = bind();
     const auto& table = bound.binding.table;
     const auto factored =
-        embed::bindFactored<double>(refined(0), lattice.positions, 2, Rules::Siggraph96, points)
-            .binding;
+        embed::bindFactored(refined(0), lattice.positions, 2, Rules::Siggraph96, points).binding;
     failEachAllocation([&] { return osd::evaluateBinding(bound.binding, lattice.positions); });
     failEachAllocation([&] { return osd::evaluateBinding(factored, lattice.positions); });
 
@@ -285,7 +283,7 @@ TEST_F(CoreMemory, DestinationsAreAsTheyWere) {
 TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
     auto bound = std::optional(bind());
     auto factored = std::optional(
-        embed::bindFactored<double>(refined(0), lattice.positions, 2, Rules::Siggraph96, points));
+        embed::bindFactored(refined(0), lattice.positions, 2, Rules::Siggraph96, points));
     auto refiner = std::optional(refined(2));
     refiner->level(2).complex.relation(0, 3);
     std::optional<osd::CompiledTable<double>> compiled(bound->binding.table);
@@ -313,8 +311,8 @@ constexpr bool kMoveWithoutMemory = (... && (std::is_nothrow_move_constructible_
                                              std::is_nothrow_move_assignable_v<Types>));
 static_assert(kMoveWithoutMemory<far::CellComplex, far::Incidence, far::SignedIncidence, far::Level,
                                  far::Refinement, far::Marks, far::TopologyRefiner, Lattice>);
-static_assert(kMoveWithoutMemory<StencilTable<double>, embed::Binding<float>,
-                                 embed::BoundModel<double>, embed::Embedding>);
+static_assert(kMoveWithoutMemory<StencilTable<double>, embed::Binding, embed::BindingResult,
+                                 embed::Embedding>);
 static_assert(kMoveWithoutMemory<osd::CompiledTable<double>, osd::CompiledAdjoint<float>,
                                  osd::CompiledChain<double>, osd::ChangeEvaluator<float>,
                                  osd::Workspace, solve::LatticeFit>);

@@ -2,6 +2,7 @@
 #include <espalier/base/executor.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_match.h>
+#include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/matrix_market.h>
 #include <espalier/io/targets.h>
 #include <espalier/osd/binding_evaluator.h>
@@ -113,7 +114,7 @@ TEST_F(IoMemory, Models) {
 TEST_F(IoMemory, OtherFiles) {
     for (const test::Writer& writer : test::everyWriter(3)) writer.write(folder / writer.name);
     failEachAllocation([&] { return io::readBoundModel(folder / "a.espb").binding; });
-    failEachAllocation([&] { return io::readMatrixMarket(folder / "D.mtx"); });
+    failEachAllocation([&] { return io::readMatrix(folder / "D.mtx"); });
     test::putLatticeFile(folder / "t.txt",
                          "# point, and where it should go\n1 0.5 0.5 1\n0 1 2 3\n");
     failEachAllocation([&] { return io::readTargets(folder / "t.txt", 2).size(); });
@@ -126,8 +127,8 @@ TEST_F(IoMemory, AllThatAProgramDoes) {
         const auto model = io::readModel(folder / "model.obj");
         const Lattice rest = io::readLattice(folder / "rest.vtu");
         far::TopologyRefiner refiner(rest.complex, {.marks = rest.marks});
-        const auto bound = embed::bindPoints<double>(
-            refiner, rest.positions, 1, stencils::Rules::Siggraph96, model->positions());
+        const auto bound = embed::bindPoints(refiner, rest.positions, 1,
+                                             stencils::Rules::Siggraph96, model->positions());
         refiner.refineUniform(1);
         const auto table = stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96);
         io::writeMatrix(folder / "S.npy", table);

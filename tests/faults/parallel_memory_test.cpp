@@ -57,8 +57,8 @@ TEST(ParallelMemory, BindingAndEvaluating) {
     failSome(
         [&] {
             const far::TopologyRefiner base(lattice.complex);
-            const auto bound = embed::bindPoints<double>(base, lattice.positions, 2,
-                                                         stencils::Rules::Siggraph96, points);
+            const auto bound =
+                embed::bindPoints(base, lattice.positions, 2, stencils::Rules::Siggraph96, points);
             return osd::evaluateBinding(bound.binding, lattice.positions);
         },
         15);

@@ -85,7 +85,7 @@ std::string formatted(double number) {
 /// That points wherever they lie, in cells however they lie, are bound where they are, or get a
 /// status that says that they are not.
 ///
-/// \param bind bind(refiner, rest, rules, points, options): a BoundModel<double>
+/// \param bind bind(refiner, rest, rules, points, options): a BindingResult
 template <class Bind>
 void runBinding(Input input, std::size_t maxPoints, Bind bind) {
     const far::TopologyRefiner refiner(takeComplex(input));
@@ -140,7 +140,7 @@ const Target kEmbedding("embedding", [](std::string_view bytes) {
     runBinding(Input(bytes), kMaxPoints,
                [](const auto& refiner, const auto& rest, auto rules, const auto& points,
                   const auto& options) {
-                   return embed::bindPoints<double>(refiner, rest, 1, rules, points, options);
+                   return embed::bindPoints(refiner, rest, 1, rules, points, options);
                });
 });
 
@@ -151,15 +151,13 @@ const Target kLimit("limit", [](std::string_view bytes) {
     runBinding(Input(bytes), kMaxPoints,
                [](const auto& refiner, const auto& rest, auto rules, const auto& points,
                   const auto& options) {
-                   auto bound = limit::bindLimit<double>(
+                   auto bound = limit::bindLimit(
                        refiner, rest, rules, points,
                        {.embedding = options, .tolerance = 1e-3, .gradients = true});
                    for (const auto& table : bound.binding.table.gradients)
                        for (const double weight : table.weights())
                            require(std::isfinite(weight), "gradients are finite");
-                   return embed::BoundModel<double>{
-                       limit::withoutGradients(std::move(bound.binding)), std::move(bound.statuses),
-                       bound.largestResidual};
+                   return limit::withoutGradients(std::move(bound));
                });
 });
 

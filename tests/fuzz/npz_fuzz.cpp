@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/files/zip_writer.h"
+#include "io/files/zip.h"
 
 #include <sstream>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/files/coding_error.h"
+#include "io/files/bytes.h"
 #include "io/vtk/vtk_payload.h"
 
 #include "fuzz_target.h"

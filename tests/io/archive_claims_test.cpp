@@ -8,7 +8,7 @@
 #include <sstream>
 #include <vector>
 
-#include "io/files/zip_writer.h"
+#include "io/files/zip.h"
 #include "io/matrices/npy.h"
 
 namespace espalier::test {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <limits>
 
-#include "io/files/byte_order.h"
+#include "io/files/bytes.h"
 #include "support/temporary_folder.h"
 
 namespace espalier::io {

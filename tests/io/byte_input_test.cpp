@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/files/byte_input.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include "io/files/bytes.h"
 
 namespace espalier::io {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/files/inflate.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include "io/files/coding_error.h"
+#include "io/files/bytes.h"
+#include "io/files/coding.h"
 
 #include <limits>
 

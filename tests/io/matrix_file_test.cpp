@@ -7,7 +7,7 @@
 #include <limits>
 #include <sstream>
 
-#include "io/files/zip_writer.h"
+#include "io/files/zip.h"
 #include "io/matrices/npy.h"
 
 // What the formats are byte by byte. That NumPy, SciPy and PETSc read them is tested in

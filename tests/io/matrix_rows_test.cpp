@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/matrices/matrix_rows.h"
 #include <io/matrix_samples.h>
-#include "io/files/coding_error.h"
+#include "io/files/bytes.h"
 
 namespace espalier::io {
 namespace {

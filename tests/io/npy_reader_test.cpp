@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "io/files/coding_error.h"
-#include "io/matrices/npy_reader.h"
+#include "io/files/bytes.h"
+#include "io/matrices/npy.h"
 
 namespace espalier::io {
 namespace {

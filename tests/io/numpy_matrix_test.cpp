@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/numpy_matrix.h>
 #include <io/matrix_samples.h>
 #include <io/model_files.h>
@@ -46,8 +47,8 @@ TEST(Npz, ComesBackToTheLastBit) {
     for (const Table& edge : test::edgeTables()) EXPECT_EQ(tableInNpz(bytesOf(edge)), edge);
     const test::TemporaryFolder folder;
     writeNpz(folder / "a.npz", table);
-    EXPECT_EQ(readNpz(folder / "a.npz"), table);
-    EXPECT_THROW(readNpz(folder / "none.npz"), FileError);
+    EXPECT_EQ(readMatrix(folder / "a.npz"), table);
+    EXPECT_THROW(readMatrix(folder / "none.npz"), FileError);
 }
 
 /// See tests/io/matrices/README.md.
@@ -55,12 +56,12 @@ TEST(Npz, OfScipyAndNumpyIsRead) {
     const auto folder = test::matrixFolder();
     for (const char* name :
          {"scipy-compressed.npz", "scipy-array-unsorted-stored.npz", "numpy-2-big-endian.npz"})
-        EXPECT_EQ(readNpz(folder / name), test::othersTable()) << name;
+        EXPECT_EQ(readMatrix(folder / name), test::othersTable()) << name;
     constexpr double kLargest = std::int64_t{1} << 53;
-    EXPECT_EQ(readNpz(folder / "numpy-3-integers.npz"),
+    EXPECT_EQ(readMatrix(folder / "numpy-3-integers.npz"),
               Table(100'000, {0, 2, 2, 5, 5}, {0, 2, 0, 1, 3}, {1, -2, kLargest, -kLargest, 0}));
-    EXPECT_EQ(readNpz(folder / "scipy-no-rows.npz"), Table(3, {0}, {}, {}));
-    EXPECT_THAT([&] { readNpz(folder / "scipy-csc.npz"); },
+    EXPECT_EQ(readMatrix(folder / "scipy-no-rows.npz"), Table(3, {0}, {}, {}));
+    EXPECT_THAT([&] { readMatrix(folder / "scipy-csc.npz"); },
                 ThrowsMessage<FileError>(
                     HasSubstr("scipy-csc.npz: the matrix is in the format 'csc'; expected 'csr'")));
 }

@@ -107,7 +107,7 @@ TEST(ObjMesh, EveryPartIsReadOrRefused) {
     for (std::size_t size = 0; size <= everything().size(); ++size) {
         putLatticeFile(folder / "a.obj", everything().substr(0, size));
         try {
-            const Lattice mesh = io::readObjMesh(folder / "a.obj");
+            const Lattice mesh = io::readRefinable(folder / "a.obj");
             far::validate(mesh.complex);
             EXPECT_EQ(mesh.positions.size(), static_cast<std::size_t>(mesh.complex.count(0)));
             ++readCount;
@@ -129,7 +129,7 @@ TEST(ObjMesh, SurvivesDamage) {
             damaged[at] = damage;
             putLatticeFile(folder / "a.obj", damaged);
             try {
-                io::readObjMesh(folder / "a.obj");
+                io::readRefinable(folder / "a.obj");
             } catch (const io::FileError&) {
             } catch (const far::TopologyError&) {
             } catch (...) {
@@ -178,7 +178,7 @@ TEST(ObjMesh, SharedSurfacesAreRead) {
     EXPECT_EQ(expected.size(), 24u);
     for (const auto& [name, shape] : expected) {
         SCOPED_TRACE(name);
-        const Lattice mesh = io::readObjMesh(folder / ("catmark_" + name + ".obj"));
+        const Lattice mesh = io::readRefinable(folder / ("catmark_" + name + ".obj"));
         EXPECT_EQ(mesh.complex.count(0), shape.vertexCount);
         EXPECT_EQ(mesh.complex.count(2), shape.faceCount);
         EXPECT_EQ(mesh.marks.edges.size(), shape.edges);
@@ -193,15 +193,15 @@ TEST(ObjMesh, SharedModelsAreRead) {
     if (!std::filesystem::exists(folder))
         GTEST_SKIP() << folder << " is absent: set ESPALIER_SHARED_DATA to have it read";
     // As grep -c '^v ' and '^f ' count them.
-    const Lattice arm = io::readObjMesh(folder / "rocker-arm.obj");
+    const Lattice arm = io::readRefinable(folder / "rocker-arm.obj");
     EXPECT_EQ(arm.complex.count(0), 10044);
     EXPECT_EQ(arm.complex.count(2), 20088);
-    const Lattice spot = io::readObjMesh(folder / "spot.obj");
+    const Lattice spot = io::readRefinable(folder / "spot.obj");
     EXPECT_EQ(spot.complex.count(0), 2930);
     EXPECT_EQ(spot.complex.count(2), 5856);
     expectSameMesh(readMesh(writtenMesh(spot)), spot);
     // 1113 of its points are in no face.
-    const Lattice bunny = io::readObjMesh(folder / "stanford-bunny.obj");
+    const Lattice bunny = io::readRefinable(folder / "stanford-bunny.obj");
     EXPECT_EQ(bunny.complex.count(0), 35947);
     EXPECT_EQ(bunny.complex.count(2), 69451);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/far/topology_match.h>
+#include <espalier/io/lattice_file.h>
 #include <espalier/io/models/obj_mesh.h>
 #include <io/lattice_samples.h>
 
@@ -25,12 +26,12 @@ inline const Loops kSquareLoops = {{0, 1, 4, 3}, {1, 2, 5, 4}};
 inline Lattice readMesh(const std::string& text) {
     const TemporaryFolder folder;
     putLatticeFile(folder / "a.obj", text);
-    return io::readObjMesh(folder / "a.obj");
+    return io::readRefinable(folder / "a.obj");
 }
 
 /// The message with which a mesh is refused, after the path; empty if it is not.
 inline std::string refusalOfMesh(const std::string& text) {
-    return refusalOf("a.obj", text, [](const std::string& path) { io::readObjMesh(path); });
+    return refusalOf("a.obj", text, [](const std::string& path) { io::readRefinable(path); });
 }
 
 inline std::string writtenMesh(const Lattice& mesh) {

@@ -272,7 +272,7 @@ TEST(ObjMesh, TopologyErrorsNameThePlaceAndKeepTheirCause) {
         const std::string path = (folder / "a.obj").string();
         putLatticeFile(path, text);
         try {
-            io::readObjMesh(path);
+            io::readRefinable(path);
             ADD_FAILURE() << what << ": was taken";
         } catch (const far::TopologyError& error) {
             EXPECT_EQ(error.cause(), cause);

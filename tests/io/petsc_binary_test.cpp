@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/petsc_binary.h>
 #include <io/matrix_samples.h>
 #include <io/model_files.h>
@@ -49,7 +50,7 @@ TEST(PetscBinary, ComesBackToTheLastBit) {
     }
     const test::TemporaryFolder folder;
     writePetscBinary(folder / "a.petsc", test::sampleTable<double>());
-    EXPECT_EQ(readPetscBinary(folder / "a.petsc"), test::sampleTable<double>());
+    EXPECT_EQ(readMatrix(folder / "a.petsc"), test::sampleTable<double>());
 }
 
 TEST(PetscBinary, SortsColumns) {
@@ -72,7 +73,7 @@ TEST(PetscBinary, RefusesAnotherKind) {
     EXPECT_EQ(tableInPetscFile(whole), Table(1, {0, 1}, {0}, {1}));
     // Complex weights, or a vector behind the matrix.
     refused(whole + bytesOf(0.0, std::endian::big), "double precision");
-    EXPECT_THROW(readPetscBinary("/no/such/file.petsc"), FileError);
+    EXPECT_THROW(readMatrix("/no/such/file.petsc"), FileError);
 }
 
 TEST(PetscBinary, RefusesWhatIsNoMatrix) {

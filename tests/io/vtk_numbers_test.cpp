@@ -5,54 +5,54 @@
 #include <limits>
 #include <string>
 
-#include "io/vtk/vtk_numbers.h"
+#include "io/files/number_types.h"
 
 namespace espalier::test {
 namespace {
 
-using io::VtkNumber;
+using io::NumberType;
 
-constexpr VtkNumber kAll[] = {
-    VtkNumber::Int8,   VtkNumber::UInt8, VtkNumber::Int16,  VtkNumber::UInt16,  VtkNumber::Int32,
-    VtkNumber::UInt32, VtkNumber::Int64, VtkNumber::UInt64, VtkNumber::Float32, VtkNumber::Float64};
+constexpr NumberType kAll[] = {
+    NumberType::Int8,   NumberType::UInt8, NumberType::Int16,  NumberType::UInt16,  NumberType::Int32,
+    NumberType::UInt32, NumberType::Int64, NumberType::UInt64, NumberType::Float32, NumberType::Float64};
 
 TEST(VtkNumbers, HaveNamesAndSizes) {
-    EXPECT_EQ(io::numberOfXmlName("UInt16"), VtkNumber::UInt16);
-    EXPECT_EQ(io::numberOfXmlName("Float64"), VtkNumber::Float64);
+    EXPECT_EQ(io::numberOfXmlName("UInt16"), NumberType::UInt16);
+    EXPECT_EQ(io::numberOfXmlName("Float64"), NumberType::Float64);
     EXPECT_FALSE(io::numberOfXmlName("String"));
     EXPECT_FALSE(io::numberOfXmlName("Bit"));
-    for (const VtkNumber type : kAll) EXPECT_EQ(io::numberOfXmlName(io::xmlName(type)), type);
-    EXPECT_EQ(io::numberOfLegacyName("unsigned_char"), VtkNumber::UInt8);
-    EXPECT_EQ(io::numberOfLegacyName("vtkidtype"), VtkNumber::Int32);
-    EXPECT_EQ(io::numberOfLegacyName("vtktypeint64"), VtkNumber::Int64);
+    for (const NumberType type : kAll) EXPECT_EQ(io::numberOfXmlName(io::xmlName(type)), type);
+    EXPECT_EQ(io::numberOfLegacyName("unsigned_char"), NumberType::UInt8);
+    EXPECT_EQ(io::numberOfLegacyName("vtkidtype"), NumberType::Int32);
+    EXPECT_EQ(io::numberOfLegacyName("vtktypeint64"), NumberType::Int64);
     EXPECT_FALSE(io::numberOfLegacyName("bit"));
-    EXPECT_EQ(io::byteSize(VtkNumber::UInt16), 2u);
-    EXPECT_EQ(io::byteSize(VtkNumber::Float64), 8u);
-    EXPECT_TRUE(io::isInteger(VtkNumber::UInt64));
-    EXPECT_FALSE(io::isInteger(VtkNumber::Float32));
+    EXPECT_EQ(io::byteSize(NumberType::UInt16), 2u);
+    EXPECT_EQ(io::byteSize(NumberType::Float64), 8u);
+    EXPECT_TRUE(io::isInteger(NumberType::UInt64));
+    EXPECT_FALSE(io::isInteger(NumberType::Float32));
 }
 
 TEST(VtkNumbers, AreDecodedInBothByteOrders) {
     const std::string bytes("\x01\x02\xff\xfe", 4);
-    const auto big = [&](VtkNumber type) {
+    const auto big = [&](NumberType type) {
         return io::decodeNumbers<std::int64_t>(bytes, type, std::endian::big);
     };
     using Values = std::vector<std::int64_t>;
-    EXPECT_EQ(big(VtkNumber::Int8), (Values{1, 2, -1, -2}));
-    EXPECT_EQ(big(VtkNumber::UInt8), (Values{1, 2, 255, 254}));
-    EXPECT_EQ(big(VtkNumber::Int16), (Values{0x0102, -2}));
-    EXPECT_EQ(big(VtkNumber::UInt16), (Values{0x0102, 0xfffe}));
-    EXPECT_EQ(big(VtkNumber::Int32), (Values{0x0102fffe}));
-    EXPECT_EQ(io::decodeNumbers<std::int64_t>(bytes, VtkNumber::UInt32, std::endian::little),
+    EXPECT_EQ(big(NumberType::Int8), (Values{1, 2, -1, -2}));
+    EXPECT_EQ(big(NumberType::UInt8), (Values{1, 2, 255, 254}));
+    EXPECT_EQ(big(NumberType::Int16), (Values{0x0102, -2}));
+    EXPECT_EQ(big(NumberType::UInt16), (Values{0x0102, 0xfffe}));
+    EXPECT_EQ(big(NumberType::Int32), (Values{0x0102fffe}));
+    EXPECT_EQ(io::decodeNumbers<std::int64_t>(bytes, NumberType::UInt32, std::endian::little),
               (Values{0xfeff0201}));
     // 1.5 is 3fc00000 (IEEE 754, single).
-    EXPECT_EQ(io::decodeNumbers<double>(std::string_view("\0\0\xc0\x3f", 4), VtkNumber::Float32,
+    EXPECT_EQ(io::decodeNumbers<double>(std::string_view("\0\0\xc0\x3f", 4), NumberType::Float32,
                                         std::endian::little),
               (std::vector<double>{1.5}));
 }
 
 TEST(VtkNumbers, ComeBackAsTheyWere) {
-    for (const VtkNumber type : kAll)
+    for (const NumberType type : kAll)
         for (const auto order : {std::endian::little, std::endian::big}) {
             const std::vector<double> reals = {0, 1, 100};
             EXPECT_EQ(io::decodeNumbers<double>(io::encodeNumbers<double>(reals, type, order), type,
@@ -68,16 +68,16 @@ TEST(VtkNumbers, ComeBackAsTheyWere) {
 
 TEST(VtkNumbers, OfTextAreRoundedAsTheirTypeSays) {
     io::TextReader text("f", "0.1 0.1 1e-46 1e39 7");
-    EXPECT_EQ(io::readNumber<double>(text, VtkNumber::Float64, "a number"), 0.1);
-    EXPECT_EQ(io::readNumber<double>(text, VtkNumber::Float32, "a number"), double{0.1f});
+    EXPECT_EQ(io::readNumber<double>(text, NumberType::Float64, "a number"), 0.1);
+    EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"), double{0.1f});
     // Below the smallest float and above the largest.
-    EXPECT_EQ(io::readNumber<double>(text, VtkNumber::Float32, "a number"), 0);
-    EXPECT_EQ(io::readNumber<double>(text, VtkNumber::Float32, "a number"),
+    EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"), 0);
+    EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"),
               std::numeric_limits<double>::infinity());
-    EXPECT_EQ(io::readNumber<std::int64_t>(text, VtkNumber::UInt8, "a number"), 7);
+    EXPECT_EQ(io::readNumber<std::int64_t>(text, NumberType::UInt8, "a number"), 7);
     io::TextReader bad("f", "x 1.5");
-    EXPECT_THROW(io::readNumber<double>(bad, VtkNumber::Float32, "a number"), io::FileError);
-    EXPECT_THROW(io::readNumber<std::int64_t>(bad, VtkNumber::Int32, "a number"), io::FileError);
+    EXPECT_THROW(io::readNumber<double>(bad, NumberType::Float32, "a number"), io::FileError);
+    EXPECT_THROW(io::readNumber<std::int64_t>(bad, NumberType::Int32, "a number"), io::FileError);
 }
 
 TEST(SaturatingProduct, StopsAtTheLargestNumber) {

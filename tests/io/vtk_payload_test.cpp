@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <io/model_files.h>
-#include "io/files/base64.h"
-#include "io/files/coding_error.h"
+#include "io/files/bytes.h"
+#include "io/files/coding.h"
 
 #include <limits>
 #include <string>

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "io/vtk/vtk_xml_writer.h"
+#include "io/vtk/vtk_xml.h"
 
 namespace espalier::io {
 namespace {
@@ -114,12 +114,12 @@ TEST(VtuDirections, OfPiecesTurnWithTheirPoints) {
 TEST(VtuDirections, ThatAreNoneStay) {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     const VtkCoding coding{std::endian::little, true, false};
-    const auto text = [&](const std::vector<double>& numbers, VtkNumber type) {
+    const auto text = [&](const std::vector<double>& numbers, NumberType type) {
         return file(piece(pointData(dataArrayElement<double>({"Normals", type, 3}, numbers,
                                                              VtkArrayForm::Base64, coding, ""))),
                     " byte_order=\"LittleEndian\" header_type=\"UInt64\"");
     };
-    for (const VtkNumber type : {VtkNumber::Float32, VtkNumber::Float64}) {
+    for (const NumberType type : {NumberType::Float32, NumberType::Float64}) {
         for (const double other : {kNan, std::numeric_limits<double>::infinity(), 0.0}) {
             const std::string before = text({1, 0, 0, 1, other, 0}, type);
             const auto model = readModel("a.vtu", before);
@@ -143,7 +143,7 @@ TEST(VtuDirections, TurnInEveryEncoding) {
                     "\" header_type=\"" + (has64BitHeader ? "UInt64" : "UInt32") + "\"" +
                     (isCompressed ? " compressor=\"vtkZLibDataCompressor\"" : "");
                 const auto element = [&](const std::vector<double>& numbers) {
-                    return dataArrayElement<double>({"Normals", VtkNumber::Float32, 3}, numbers,
+                    return dataArrayElement<double>({"Normals", NumberType::Float32, 3}, numbers,
                                                     VtkArrayForm::Base64, coding, "") +
                            "\n";
                 };

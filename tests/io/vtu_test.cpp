@@ -7,8 +7,8 @@
 
 #include <algorithm>
 
-#include "io/files/base64.h"
-#include "io/vtk/vtk_xml_writer.h"
+#include "io/files/coding.h"
+#include "io/vtk/vtk_xml.h"
 
 namespace espalier::test {
 namespace {
@@ -162,9 +162,9 @@ TEST(Vtu, ArraysOfAllCodingsAreRead) {
                                      "\" header_type=\"" + (isWide ? "UInt64" : "UInt32") + "\"" +
                                      (isCompressed ? " compressor=\"vtkZLibDataCompressor\"" : "");
                 for (const auto type :
-                     {io::VtkNumber::Int8, io::VtkNumber::UInt8, io::VtkNumber::Int16,
-                      io::VtkNumber::UInt16, io::VtkNumber::Int32, io::VtkNumber::UInt32,
-                      io::VtkNumber::Int64, io::VtkNumber::UInt64}) {
+                     {io::NumberType::Int8, io::NumberType::UInt8, io::NumberType::Int16,
+                      io::NumberType::UInt16, io::NumberType::Int32, io::NumberType::UInt32,
+                      io::NumberType::Int64, io::NumberType::UInt64}) {
                     const Integers values = {7, 0, 99, 1};
                     vtu.pieces = "";
                     vtu.piece({4, 1}, kTetrahedronPoints, tetrahedronCells(),

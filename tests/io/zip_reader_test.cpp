@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/files/zip_reader.h"
 #include <io/matrix_samples.h>
 #include <io/model_files.h>
-#include "io/files/coding_error.h"
-#include "io/files/zip_format.h"
-#include "io/files/zip_writer.h"
+#include "io/files/bytes.h"
+#include "io/files/zip.h"
 
 #include <sstream>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/files/zip_writer.h"
 #include <io/model_files.h>
+#include "io/files/zip.h"
 
 #include <cstdlib>
 

@@ -30,12 +30,12 @@ using test::times;
 using test::toPoint;
 using test::vec;
 
-using Bound = embed::BoundModel<double, LimitTable<double>>;
+using Bound = embed::BindingResultOf<LimitTable>;
 
 Bound bound(const Lattice& lattice, const std::vector<Point3>& points,
             const LimitOptions& options = {}, stencils::Rules rules = stencils::Rules::Siggraph96) {
-    return bindLimit<double>(TopologyRefiner(lattice.complex, refinerOptions(lattice)),
-                             lattice.positions, rules, points, options);
+    return bindLimit(TopologyRefiner(lattice.complex, refinerOptions(lattice)), lattice.positions,
+                     rules, points, options);
 }
 
 /// Vertices of a level in the limit, at a pose.
@@ -43,7 +43,7 @@ std::vector<Point3> limitPoints(const Lattice& lattice, int level,
                                 const std::vector<Point3>& pose) {
     TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
     refiner.refineUniform(level);
-    return stencils::applyLevelTable(buildVertexLimits<double>(refiner, level), pose);
+    return stencils::applyLevelTable(buildVertexLimits(refiner, level), pose);
 }
 
 /// The pose of a box lattice that the phantom layers 2P₀ − P₁ make a spline of: P(x, y, z) by the
@@ -149,7 +149,7 @@ std::vector<Point3> pointsInside(const Lattice& lattice, unsigned seed) {
 
 // At rest each point is where it was, and F is the identity.
 TEST(LimitBinding, KeepsTheRestPose) {
-    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
+    for (const auto& [name, lattice] : test::zoo()) {
         const auto points = pointsInside(lattice, 3);
         const Bound result = bound(lattice, points, {.gradients = true});
         EXPECT_EQ(result.count(embed::PointStatus::Inside), std::ssize(points)) << name;
@@ -174,7 +174,7 @@ TEST(LimitBinding, AffinePosesAreExact) {
     Matrix3d map;
     map << 1.2, 0.3, -0.1, 0.2, 0.8, 0.4, -0.3, 0.1, 1.1;
     const Vector3d shift(0.3, -0.7, 0.2);
-    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
+    for (const auto& [name, lattice] : test::zoo()) {
         const auto points = pointsInside(lattice, 4);
         auto pose = lattice.positions;
         for (Point3& p : pose) p = toPoint(map * vec(p) + shift);
@@ -190,7 +190,7 @@ TEST(LimitBinding, AffinePosesAreExact) {
 
 // The vertices of a level go where their limits go.
 TEST(LimitBinding, CarriesLimitsOfVerticesToTheirLimits) {
-    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
+    for (const auto& [name, lattice] : test::zoo()) {
         // The limit volume of three bars that meet in a corner is folded there (the determinant of
         // its Jacobian is negative): a place near it is in two cells at once.
         if (name == "tripod") continue;
@@ -224,8 +224,8 @@ TEST(LimitBinding, LevelsTendToIt) {
     double before = 0;
     for (int level = 2; level <= 5; ++level) {
         const auto model =
-            embed::bindPoints<double>(base, lattice.positions, level, stencils::Rules::Siggraph96,
-                                      points, {.outside = embed::OutsidePolicy::Nearest});
+            embed::bindPoints(base, lattice.positions, level, stencils::Rules::Siggraph96, points,
+                              {.outside = embed::OutsidePolicy::Nearest});
         const double distance = test::largestDistance(times(model.binding.table, pose), limit);
         if (level > 3) {
             EXPECT_LT(distance, before / 3) << level;
@@ -309,7 +309,7 @@ TEST(LimitBinding, PointsAroundIrregularLatticesAreCarried) {
 TEST(LimitBinding, PointsAroundRandomPolyhedraAreCarried) {
     std::mt19937 random(11);
     std::normal_distribution<double> along;
-    for (const auto& [name, lattice] : test::someOf(test::zoo())) {
+    for (const auto& [name, lattice] : test::zoo()) {
         std::vector<Point3> points;
         for (int i = 0; i < (test::kIsSlow ? 2 : 20); ++i)
             points.push_back(toPoint(3 * Vector3d(along(random), along(random), along(random))));
@@ -369,7 +369,7 @@ TEST(LimitBinding, WorksWithoutBoundaryControl) {
     const TopologyRefiner base(test::grid(cells), {.boundary = far::Boundary::Open});
     // What is left is the inner 2 × 2 × 2 cells.
     const std::vector<Point3> points = {{1.25, 2, 2.5}, {1, 1, 1}, {3, 3, 3}, {0.5, 2, 2}};
-    const auto model = bindLimit<double>(base, rest, stencils::Rules::Siggraph96, points);
+    const auto model = bindLimit(base, rest, stencils::Rules::Siggraph96, points);
     using enum embed::PointStatus;
     EXPECT_THAT(model.statuses, testing::ElementsAre(Inside, Inside, Inside, Outside));
 }
@@ -406,8 +406,7 @@ TEST(LimitBinding, RefusesWhatItCannotBind) {
     EXPECT_THROW(bound(lattice, {}, {}, stencils::Rules::Rats), Error);
     TopologyRefiner refined(lattice.complex);
     refined.refineUniform(1);
-    EXPECT_THROW(bindLimit<double>(refined, lattice.positions, stencils::Rules::Siggraph96, {}),
-                 Error);
+    EXPECT_THROW(bindLimit(refined, lattice.positions, stencils::Rules::Siggraph96, {}), Error);
 }
 
 }  // namespace

@@ -14,23 +14,22 @@ namespace {
 using far::TopologyRefiner;
 using stencils::Rules;
 
-template <class Real>
-embed::Binding<Real> bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
-                            const embed::EmbeddingOptions& options = {}) {
+embed::Binding bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
+                      const embed::EmbeddingOptions& options = {}) {
     TopologyRefiner refiner(lattice.complex);
     refiner.refineUniform(level);
     const auto positions =
         stencils::refinePositions(refiner, level, Rules::Siggraph96, lattice.positions);
     const auto embedding =
         embed::embedPoints(refiner.level(level).complex, positions, points, options);
-    return embed::makeBinding<Real>(refiner, level, Rules::Siggraph96, embedding, points);
+    return embed::makeBinding(refiner, level, Rules::Siggraph96, embedding, points);
 }
 
 // A cube sheared: points inside follow, the point outside is kept.
 TEST(Binding, MovesWhatIsInsideAndKeepsTheRest) {
     const Lattice cube = shapes::box();
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3, 3}, {1, 1, 1}};
-    const auto binding = bindTo<double>(cube, 2, points);
+    const auto binding = bindTo(cube, 2, points);
     EXPECT_EQ(binding.kept, std::vector<Index>{1});
     std::vector<Point3> pose = cube.positions;
     for (Point3& p : pose) p[0] += 2 * p[2];
@@ -45,10 +44,9 @@ TEST(Binding, InFactorsMovesAndKeepsTheSame) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});
     const std::vector<Point3> points = {{0.1, 0.2, 0.3}, {5, 5, 5}, {-0.3, 0.1, 0.9}, {0, 0, 0.5}};
     const TopologyRefiner base(lattice.complex);
-    const auto bound =
-        embed::bindPoints<double>(base, lattice.positions, 3, Rules::Siggraph96, points);
+    const auto bound = embed::bindPoints(base, lattice.positions, 3, Rules::Siggraph96, points);
     const auto factored =
-        embed::bindFactored<double>(base, lattice.positions, 3, Rules::Siggraph96, points);
+        embed::bindFactored(base, lattice.positions, 3, Rules::Siggraph96, points);
     EXPECT_EQ(factored.binding.kept, std::vector<Index>{1});
     auto pose = lattice.positions;
     for (Point3& p : pose) p[2] += p[0] * p[1];
@@ -65,8 +63,8 @@ TEST(Binding, FloatIsDoubleWithinItsPrecision) {
     std::vector<Point3> points;
     for (const double angle : {0.1, 1.0, 2.0, 4.0, 5.5})
         points.push_back({std::cos(angle), std::sin(angle), 0.1});
-    const auto single = bindTo<float>(torus, 2, points);
-    const auto exact = bindTo<double>(torus, 2, points);
+    const auto exact = bindTo(torus, 2, points);
+    const auto single = embed::convertBinding<float>(exact);
     auto pose = torus.positions;
     for (Point3& p : pose) p[2] += p[0] * p[1];
     const auto a = evaluateBinding(single, pose), b = evaluateBinding(exact, pose);
@@ -82,7 +80,7 @@ TEST(Binding, FloatIsDoubleWithinItsPrecision) {
 TEST(Binding, TableCarriesAnyAttribute) {
     const Lattice cube = shapes::box({.cells = {2, 2, 2}});
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {0.1, 0.9, 0.3}};
-    const auto binding = bindTo<double>(cube, 2, points);
+    const auto binding = bindTo(cube, 2, points);
     // Affine in space, so known everywhere: s = x + 2y, t = 1 − z.
     std::vector<double> texture, values(4);
     for (const Point3& p : cube.positions) {
@@ -104,14 +102,13 @@ TEST(Binding, RefusesOtherPointsThanWereEmbedded) {
     const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points);
     for (const std::size_t count : {2u, 4u}) {
         const std::vector<Point3> others(count);
-        EXPECT_THROW(embed::makeBinding<double>(refiner, 1, Rules::Siggraph96, embedding, others),
-                     Error);
+        EXPECT_THROW(embed::makeBinding(refiner, 1, Rules::Siggraph96, embedding, others), Error);
     }
 }
 
 TEST(Binding, RefusesAPoseOfAnotherSize) {
     const Lattice cube = shapes::box();
-    const auto binding = bindTo<double>(cube, 1, {{0.5, 0.5, 0.5}});
+    const auto binding = bindTo(cube, 1, {{0.5, 0.5, 0.5}});
     EXPECT_THROW(evaluateBinding(binding, shapes::octahedron().positions), Error);
 }
 

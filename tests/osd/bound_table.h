@@ -16,9 +16,10 @@ namespace espalier::test {
 template <class Real>
 stencils::StencilTable<Real> boundTable(const Lattice& lattice, std::size_t pointCount = 4000) {
     const Refined refined(lattice, 3);
-    return embed::bindPoints<Real>(far::TopologyRefiner(lattice.complex), lattice.positions, 3,
-                                   stencils::Rules::Siggraph96, pointsIn(refined, pointCount, 5))
-        .binding.table;
+    return stencils::convertTable<Real>(
+        embed::bindPoints(far::TopologyRefiner(lattice.complex), lattice.positions, 3,
+                          stencils::Rules::Siggraph96, pointsIn(refined, pointCount, 5))
+            .binding.table);
 }
 
 /// A table of all kinds of rows: outer products of a box, panels and rows alone of a cylinder,

@@ -27,9 +27,9 @@ using ::testing::HasSubstr;
 template <class Real>
 StencilTable<Real> boundTable(const Lattice& lattice, int level, std::size_t count) {
     const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
-    return embed::bindPoints<Real>(base, lattice.positions, level, Rules::Siggraph96,
-                                   test::pointsIn(test::Refined(lattice, 1), count, 5))
-        .binding.table;
+    return convertTable<Real>(embed::bindPoints(base, lattice.positions, level, Rules::Siggraph96,
+                                                test::pointsIn(test::Refined(lattice, 1), count, 5))
+                                  .binding.table);
 }
 
 template <class Real>
@@ -113,7 +113,7 @@ TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOnTheZoo) {
         SCOPED_TRACE(name);
         far::TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
         refiner.refineUniform(2);
-        const auto vertices = stencils::buildStencils<TypeParam>(refiner, 2);
+        const auto vertices = convertTable<TypeParam>(stencils::buildStencils(refiner, 2));
         expectSame(vertices, CompiledTable<TypeParam>(vertices), 3);
         if (lattice.complex.dimension() < 3) continue;
         const auto points = boundTable<TypeParam>(lattice, 2, 300);
@@ -129,7 +129,7 @@ TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOfEachForm) {
     const Lattice torus = test::surfaceOf(shapes::torus());
     far::TopologyRefiner refiner(torus.complex);
     refiner.refineUniform(4);
-    const auto surface = stencils::buildStencils<TypeParam>(refiner, 4);
+    const auto surface = convertTable<TypeParam>(stencils::buildStencils(refiner, 4));
     EXPECT_GT(CompiledTable<TypeParam>(box).productRowCount(), 100);
     for (const Simd simd : {Simd::Baseline, Simd::Avx2, Simd::Avx512}) {
         if (!hasSimd(simd)) continue;

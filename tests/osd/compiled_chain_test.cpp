@@ -47,8 +47,12 @@ TYPED_TEST(CompiledChainTest, LevelTablesInTurnAreTheirProduct) {
         SCOPED_TRACE(name);
         TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
         refiner.refineUniform(2);
-        const CompiledChain<TypeParam> chain(stencils::buildLevelTables<TypeParam>(refiner, 2));
-        const CompiledTable<TypeParam> table(stencils::buildStencils<TypeParam>(refiner, 2));
+        std::vector<StencilTable<TypeParam>> levels;
+        for (auto& level : stencils::buildLevelTables(refiner, 2))
+            levels.push_back(convertTable<TypeParam>(std::move(level)));
+        const CompiledChain<TypeParam> chain(levels);
+        const CompiledTable<TypeParam> table(
+            convertTable<TypeParam>(stencils::buildStencils(refiner, 2)));
         // Values are up to 1, rows sum to 1 and are of the same sign but for some by a half: 4 ulp
         // for each of the three tables, and one for the weights of each.
         expectNear(evaluate<TypeParam>(chain), evaluate<TypeParam>(table), 30 * kEpsilon);
@@ -61,13 +65,12 @@ TYPED_TEST(CompiledChainTest, FactorsGiveWhatTheirProductDoes) {
     const test::Refined refined(lattice, 2);
     const auto points = test::pointsIn(refined, 40'000, 3);
     const TopologyRefiner base(lattice.complex);
-    const auto factored =
-        embed::bindFactored<TypeParam>(base, refined.base, 2, Rules::Siggraph96, points);
-    const auto bound =
-        embed::bindPoints<TypeParam>(base, refined.base, 2, Rules::Siggraph96, points);
+    const auto factored = embed::bindFactored(base, refined.base, 2, Rules::Siggraph96, points);
+    const auto bound = embed::bindPoints(base, refined.base, 2, Rules::Siggraph96, points);
     EXPECT_EQ(factored.statuses, bound.statuses);
-    const CompiledChain<TypeParam> chain(factored.binding.table);
-    const CompiledTable<TypeParam> table(bound.binding.table);
+    const auto factors = convertTable<TypeParam>(factored.binding.table);
+    const CompiledChain<TypeParam> chain(factors);
+    const CompiledTable<TypeParam> table(convertTable<TypeParam>(bound.binding.table));
     EXPECT_EQ(chain.rowCount(), table.rowCount());
     EXPECT_EQ(chain.columnCount(), table.columnCount());
     expectNear(evaluate<TypeParam>(chain), evaluate<TypeParam>(table), 30 * kEpsilon);
@@ -82,9 +85,9 @@ TYPED_TEST(CompiledChainTest, FactorsHaveTheirAdjoint) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});
     const test::Refined refined(lattice, 2);
     const auto factors =
-        embed::bindFactored<Real>(TopologyRefiner(lattice.complex), refined.base, 2,
-                                  Rules::Siggraph96, test::pointsIn(refined, 3000, 3))
-            .binding.table;
+        convertTable<Real>(embed::bindFactored(TopologyRefiner(lattice.complex), refined.base, 2,
+                                               Rules::Siggraph96, test::pointsIn(refined, 3000, 3))
+                               .binding.table);
     const CompiledAdjointChain<Real> adjoint(factors);
     EXPECT_EQ(adjoint.rowCount(), factors.columnCount());
     EXPECT_EQ(adjoint.columnCount(), factors.rowCount());

@@ -36,7 +36,8 @@ StencilTable<Real> boundTable(const Lattice& lattice, std::size_t count, const P
         points[i / 3][i % 3] =
             (low[i % 3] + high[i % 3]) / 2 + (high[i % 3] - low[i % 3]) / 2 * values[i];
     const auto embedding = embed::embedPoints(refiner.level(3).complex, rest, points);
-    return embed::buildDeformationTable<Real>(refiner, 3, Rules::Siggraph96, embedding);
+    return convertTable<Real>(
+        embed::buildDeformationTable(refiner, 3, Rules::Siggraph96, embedding));
 }
 
 template <class Real>
@@ -109,7 +110,7 @@ TYPED_TEST(CompiledTableTest, Surfaces) {
     const Lattice torus = test::surfaceOf(shapes::torus());
     TopologyRefiner refiner(torus.complex);
     refiner.refineUniform(4);
-    const auto table = stencils::buildStencils<TypeParam>(refiner, 4);
+    const auto table = convertTable<TypeParam>(stencils::buildStencils(refiner, 4));
     const CompiledTable<TypeParam> compiled(table);
     EXPECT_LT(static_cast<double>(compiled.byteCount()), 0.55 * bytesOfCsr(table));
     expectWithinFourUlp(table);
@@ -117,7 +118,7 @@ TYPED_TEST(CompiledTableTest, Surfaces) {
         SCOPED_TRACE(name);
         TopologyRefiner zoo(lattice.complex, {.marks = lattice.marks});
         zoo.refineUniform(2);
-        expectWithinFourUlp(stencils::buildStencils<TypeParam>(zoo, 2));
+        expectWithinFourUlp(convertTable<TypeParam>(stencils::buildStencils(zoo, 2)));
     }
 }
 
@@ -145,7 +146,7 @@ TYPED_TEST(CompiledTableTest, RegularFacesShareTheirNumbers) {
         if (isShuffled) std::shuffle(loops.begin(), loops.end(), random);
         TopologyRefiner refiner(far::buildMesh(kSide * kSide, loops));
         refiner.refineUniform(3);
-        const auto table = stencils::buildStencils<TypeParam>(refiner, 3);
+        const auto table = convertTable<TypeParam>(stencils::buildStencils(refiner, 3));
         const CompiledTable<TypeParam> compiled(table);
         // Faces on the seams of the numbering have their columns in another order.
         EXPECT_LT(static_cast<double>(compiled.byteCount()),
@@ -183,7 +184,7 @@ TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
     const Lattice pole = test::pole(500, false);
     TopologyRefiner refiner(pole.complex);
     refiner.refineUniform(1);
-    const auto table = stencils::buildStencils<TypeParam>(refiner, 1);
+    const auto table = convertTable<TypeParam>(stencils::buildStencils(refiner, 1));
     EXPECT_LT(static_cast<double>(CompiledTable<TypeParam>(table).byteCount()),
               1.2 * bytesOfCsr(table));
 

@@ -71,12 +71,12 @@ std::vector<Point3> exactPoints() {
 template <class Real>
 void addResults(const far::TopologyRefiner& refiner, const Lattice& lattice, stencils::Rules rules,
                 Hash& hash) {
-    add(stencils::buildStencils<Real>(refiner, refiner.maxLevel(), rules), hash);
+    add(stencils::convertTable<Real>(stencils::buildStencils(refiner, refiner.maxLevel(), rules)),
+        hash);
     const auto points = exactPoints();
-    const auto bound =
-        embed::bindPoints<Real>(far::TopologyRefiner(lattice.complex, refiner.options()),
-                                lattice.positions, 2, rules, points);
-    const auto& table = bound.binding.table;
+    const auto bound = embed::bindPoints(far::TopologyRefiner(lattice.complex, refiner.options()),
+                                         lattice.positions, 2, rules, points);
+    const auto table = stencils::convertTable<Real>(bound.binding.table);
     add(table, hash);
     std::vector<Real> source;
     for (const Point3& position : lattice.positions)

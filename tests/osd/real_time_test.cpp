@@ -58,17 +58,17 @@ struct Tables {
              {shapes::box({.cells = {5, 4, 4}}), shapes::cylinder({.sectors = 5})}) {
             const far::TopologyRefiner base(lattice.complex);
             const auto points = test::pointsIn(test::Refined(lattice, 1), 12'000, 5);
-            tables.push_back(
-                embed::bindPoints<Real>(base, lattice.positions, 3, Rules::Siggraph96, points)
+            tables.push_back(stencils::convertTable<Real>(
+                embed::bindPoints(base, lattice.positions, 3, Rules::Siggraph96, points)
+                    .binding.table));
+            factored = stencils::convertTable<Real>(
+                embed::bindFactored(base, lattice.positions, 3, Rules::Siggraph96, points)
                     .binding.table);
-            factored =
-                embed::bindFactored<Real>(base, lattice.positions, 3, Rules::Siggraph96, points)
-                    .binding.table;
         }
         const Lattice torus = test::surfaceOf(shapes::torus());
         far::TopologyRefiner refiner(torus.complex);
         refiner.refineUniform(4);
-        tables.push_back(stencils::buildStencils<Real>(refiner, 4));
+        tables.push_back(stencils::convertTable<Real>(stencils::buildStencils(refiner, 4)));
         tables.push_back(test::tableOfLongRows<Real>(60, 2500, [](std::size_t) { return 0.001; }));
     }
 };
@@ -211,9 +211,10 @@ TYPED_TEST(RealTimeTest, KeptPoints) {
     using Real = TypeParam;
     const Lattice cube = shapes::box();
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3.25, 3}, {1, 1, 1}};
-    const auto binding = embed::bindPoints<Real>(far::TopologyRefiner(cube.complex), cube.positions,
-                                                 2, Rules::Siggraph96, points)
-                             .binding;
+    const auto binding =
+        embed::convertBinding<Real>(embed::bindPoints(far::TopologyRefiner(cube.complex),
+                                                      cube.positions, 2, Rules::Siggraph96, points)
+                                        .binding);
     const CompiledTable<Real> compiled(binding.table);
     Workspace workspace = compiled.workspace(3);
     std::vector<Real> pose, result(1 + 3 * 4, 99);

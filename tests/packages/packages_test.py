@@ -171,8 +171,8 @@ class Packages(unittest.TestCase):
         headers = {str(path.relative_to(self.prefix / "include/espalier"))
                    for path in self.prefix.glob("include/espalier/**/*.h")}
         self.assertIn("embed/local_binding.h", headers)
-        for name in ("limit/limit_search.h", "io/files/zip_writer.h", "solve/bernstein.h",
-                     "osd/cuda/cuda_calls.h"):
+        for name in ("limit/limit_search.h", "io/files/zip.h", "solve/bernstein.h",
+                     "osd/cuda/cuda_launch.h"):
             self.assertTrue((HERE.parents[1] / name).is_file(), name)
             self.assertNotIn(name, headers)
 

@@ -33,7 +33,7 @@ inline std::vector<Point3> positionsAt(const Lattice& lattice, const far::Topolo
 struct Frozen {
     Lattice rest;
     std::vector<Point3> model;
-    embed::Binding<double> binding;
+    embed::Binding binding;
 
     Frozen(const Lattice& lattice, int level, const std::vector<Point3>& points)
         : rest(lattice), model(points) {
@@ -41,8 +41,8 @@ struct Frozen {
         const embed::Embedding embedding = embed::embedPoints(
             refiner.level(level).complex, positionsAt(rest, refiner, level), points);
         EXPECT_EQ(embedding.count(embed::PointStatus::Inside), static_cast<Index>(points.size()));
-        binding = embed::makeBinding<double>(refiner, level, stencils::Rules::Siggraph96, embedding,
-                                             points);
+        binding =
+            embed::makeBinding(refiner, level, stencils::Rules::Siggraph96, embedding, points);
     }
 
     std::vector<Point3> posed(const std::vector<Point3>& pose) const {

@@ -22,9 +22,9 @@ class DistributedBinding : public ::testing::Test {
 protected:
     static constexpr int kLevel = 3;
 
-    embed::Binding<double> bind(std::span<const Point3> points) const {
-        return embed::bindPoints<double>(far::TopologyRefiner(lattice_.complex), lattice_.positions,
-                                         kLevel, stencils::Rules::Siggraph96, points)
+    embed::Binding bind(std::span<const Point3> points) const {
+        return embed::bindPoints(far::TopologyRefiner(lattice_.complex), lattice_.positions, kLevel,
+                                 stencils::Rules::Siggraph96, points)
             .binding;
     }
 

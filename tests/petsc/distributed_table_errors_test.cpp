@@ -95,7 +95,7 @@ TEST_F(DistributedTableErrors, MoreThanPetscCounts) {
 }
 
 TEST_F(DistributedTableErrors, KeptPointsThatAreNotThere) {
-    embed::Binding<double> own{rows_, {}, {}, 0};
+    embed::Binding own{rows_, {}, {}, 0};
     if (isLast()) own.kept = {rows_.rowCount()};
     const auto make = [&] { DistributedTable(MPI_COMM_WORLD, own, vertices_.count()); };
     EXPECT_EQ(errorOf(make), lastRank() + "1 points are kept, at 0 places");
@@ -109,8 +109,8 @@ TEST_F(DistributedTableErrors, KeptPointsThatAreNotThere) {
 // these are, each of at least 20,000 bytes.
 TEST_F(DistributedTableErrors, OutOfMemoryForCopies) {
     constexpr Index kMany = 5'000;
-    const embed::Binding<double> own{test::randomTable(kMany, kVertices, 1),
-                                     std::vector<Index>(kMany), std::vector<Point3>(kMany), 0};
+    const embed::Binding own{test::randomTable(kMany, kVertices, 1), std::vector<Index>(kMany),
+                             std::vector<Point3>(kMany), 0};
     // What comes before the copies takes far less, and the second limit leaves room for offsets of
     // 64 bits.
     for (const std::size_t bytes : {10'000u, 60'000u})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/osd/reference_evaluator.h>
+#include <espalier/osd/cpu_evaluator.h>
 #include <espalier/petsc/distributed_table.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/petsc_binary.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -105,7 +106,7 @@ TEST_F(MatrixLoad, WhatPetscWritesComesBackToTheLastBit) {
     withViewer(FILE_MODE_WRITE, [&](PetscViewer viewer) { return MatView(matrix_, viewer); });
     MPI_Barrier(MPI_COMM_WORLD);
     if (test::rank() == 0) {
-        EXPECT_EQ(io::readPetscBinary(path_), table);
+        EXPECT_EQ(io::readMatrix(path_), table);
     }
 }
 

@@ -30,10 +30,9 @@ struct Model {
 
     Model(const Lattice& chosen, std::size_t pointCount) : lattice(chosen) {
         const test::Refined refined(lattice, 2);
-        deformation =
-            embed::bindPoints<double>(far::TopologyRefiner(lattice.complex), lattice.positions, 2,
-                                      Rules::Siggraph96, test::pointsIn(refined, pointCount, 5))
-                .binding.table;
+        deformation = embed::bindPoints(far::TopologyRefiner(lattice.complex), lattice.positions, 2,
+                                        Rules::Siggraph96, test::pointsIn(refined, pointCount, 5))
+                          .binding.table;
     }
 
     std::vector<Point3> moved(const std::vector<Point3>& displacements) const {

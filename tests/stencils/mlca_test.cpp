@@ -343,8 +343,8 @@ TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
     TopologyRefiner refiner(builder.build());
     refiner.refineUniform(2);
     const auto whole = buildStencils(refiner, 2, Rules::Mlca);
-    EXPECT_EQ(whole, multiply<double>(buildLevelTable(refiner, 2, Rules::Mlca),
-                                      buildLevelTable(refiner, 1, Rules::Mlca)));
+    EXPECT_EQ(whole, multiply(buildLevelTable(refiner, 2, Rules::Mlca),
+                              buildLevelTable(refiner, 1, Rules::Mlca)));
     // The pieces differ: in the point of the shared triangle, on both levels.
     std::set<std::vector<double>> rows;
     const CellComplex& base = refiner.level(0).complex;

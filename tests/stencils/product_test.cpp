@@ -21,9 +21,9 @@ TEST(Multiply, IsTheProductOfMatrices) {
     const StencilTable<double> left(3, {0, 2, 2, 3}, {0, 2, 1}, {2, 3, 5});
     const StencilTable<double> right(2, {0, 1, 2, 4}, {1, 0, 0, 1}, {7, 11, 13, 17});
     // Row 0: 2·(0, 7) + 3·(13, 17); row 1 empty; row 2: 5·(11, 0).
-    EXPECT_EQ(multiply<double>(left, right),
+    EXPECT_EQ(multiply(left, right),
               StencilTable<double>(2, {0, 2, 2, 3}, {0, 1, 0}, {39, 65, 55}));
-    EXPECT_THROW(multiply<double>(right, left), Error);
+    EXPECT_THROW(multiply(right, left), Error);
 }
 
 /// Rows of up to `longest` entries that lie within `band` columns.
@@ -96,7 +96,7 @@ TEST(Multiply, IsThePlainProductToTheLastBit) {
                              Case{60, 2000, 3000, 200, 2000}, Case{50, 1, 1, 1, 1}}) {
         const auto left = randomTable(each.rows, each.middles, each.longest, each.band, 1);
         const auto right = randomTable(each.middles, each.columns, each.longest, each.band, 2);
-        EXPECT_EQ(multiply<double>(left, right), plainProduct(left, right)) << each.rows;
+        EXPECT_EQ(multiply(left, right), plainProduct(left, right)) << each.rows;
     }
 }
 
@@ -110,9 +110,8 @@ TEST(Multiply, DoesNotDependOnOrderOrThreads) {
             group = static_cast<Index>(random() % static_cast<unsigned>(groupCount));
         const RowOrder order(groups, groupCount);
         for (const int threads : {1, 3})
-            EXPECT_EQ(
-                test::withThreads(threads, [&] { return multiply<double>(left, right, order); }),
-                expected)
+            EXPECT_EQ(test::withThreads(threads, [&] { return multiply(left, right, order); }),
+                      expected)
                 << groupCount;
     }
 }

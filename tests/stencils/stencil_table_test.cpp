@@ -75,6 +75,7 @@ TEST(StencilTable, ConvertsBetweenPrecisions) {
     const StencilTable<double> table(2, {0, 2}, {0, 1}, {1. / 3, 2. / 3});
     const auto rounded = convertTable<float>(table);
     EXPECT_THAT(rounded.weights(0), ElementsAre(float(1. / 3), float(2. / 3)));
+    EXPECT_EQ(convertTable<float>(StencilTable<double>(table)), rounded);
     EXPECT_EQ(convertTable<double>(rounded).weights(0)[0], double(float(1. / 3)));
 }
 

@@ -169,7 +169,7 @@ inline std::vector<NamedLattice> featureLattices() {
     add("semi-sharp L", thickL, sharpened(thickL, 2.25));
     add("semi-sharp tripod", tripod, sharpened(tripod, 1.75));
     add("semi-sharp ring", ring, sharpened(ring, 0.75));
-    return all;
+    return someOf(std::move(all));
 }
 
 }  // namespace espalier::test

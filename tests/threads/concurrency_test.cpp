@@ -88,12 +88,10 @@ void expectSame(Index rowCount, Index columnCount,
 TEST(Concurrency, EvaluatorsOfOneTable) {
     const TopologyRefiner base(lattice().complex);
     const auto model = points(6000);
-    const auto table =
-        embed::bindPoints<float>(base, lattice().positions, 3, Rules::Siggraph96, model)
-            .binding.table;
-    const auto factors =
-        embed::bindFactored<float>(base, lattice().positions, 3, Rules::Siggraph96, model)
-            .binding.table;
+    const auto table = stencils::convertTable<float>(
+        embed::bindPoints(base, lattice().positions, 3, Rules::Siggraph96, model).binding.table);
+    const auto factors = stencils::convertTable<float>(
+        embed::bindFactored(base, lattice().positions, 3, Rules::Siggraph96, model).binding.table);
     const auto xyz = BufferDescriptor::packed(3);
     const Index rows = table.rowCount(), columns = table.columnCount();
     expectSame(rows, columns, [&](auto source, auto result) {
@@ -125,9 +123,8 @@ TEST(Concurrency, EvaluatorsOfOneTable) {
 }
 
 TEST(Concurrency, OneBinding) {
-    const auto bound =
-        embed::bindPoints<double>(TopologyRefiner(lattice().complex), lattice().positions, 3,
-                                  Rules::Siggraph96, points(3000));
+    const auto bound = embed::bindPoints(TopologyRefiner(lattice().complex), lattice().positions, 3,
+                                         Rules::Siggraph96, points(3000));
     const auto expected = evaluateBinding(bound.binding, lattice().positions);
     onThreads(
         [&](int) { EXPECT_EQ(evaluateBinding(bound.binding, lattice().positions), expected); });
@@ -137,8 +134,7 @@ TEST(Concurrency, OneBinding) {
 TEST(Concurrency, BindingToOneLattice) {
     const auto model = points(2000);
     const auto bind = [&](const TopologyRefiner& base) {
-        return embed::bindPoints<double>(base, lattice().positions, 3, Rules::Siggraph96, model)
-            .binding;
+        return embed::bindPoints(base, lattice().positions, 3, Rules::Siggraph96, model).binding;
     };
     const auto expected = bind(TopologyRefiner(shapes::cylinder({.sectors = 5}).complex));
     // Built again, so that nothing of it has been derived.

@@ -241,11 +241,11 @@ TEST(Executor, OffersAgainWhatWasTurnedAway) {
 }
 
 /// Points bound to a lattice, by groups on several threads.
-embed::BoundModel<float> bindModel() {
+embed::BindingResult bindModel() {
     static const Lattice lattice = shapes::cylinder({.sectors = 5});
     static const std::vector<Point3> points = test::pointsIn(test::Refined(lattice, 2), 20'000, 3);
-    return embed::bindPoints<float>(TopologyRefiner(lattice.complex), lattice.positions, 3,
-                                    stencils::Rules::Siggraph96, points);
+    return embed::bindPoints(TopologyRefiner(lattice.complex), lattice.positions, 3,
+                             stencils::Rules::Siggraph96, points);
 }
 
 TEST(ExecutorScope, ResultsAreTheSameBitForBit) {

@@ -270,10 +270,10 @@ TEST(Cancelled, TablesAndBindings) {
     const TopologyRefiner base(lattice().complex);
     const auto points = test::pointsIn(test::Refined(lattice(), 1), 20'000, 4);
     withAndWithoutThreads([&] {
-        cancelEverywhere([&] { return stencils::buildStencils<float>(refiner, 2); });
+        cancelEverywhere([&] { return stencils::buildStencils(refiner, 2); });
         cancelEverywhere([&] {
-            return embed::bindPoints<double>(base, lattice().positions, 2,
-                                             stencils::Rules::Siggraph96, points)
+            return embed::bindPoints(base, lattice().positions, 2, stencils::Rules::Siggraph96,
+                                     points)
                 .binding;
         });
     });

@@ -21,7 +21,7 @@ int main() {
     const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
     const std::vector<Point3> points = {{0.1, 0.2, 0.3}, {0.5, 0.5, 0.5}, {0.9, 0.1, 0.7}};
     const auto bound =
-        embed::bindPoints<double>(base, lattice.positions, 2, stencils::Rules::Siggraph96, points);
+        embed::bindPoints(base, lattice.positions, 2, stencils::Rules::Siggraph96, points);
     std::vector<Point3> pose = lattice.positions;
     for (Point3& position : pose)
         for (std::size_t c = 0; c < 3; ++c) position[c] += static_cast<double>(c + 1);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "descriptor_buffer.h"
-#include <unistd.h>
 #include "descriptor.h"
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "zip_reader.h"
 #include <zlib.h>
-#include "byte_input.h"
-#include "inflate.h"
-#include "zip_format.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+
+#include "bytes.h"
+#include "coding.h"
+#include "zip.h"
 
 namespace espalier::io {
 namespace {
@@ -88,6 +88,11 @@ void widen(std::string_view extra, std::initializer_list<std::uint64_t*> numbers
             if (*number == kZipAll32) *number = field.number<std::uint64_t>();
     }
 }
+
+constexpr std::uint16_t kVersion = 20, kZip64Version = 45;
+
+/// 1 January 1980: files do not depend on when they are written.
+constexpr std::uint16_t kNoTime = 0, kFirstDay = (1 << 5) | 1;
 
 }  // namespace
 
@@ -172,6 +177,70 @@ std::string_view ZipReader::read(std::string_view name, std::string& room) const
     if (bytes.size() != member.size || checksum != member.checksum)
         throw CodingError("is damaged: its checksum does not match");
     return bytes;
+}
+
+ZipWriter::ZipWriter(std::ostream& out, Zip64 zip64)
+    : out_(out, std::endian::little), zip64_(zip64) {}
+
+bool ZipWriter::isLarge(std::uint64_t number) const {
+    return zip64_ == Zip64::Always || number >= kZipAll32;
+}
+
+/// What a local header and an entry of the directory have in common.
+void ZipWriter::common(const Member& member, bool isZip64, std::uint16_t extraSize) {
+    constexpr std::uint16_t kFlags = 0;
+    const auto size = isLarge(member.size) ? kZipAll32 : static_cast<std::uint32_t>(member.size);
+    const auto compressedSize = size;
+    out_.number(isZip64 ? kZip64Version : kVersion, kFlags, kZipStored, kNoTime, kFirstDay,
+                member.checksum, compressedSize, size,
+                static_cast<std::uint16_t>(member.name.size()), extraSize);
+}
+
+void ZipWriter::add(const std::string& name, const std::function<void(ByteOutput&)>& write) {
+    std::ostream nowhere(nullptr);
+    ChecksummedOutput rehearsal(nowhere, std::endian::little);
+    write(rehearsal);
+    const Member member{name, rehearsal.count(), out_.count(), rehearsal.checksum()};
+
+    const bool isZip64 = isLarge(member.size);
+    out_.number(kZipLocalHeader);
+    common(member, isZip64, isZip64 ? 20 : 0);
+    out_.bytes(name);
+    if (isZip64) out_.number(kZip64Extra, std::uint16_t{16}, member.size, member.size);
+    write(out_);
+    members_.push_back(member);
+}
+
+void ZipWriter::finish() {
+    constexpr std::uint16_t kNoComment = 0, kDisk = 0, kAttributes = 0;
+    constexpr std::uint32_t kWideDisk = 0, kWideAttributes = 0, kDiskCount = 1;
+    const std::uint64_t begin = out_.count();
+    for (const Member& member : members_) {
+        const bool hasSize = isLarge(member.size), hasPlace = isLarge(member.place);
+        const auto extra = static_cast<std::uint16_t>((hasSize ? 16 : 0) + (hasPlace ? 8 : 0));
+        const bool isZip64 = extra > 0;
+        const std::uint16_t madeBy = isZip64 ? kZip64Version : kVersion;
+        out_.number(kZipDirectoryEntry, madeBy);
+        common(member, isZip64, isZip64 ? static_cast<std::uint16_t>(extra + 4) : 0);
+        out_.number(kNoComment, kDisk, kAttributes, kWideAttributes,
+                    hasPlace ? kZipAll32 : static_cast<std::uint32_t>(member.place));
+        out_.bytes(member.name);
+        if (isZip64) out_.number(kZip64Extra, extra);
+        if (hasSize) out_.number(member.size, member.size);
+        if (hasPlace) out_.number(member.place);
+    }
+    const std::uint64_t end = out_.count(), size = end - begin, count = members_.size();
+    const bool isZip64 = isLarge(begin) || isLarge(size) || count >= kZipAll16;
+    if (isZip64) {
+        constexpr std::uint64_t kBytesThatFollow = 44;
+        out_.number(kZip64DirectoryEnd, kBytesThatFollow, kZip64Version, kZip64Version, kWideDisk,
+                    kWideDisk, count, count, size, begin);
+        out_.number(kZip64Locator, kWideDisk, end, kDiskCount);
+    }
+    const auto count16 = isZip64 ? kZipAll16 : static_cast<std::uint16_t>(count);
+    out_.number(kZipDirectoryEnd, kDisk, kDisk, count16, count16,
+                isZip64 ? kZipAll32 : static_cast<std::uint32_t>(size),
+                isZip64 ? kZipAll32 : static_cast<std::uint32_t>(begin), kNoComment);
 }
 
 }  // namespace espalier::io

@@ -1,76 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
 
-#include "../files/byte_order.h"
-#include "vtk_numbers.h"
+#include "bytes.h"
+#include "number_types.h"
 
 namespace espalier::io {
 namespace {
 
 struct NumberName {
     std::string_view name;
-    VtkNumber type;
+    NumberType type;
 };
 
-constexpr NumberName kLegacyNames[] = {{"char", VtkNumber::Int8},
-                                       {"signed_char", VtkNumber::Int8},
-                                       {"unsigned_char", VtkNumber::UInt8},
-                                       {"short", VtkNumber::Int16},
-                                       {"unsigned_short", VtkNumber::UInt16},
-                                       {"int", VtkNumber::Int32},
-                                       {"unsigned_int", VtkNumber::UInt32},
-                                       {"vtkidtype", VtkNumber::Int32},
-                                       {"long", VtkNumber::Int64},
-                                       {"unsigned_long", VtkNumber::UInt64},
-                                       {"vtktypeint64", VtkNumber::Int64},
-                                       {"vtktypeuint64", VtkNumber::UInt64},
-                                       {"float", VtkNumber::Float32},
-                                       {"double", VtkNumber::Float64}};
+constexpr NumberName kLegacyNames[] = {{"char", NumberType::Int8},
+                                       {"signed_char", NumberType::Int8},
+                                       {"unsigned_char", NumberType::UInt8},
+                                       {"short", NumberType::Int16},
+                                       {"unsigned_short", NumberType::UInt16},
+                                       {"int", NumberType::Int32},
+                                       {"unsigned_int", NumberType::UInt32},
+                                       {"vtkidtype", NumberType::Int32},
+                                       {"long", NumberType::Int64},
+                                       {"unsigned_long", NumberType::UInt64},
+                                       {"vtktypeint64", NumberType::Int64},
+                                       {"vtktypeuint64", NumberType::UInt64},
+                                       {"float", NumberType::Float32},
+                                       {"double", NumberType::Float64}};
 
-constexpr VtkNumber kTypes[] = {
-    VtkNumber::Int8,   VtkNumber::UInt8, VtkNumber::Int16,  VtkNumber::UInt16,  VtkNumber::Int32,
-    VtkNumber::UInt32, VtkNumber::Int64, VtkNumber::UInt64, VtkNumber::Float32, VtkNumber::Float64};
-
-/// Calls f with a zero of the C++ type that is stored.
-template <class F>
-auto visitStored(VtkNumber type, F f) {
-    switch (type) {
-        case VtkNumber::Int8:
-            return f(std::int8_t{});
-        case VtkNumber::UInt8:
-            return f(std::uint8_t{});
-        case VtkNumber::Int16:
-            return f(std::int16_t{});
-        case VtkNumber::UInt16:
-            return f(std::uint16_t{});
-        case VtkNumber::Int32:
-            return f(std::int32_t{});
-        case VtkNumber::UInt32:
-            return f(std::uint32_t{});
-        case VtkNumber::Int64:
-            return f(std::int64_t{});
-        case VtkNumber::UInt64:
-            return f(std::uint64_t{});
-        case VtkNumber::Float32:
-            return f(float{});
-        case VtkNumber::Float64:
-            break;
-    }
-    return f(double{});
-}
+/// In the order of NumberType.
+constexpr const char* kXmlNames[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                                     "UInt32", "Int64", "UInt64", "Float32", "Float64"};
 
 /// Whether Value can take what is stored: reals are never cut down to integers.
 template <class Value, class Stored>
 constexpr bool kFits = std::is_floating_point_v<Value> || std::is_integral_v<Stored>;
 
 /// The next token as an integer in the range of its type.
-std::int64_t readInteger(TextReader& text, VtkNumber type, const char* what) {
-    if (type == VtkNumber::UInt64)
+std::int64_t readInteger(TextReader& text, NumberType type, const char* what) {
+    if (type == NumberType::UInt64)
         return static_cast<std::int64_t>(text.number<std::uint64_t>(what));
     const auto number = text.number<std::int64_t>(what);
     if (!canHold(type, number))
@@ -97,52 +71,50 @@ Stored toStored(Value value) {
 
 }  // namespace
 
-std::size_t byteSize(VtkNumber type) {
+std::size_t byteSize(NumberType type) {
     return visitStored(type, [](auto zero) { return sizeof zero; });
 }
 
-bool isInteger(VtkNumber type) {
+bool isInteger(NumberType type) {
     return visitStored(type, [](auto zero) { return std::is_integral_v<decltype(zero)>; });
 }
 
-const char* xmlName(VtkNumber type) {
-    constexpr const char* kNames[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
-                                      "UInt32", "Int64", "UInt64", "Float32", "Float64"};
-    return kNames[static_cast<std::size_t>(type)];
+const char* xmlName(NumberType type) {
+    return kXmlNames[static_cast<std::size_t>(type)];
 }
 
-std::optional<VtkNumber> numberOfXmlName(std::string_view name) {
-    for (const VtkNumber type : kTypes)
-        if (name == xmlName(type)) return type;
-    return std::nullopt;
+std::optional<NumberType> numberOfXmlName(std::string_view name) {
+    const auto at = std::ranges::find(kXmlNames, name);
+    if (at == std::end(kXmlNames)) return std::nullopt;
+    return static_cast<NumberType>(at - std::begin(kXmlNames));
 }
 
-std::optional<VtkNumber> numberOfLegacyName(std::string_view name) {
+std::optional<NumberType> numberOfLegacyName(std::string_view name) {
     for (const NumberName& entry : kLegacyNames)
         if (name == entry.name) return entry.type;
     return std::nullopt;
 }
 
-const char* legacyName(VtkNumber type) {
+const char* legacyName(NumberType type) {
     constexpr const char* kNames[] = {
         "signed_char",  "unsigned_char", "short",         "unsigned_short", "int",
         "unsigned_int", "vtktypeint64",  "vtktypeuint64", "float",          "double"};
     return kNames[static_cast<std::size_t>(type)];
 }
 
-static_assert(static_cast<int>(VtkNumber::Int8) == static_cast<int>(IntegerType::Int8) &&
-                  static_cast<int>(VtkNumber::UInt64) == static_cast<int>(IntegerType::UInt64),
+static_assert(static_cast<int>(NumberType::Int8) == static_cast<int>(IntegerType::Int8) &&
+                  static_cast<int>(NumberType::UInt64) == static_cast<int>(IntegerType::UInt64),
               "both types list the integers in the same order");
 
-VtkNumber numberOf(IntegerType type) {
-    return static_cast<VtkNumber>(type);
+NumberType numberOf(IntegerType type) {
+    return static_cast<NumberType>(type);
 }
 
-IntegerType integerTypeOf(VtkNumber type) {
+IntegerType integerTypeOf(NumberType type) {
     return static_cast<IntegerType>(type);
 }
 
-bool canHold(VtkNumber type, std::int64_t value) {
+bool canHold(NumberType type, std::int64_t value) {
     return visitStored(type, [&](auto zero) {
         using Stored = decltype(zero);
         if constexpr (std::is_floating_point_v<Stored> || std::is_same_v<Stored, std::uint64_t>)
@@ -152,8 +124,14 @@ bool canHold(VtkNumber type, std::int64_t value) {
     });
 }
 
+std::int64_t loadInteger(const char* bytes, NumberType type, std::endian order) {
+    return visitStored(type, [&](auto zero) {
+        return static_cast<std::int64_t>(loadNumber<decltype(zero)>(bytes, order));
+    });
+}
+
 template <class Value>
-std::vector<Value> decodeNumbers(std::string_view bytes, VtkNumber type, std::endian order) {
+std::vector<Value> decodeNumbers(std::string_view bytes, NumberType type, std::endian order) {
     return visitStored(type, [&](auto zero) {
         using Stored = decltype(zero);
         std::vector<Value> values;
@@ -167,7 +145,7 @@ std::vector<Value> decodeNumbers(std::string_view bytes, VtkNumber type, std::en
 }
 
 template <class Value>
-std::string encodeNumbers(std::span<const Value> values, VtkNumber type, std::endian order) {
+std::string encodeNumbers(std::span<const Value> values, NumberType type, std::endian order) {
     return visitStored(type, [&](auto zero) {
         using Stored = decltype(zero);
         std::string bytes;
@@ -181,9 +159,9 @@ std::string encodeNumbers(std::span<const Value> values, VtkNumber type, std::en
 }
 
 template <class Value>
-Value readNumber(TextReader& text, VtkNumber type, const char* what) {
+Value readNumber(TextReader& text, NumberType type, const char* what) {
     if constexpr (std::is_integral_v<Value>) return readInteger(text, type, what);
-    if (type != VtkNumber::Float32) return text.number<Value>(what);
+    if (type != NumberType::Float32) return text.number<Value>(what);
     // Straight to float where that is in range, so that the text is rounded once.
     const std::string_view token = text.token(what);
     float number = 0;
@@ -201,10 +179,10 @@ std::size_t saturatingProduct(std::size_t a, std::size_t b) {
     return b != 0 && a > kMost / b ? kMost : a * b;
 }
 
-#define ESPALIER_INSTANTIATE(Value)                                                      \
-    template std::vector<Value> decodeNumbers(std::string_view, VtkNumber, std::endian); \
-    template std::string encodeNumbers(std::span<const Value>, VtkNumber, std::endian);  \
-    template Value readNumber(TextReader&, VtkNumber, const char*);
+#define ESPALIER_INSTANTIATE(Value)                                                       \
+    template std::vector<Value> decodeNumbers(std::string_view, NumberType, std::endian); \
+    template std::string encodeNumbers(std::span<const Value>, NumberType, std::endian);  \
+    template Value readNumber(TextReader&, NumberType, const char*);
 ESPALIER_INSTANTIATE(double)
 ESPALIER_INSTANTIATE(std::int64_t)
 #undef ESPALIER_INSTANTIATE

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <espalier/base/array.h>
+#include <espalier/base/error.h>
+#include <espalier/base/memory.h>
+#include <espalier/io/files/file.h>
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <ostream>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace espalier::io {
+
+/// The number whose bytes begin at `bytes`, in this order; they need no alignment.
+template <class Number>
+Number loadNumber(const char* bytes, std::endian order) {
+    static_assert(std::is_arithmetic_v<Number>);
+    char native[sizeof(Number)];
+    std::memcpy(native, bytes, sizeof native);
+    if (order != std::endian::native) std::reverse(native, native + sizeof native);
+    Number number;
+    std::memcpy(&number, native, sizeof native);
+    return number;
+}
+
+/// Puts the bytes of a number at `bytes`, in this order.
+template <class Number>
+void storeNumber(char* bytes, Number number, std::endian order) {
+    static_assert(std::is_arithmetic_v<Number>);
+    std::memcpy(bytes, &number, sizeof number);
+    if (order != std::endian::native) std::reverse(bytes, bytes + sizeof number);
+}
+
+/// Coded data that cannot be decoded. what() is the cause only; whoever knows the file and the line
+/// makes a FileError of it.
+class CodingError : public Error {
+public:
+    using Error::Error;
+};
+
+/// Takes numbers in one order of bytes off some bytes. Whatever asks for more than is left gets a
+/// CodingError, before memory is taken for it.
+class ByteInput {
+public:
+    /// \param bytes must outlive what is read
+    ByteInput(std::string_view bytes, std::endian order) : bytes_(bytes), order_(order) {}
+
+    /// Bytes that are left.
+    std::size_t left() const { return bytes_.size(); }
+
+    std::string_view bytes(std::uint64_t count) {
+        if (count > left()) failFor(std::to_string(count) + " bytes");
+        const std::string_view taken = bytes_.substr(0, count);
+        bytes_.remove_prefix(count);
+        return taken;
+    }
+
+    template <class Number>
+    Number number() {
+        return loadNumber<Number>(bytes(sizeof(Number)).data(), order_);
+    }
+
+    /// Numbers, each stored as a Stored.
+    /// \throws CodingError naming the first, counted from 0, that is no Number
+    template <class Stored, class Number>
+    Array<Number> numbersAs(std::uint64_t count) {
+        if (count > left() / sizeof(Stored))
+            failFor(std::to_string(count) + " numbers of " + std::to_string(sizeof(Stored)) +
+                    " bytes");
+        requireMemory(count * sizeof(Number), "its data");
+        const std::string_view stored = bytes(count * sizeof(Stored));
+        Array<Number> numbers(count);
+        if (std::is_same_v<Stored, Number> && order_ == std::endian::native) {
+            if (count > 0) std::memcpy(numbers.data(), stored.data(), stored.size());
+            return numbers;
+        }
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+            const auto number = loadNumber<Stored>(stored.data() + i * sizeof(Stored), order_);
+            if (!isHeldBy<Number>(number))
+                throw CodingError("number " + std::to_string(i) + " is " + std::to_string(number) +
+                                  ", beyond what can be held");
+            numbers[i] = static_cast<Number>(number);
+        }
+        return numbers;
+    }
+
+private:
+    /// Whether a Number can be exactly this. Real numbers are read as reals of no fewer bits.
+    template <class Number, class Stored>
+    static bool isHeldBy(Stored number) {
+        if constexpr (std::is_floating_point_v<Stored>) {
+            static_assert(std::is_floating_point_v<Number> && sizeof(Number) >= sizeof(Stored));
+            return true;
+        } else if constexpr (std::is_floating_point_v<Number>) {
+            constexpr auto kLargest = std::int64_t{1} << std::numeric_limits<Number>::digits;
+            return std::cmp_less_equal(number, kLargest) &&
+                   std::cmp_greater_equal(number, -kLargest);
+        } else {
+            return std::in_range<Number>(number);
+        }
+    }
+
+    [[noreturn]] void failFor(const std::string& expected) const {
+        throw CodingError("the data ends too early: " + expected + " are expected, " +
+                          std::to_string(left()) + " bytes are there");
+    }
+
+    std::string_view bytes_;
+    std::endian order_;
+};
+
+/// Returns what `decode` does; a CodingError of it becomes a FileError of this file, and a
+/// MemoryError names it.
+template <class Decode>
+auto decodeFile(const std::filesystem::path& path, Decode decode) {
+    try {
+        return decode();
+    } catch (const CodingError& error) {
+        throw FileError(path, error.what());
+    } catch (const MemoryError& error) {
+        throw MemoryError(shownPath(path) + ": " + error.what());
+    }
+}
+
+/// Writes numbers in one order of bytes.
+class ByteOutput {
+public:
+    ByteOutput(std::ostream& out, std::endian order) : out_(out), order_(order) {}
+    virtual ~ByteOutput() = default;
+
+    virtual void bytes(std::string_view bytes) {
+        out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        count_ += bytes.size();
+    }
+
+    /// Writes numbers, each in its own type.
+    template <class... Numbers>
+    void number(Numbers... numbers) {
+        const auto one = [&](auto number) {
+            char stored[sizeof number];
+            storeNumber(stored, number, order_);
+            bytes({stored, sizeof stored});
+        };
+        (one(numbers), ...);
+    }
+
+    /// Numbers, each as a Stored, which holds them.
+    template <class Stored, class Number>
+    void numbersAs(std::span<const Number> numbers) {
+        if (std::is_same_v<Stored, Number> && order_ == std::endian::native)
+            return bytes({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});
+        constexpr std::size_t kBlock = 4096;
+        std::array<char, kBlock * sizeof(Stored)> stored;
+        while (!numbers.empty()) {
+            const auto block = numbers.first(std::min(numbers.size(), kBlock));
+            for (std::size_t i = 0; i < block.size(); ++i)
+                storeNumber(stored.data() + i * sizeof(Stored), static_cast<Stored>(block[i]),
+                            order_);
+            bytes({stored.data(), block.size() * sizeof(Stored)});
+            numbers = numbers.subspan(block.size());
+        }
+    }
+
+    template <class Number>
+    void numbers(std::span<const Number> numbers) {
+        numbersAs<Number>(numbers);
+    }
+
+    /// Bytes written.
+    std::uint64_t count() const { return count_; }
+
+private:
+    std::ostream& out_;
+    std::endian order_;
+    std::uint64_t count_ = 0;
+};
+
+/// The same, with the CRC-32 of all that was written.
+class ChecksummedOutput : public ByteOutput {
+public:
+    using ByteOutput::ByteOutput;
+
+    void bytes(std::string_view bytes) override {
+        if (bytes.empty()) return;  // zlib takes a null pointer for the start of a new checksum.
+        ByteOutput::bytes(bytes);
+        crc_ = crc32_z(crc_, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+    }
+    std::uint32_t checksum() const { return static_cast<std::uint32_t>(crc_); }
+
+private:
+    uLong crc_ = crc32_z(0, nullptr, 0);
+};
+
+}  // namespace espalier::io
