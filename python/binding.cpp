@@ -18,7 +18,6 @@
 #include <utility>
 
 #include "evaluation.h"
-#include "model.h"
 #include "module.h"
 #include "pickling.h"
 #include "refiner.h"
@@ -206,11 +205,11 @@ std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& sta
 }
 
 std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
-    const auto count = static_cast<std::size_t>(bound.binding.table.rowCount());
+    const Index count = bound.binding.table.rowCount();
     if (count == 0) return std::vector<Point3>();
     if (bound.modelName.empty()) return std::nullopt;
     auto points = pointsOf(modelOfBytes(bound.modelName, bound.modelBytes));
-    if (points.size() != count)
+    if (std::ssize(points) != count)
         throw Error(concat("binds ", count, " points; its model has ", points.size()));
     return points;
 }
@@ -263,9 +262,9 @@ Returns the array; float32 and compiling as in deform().
             "known either.")
         .def("__repr__", [](const BoundPoints& self) {
             const auto& table = self.bound.binding.table;
-            return "<espalier.Binding: " + std::to_string(table.rowCount()) + " points x " +
-                   std::to_string(table.columnCount()) + " vertices, " +
-                   std::to_string(self.bound.binding.kept.size()) + " kept in place>";
+            return concat("<espalier.Binding: ", table.rowCount(), " points x ",
+                          table.columnCount(), " vertices, ", self.bound.binding.kept.size(),
+                          " kept in place>");
         });
     addPoints(type);
     addPickling(type, &stateOfBinding, &bindingOfState);
