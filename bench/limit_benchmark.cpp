@@ -31,8 +31,8 @@ struct Scene {
     embed::Binding bind(int level) const {
         if (level > 0)
             return embed::bindPoints(base, lattice.positions, level, kRules, points).binding;
-        return limit::withoutGradients(
-            limit::bindLimit(base, lattice.positions, kRules, points).binding);
+        return limit::withoutGradients(limit::bindLimit(base, lattice.positions, kRules, points))
+            .binding;
     }
 
     /// The vertices where no two go the same way: by sines of places.

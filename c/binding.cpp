@@ -22,27 +22,24 @@ static_assert(sizeof(embed::PointStatus) == sizeof(std::uint8_t));
 namespace espalier::c {
 namespace {
 
-/// \param found what binding found; its binding may have been moved from
-template <class Found>
-espalier_binding::Data dataOf(embed::Binding binding, Found& found) {
-    return {{std::move(binding), {}, {}}, std::move(found.statuses), found.largestResidual};
-}
-
-espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Point3> positions,
-                            std::span<const Point3> points, const espalier_bind_options& chosen) {
+embed::BindingResult bind(const espalier_refiner& refiner, std::span<const Point3> positions,
+                          std::span<const Point3> points, const espalier_bind_options& chosen) {
     const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
-    if (chosen.limit_tolerance != 0) {
-        auto found = limit::bindLimit(base, positions, refiner.rules, points,
-                                      {.embedding = options, .tolerance = chosen.limit_tolerance});
-        return dataOf(limit::withoutGradients(std::move(found.binding)), found);
-    }
-    auto found = embed::bindPoints(base, positions, chosen.level, refiner.rules, points, options);
-    return dataOf(std::move(found.binding), found);
+    if (chosen.limit_tolerance == 0)
+        return embed::bindPoints(base, positions, chosen.level, refiner.rules, points, options);
+    return limit::withoutGradients(
+        limit::bindLimit(base, positions, refiner.rules, points,
+                         {.embedding = options, .tolerance = chosen.limit_tolerance}));
 }
 
 espalier_binding* newBinding(espalier_binding::Data data) {
     return new espalier_binding{std::make_shared<const espalier_binding::Data>(std::move(data))};
+}
+
+espalier_binding* newBinding(embed::BindingResult result) {
+    return newBinding(
+        {{std::move(result.binding), {}, {}}, std::move(result.statuses), result.largestResidual});
 }
 
 const espalier_binding::Data& dataOf(const espalier_binding* binding) {
@@ -94,12 +91,7 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
         if (!own.marks.empty())
             throw Error("the lattice has marks, which only subdivision heeds; clear them");
         const embed::TensorLattice tensor(own.complex, own.positions, chosenBasis);
-        const auto embedding = embed::embedPoints(tensor, model, c::embeddingOptions(chosen));
-        std::vector<embed::PointStatus> statuses;
-        for (const auto& place : embedding.points) statuses.push_back(place.status);
-        return c::newBinding({{embed::makeBinding(tensor, embedding, model), {}, {}},
-                              std::move(statuses),
-                              embedding.largestResidual()});
+        return c::newBinding(embed::bindPoints(tensor, model, c::embeddingOptions(chosen)));
     });
 }
 
@@ -113,8 +105,9 @@ espalier_status espalier_binding_save(const espalier_binding* binding, const cha
 }
 
 espalier_status espalier_binding_load(const char* path, espalier_binding** binding) {
-    return c::result(binding, "binding",
-                     [&] { return c::newBinding({io::readBoundModel(&c::deref(path, "path"))}); });
+    return c::result(binding, "binding", [&] {
+        return c::newBinding(espalier_binding::Data{io::readBoundModel(&c::deref(path, "path"))});
+    });
 }
 
 espalier_status espalier_binding_table(const espalier_binding* binding, espalier_table** table) {

@@ -24,7 +24,7 @@ namespace {
 
 std::vector<std::int64_t> offsetsOf(const far::Incidence& relation) {
     std::vector<std::int64_t> offsets;
-    offsets.reserve(static_cast<std::size_t>(relation.rowCount()) + 1);
+    offsets.reserve(relation.rowCount() + 1);
     for (Index row = 0; row <= relation.rowCount(); ++row) offsets.push_back(relation.offset(row));
     return offsets;
 }

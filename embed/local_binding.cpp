@@ -126,4 +126,14 @@ BindingResultOf<stencils::FactoredTable<double>> bindFactored(
                                                  progress);
 }
 
+BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
+                         const EmbeddingOptions& options,
+                         const std::function<void(Offset)>& progress) {
+    const TensorEmbedding embedding = embedPoints(lattice, points, options, progress);
+    BindingResult result{makeBinding(lattice, embedding, points), {}, embedding.largestResidual()};
+    result.statuses.reserve(points.size());
+    for (const auto& point : embedding.points) result.statuses.push_back(point.status);
+    return result;
+}
+
 }  // namespace espalier::embed

@@ -18,7 +18,6 @@
 #include <utility>
 
 #include "evaluation.h"
-#include "model.h"
 #include "module.h"
 #include "pickling.h"
 #include "refiner.h"
@@ -37,32 +36,28 @@ void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Ba
             bool isLimit, int level, const embed::EmbeddingOptions& options, bool hasDirections) {
     const Lattice& lattice = *refiner.lattice();
     const std::vector<Point3>& points = *result.points;
-    const auto keep = [&](auto& found, embed::Binding binding) {
-        result.bound.binding = std::move(binding);
-        result.statuses = std::move(found.statuses);
-        result.largestResidual = found.largestResidual;
-    };
+    embed::BindingResult found;
     if (basis) {
         // To go on without them would be another deformation than the lattice asks for.
         if (!lattice.marks.empty())
             throw Error("basis: the lattice has marks, which only subdivision heeds");
-        const embed::TensorLattice tensor(lattice.complex, lattice.positions, *basis);
-        const auto embedding = embed::embedPoints(tensor, points, options);
-        result.bound.binding = embed::makeBinding(tensor, embedding, points);
-        for (const auto& point : embedding.points) result.statuses.push_back(point.status);
-        result.largestResidual = embedding.largestResidual();
+        found = embed::bindPoints(embed::TensorLattice(lattice.complex, lattice.positions, *basis),
+                                  points, options);
     } else if (isLimit) {
-        auto found = limit::bindLimit(
+        auto inLimit = limit::bindLimit(
             refiner.base(), lattice.positions, refiner.rules(), points,
             {.embedding = options, .tolerance = options.tolerance, .gradients = hasDirections});
         if (hasDirections)
-            result.bound.gradients = {std::move(found.binding.table.gradients), lattice.positions};
-        keep(found, limit::withoutGradients(std::move(found.binding)));
+            result.bound.gradients = {std::move(inLimit.binding.table.gradients),
+                                      lattice.positions};
+        found = limit::withoutGradients(std::move(inLimit));
     } else {
-        auto found = embed::bindPoints(refiner.base(), lattice.positions, level, refiner.rules(),
-                                       points, options);
-        keep(found, std::move(found.binding));
+        found = embed::bindPoints(refiner.base(), lattice.positions, level, refiner.rules(), points,
+                                  options);
     }
+    result.bound.binding = std::move(found.binding);
+    result.statuses = std::move(found.statuses);
+    result.largestResidual = found.largestResidual;
 }
 
 Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
@@ -210,11 +205,11 @@ std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& sta
 }
 
 std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
-    const auto count = static_cast<std::size_t>(bound.binding.table.rowCount());
+    const Index count = bound.binding.table.rowCount();
     if (count == 0) return std::vector<Point3>();
     if (bound.modelName.empty()) return std::nullopt;
     auto points = pointsOf(modelOfBytes(bound.modelName, bound.modelBytes));
-    if (points.size() != count)
+    if (std::ssize(points) != count)
         throw Error(concat("binds ", count, " points; its model has ", points.size()));
     return points;
 }
@@ -267,9 +262,9 @@ Returns the array; float32 and compiling as in deform().
             "known either.")
         .def("__repr__", [](const BoundPoints& self) {
             const auto& table = self.bound.binding.table;
-            return "<espalier.Binding: " + std::to_string(table.rowCount()) + " points x " +
-                   std::to_string(table.columnCount()) + " vertices, " +
-                   std::to_string(self.bound.binding.kept.size()) + " kept in place>";
+            return concat("<espalier.Binding: ", table.rowCount(), " points x ",
+                          table.columnCount(), " vertices, ", self.bound.binding.kept.size(),
+                          " kept in place>");
         });
     addPoints(type);
     addPickling(type, &stateOfBinding, &bindingOfState);

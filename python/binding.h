@@ -4,6 +4,7 @@
 #include <espalier/base/point.h>
 #include <espalier/embed/point_location.h>
 #include <espalier/io/binding_file.h>
+#include <espalier/io/model.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 
@@ -12,12 +13,29 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <tuple>
 #include <vector>
 
 #include "tables.h"
 
 namespace espalier::python {
+
+/// The file of a model, and what is read from it.
+struct ModelFile {
+    std::string name;  ///< without folders
+    std::string bytes;
+    std::shared_ptr<const io::Model> model;
+};
+
+/// A copy of the points of a model.
+std::vector<Point3> pointsOf(const ModelFile& file);
+
+/// A model of points alone, as a file that says so: points.obj.
+ModelFile modelOfPoints(std::span<const Point3> points);
+
+/// \param name whose extension is that of the format
+ModelFile modelOfBytes(std::string name, std::string bytes);
 
 /// A value that is made when it is first asked for.
 ///

@@ -68,8 +68,8 @@ py::sequence sequenceOf(const py::handle& object, const std::string& name,
 /// The rows of a two-dimensional array of integers.
 struct IndexRows {
     py::array_t<Index> array;
-    std::size_t count() const { return static_cast<std::size_t>(array.shape(0)); }
-    std::size_t length() const { return static_cast<std::size_t>(array.shape(1)); }
+    std::size_t count() const { return array.shape(0); }
+    std::size_t length() const { return array.shape(1); }
     std::span<const Index> operator[](std::size_t row) const {
         return {array.data() + row * length(), length()};
     }
@@ -100,7 +100,7 @@ void addCell(far::ComplexBuilder& builder, const py::sequence& cell, const std::
     }
     std::vector<std::vector<Index>> loops;
     for (std::size_t i = 0; i < cell.size(); ++i)
-        loops.push_back(toIndices(cell[i], name + "[" + std::to_string(i) + "]"));
+        loops.push_back(toIndices(cell[i], concat(name, "[", i, "]")));
     builder.addCell(loops);
 }
 
@@ -159,7 +159,7 @@ far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
     }
     const auto list = sequenceOf(cells, "cells", "an array or a list of cells");
     for (std::size_t i = 0; i < list.size(); ++i) {
-        const std::string name = "cells[" + std::to_string(i) + "]";
+        const std::string name = concat("cells[", i, "]");
         addCell(builder, sequenceOf(list[i], name, "a list of vertices or of loops"), name);
     }
     return withoutGil([&] { return builder.build(); });
@@ -175,7 +175,7 @@ far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
         });
     const auto list = sequenceOf(faces, "faces", "an array or a list of loops");
     for (std::size_t i = 0; i < list.size(); ++i)
-        builder.addFace(toIndices(list[i], "faces[" + std::to_string(i) + "]"));
+        builder.addFace(toIndices(list[i], concat("faces[", i, "]")));
     return withoutGil([&] { return builder.build(); });
 }
 
@@ -374,28 +374,27 @@ VertexSharpness vertexSharpness(const Lattice& lattice) {
     return sharpness;
 }
 
-/// Owned by the lattice, which is `self`.
-py::dict attributesIn(const py::object& self) {
-    const auto& lattice = self.cast<const Lattice&>();
+/// The values of attributes or integers of a lattice, which is `self` and owns them.
+template <class List>
+py::dict arraysOf(const List& list, const py::object& self) {
+    const auto count = static_cast<py::ssize_t>(self.cast<const Lattice&>().positions.size());
     py::dict arrays;
-    for (const VertexAttribute& attribute : lattice.attributes)
-        arrays[strOfName(attribute.name)] = viewOf(
-            std::span<const double>(attribute.values),
-            {static_cast<py::ssize_t>(lattice.positions.size()), attribute.components}, self);
+    for (const auto& each : list)
+        arrays[strOfName(each.name)] =
+            viewOf(std::span(each.values), {count, each.components}, self);
     return arrays;
 }
 
-/// Owned by the lattice, which is `self`.
+py::dict attributesIn(const py::object& self) {
+    return arraysOf(self.cast<const Lattice&>().attributes, self);
+}
+
 py::dict integersIn(const py::object& self) {
-    const auto& lattice = self.cast<const Lattice&>();
-    py::dict arrays;
-    for (const VertexIntegers& integers : lattice.integers) {
-        const auto view =
-            viewOf(std::span<const std::int64_t>(integers.values),
-                   {static_cast<py::ssize_t>(lattice.positions.size()), integers.components}, self);
-        arrays[strOfName(integers.name)] =
-            integers.type == IntegerType::UInt64 ? view.attr("view")("uint64") : py::object(view);
-    }
+    const auto& integers = self.cast<const Lattice&>().integers;
+    const py::dict arrays = arraysOf(integers, self);
+    for (const VertexIntegers& each : integers)
+        if (const py::str name = strOfName(each.name); each.type == IntegerType::UInt64)
+            arrays[name] = arrays[name].attr("view")("uint64");
     return arrays;
 }
 
@@ -410,10 +409,10 @@ py::dict tagsOf(const Lattice& lattice) {
 
 std::string summaryOf(const Lattice& lattice) {
     const auto& complex = lattice.complex;
-    std::string text = "<espalier.Lattice: " + std::to_string(complex.count(0)) + " vertices, " +
-                       std::to_string(complex.count(1)) + " edges";
-    if (complex.dimension() > 1) text += ", " + std::to_string(complex.count(2)) + " faces";
-    if (complex.dimension() > 2) text += ", " + std::to_string(complex.count(3)) + " cells";
+    std::string text =
+        concat("<espalier.Lattice: ", complex.count(0), " vertices, ", complex.count(1), " edges");
+    if (complex.dimension() > 1) text += concat(", ", complex.count(2), " faces");
+    if (complex.dimension() > 2) text += concat(", ", complex.count(3), " cells");
     return text + ">";
 }
 

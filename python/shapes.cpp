@@ -194,7 +194,7 @@ void addSolids(py::module_& module) {
 
 void addShapes(py::module_& module) {
     auto shapesModule = module.def_submodule(
-        "shapes", "The inventory of lattices (MacCracken & Joy 1996, section 5).");
+        "_shapes", "The inventory of lattices (MacCracken & Joy 1996, section 5).");
     shapesModule.attr("__module__") = "espalier.shapes";
     shapesModule.def(
         "box",

@@ -39,8 +39,7 @@ solve::LatticeFit fit(const Lattice& lattice, const TableLike& deformation, cons
     for (const Index row : chosenRows)
         if (row < 0 || row >= table->rowCount())
             throw Error(concat("rows: there is no row ", row, " among ", table->rowCount()));
-    const auto wanted = toPoints(
-        misses, "misses", rows ? chosenRows.size() : static_cast<std::size_t>(table->rowCount()));
+    const auto wanted = toPoints(misses, "misses", rows ? chosenRows.size() : table->rowCount());
     solve::FitOptions options;
     options.smoothing = chosen(solve::kSmoothingWords, "smoothing", smoothing);
     options.strength = strength;

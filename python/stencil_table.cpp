@@ -200,9 +200,8 @@ them in the width of the columns. (With 2^31 entries and more the columns are co
             },
             "The transpose: a StencilTable of shape (columns, rows).")
         .def("__repr__", [](const Table& self) {
-            return "<espalier.StencilTable: " + std::to_string(self.rowCount()) + " x " +
-                   std::to_string(self.columnCount()) + ", " + std::to_string(self.entryCount()) +
-                   " entries>";
+            return concat("<espalier.StencilTable: ", self.rowCount(), " x ", self.columnCount(),
+                          ", ", self.entryCount(), " entries>");
         });
     addPickling(type, &stateOfTable, &tableOfState);
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The inventory of lattices (MacCracken & Joy 1996, section 5), and merging them."""
 
-from ._core.shapes import *
+from ._core._shapes import *
 
 __all__ = [
     "arm",
