@@ -20,9 +20,7 @@ namespace {
 std::size_t placeInRow(std::span<const Index> row, Index value) {
     // Short rows are counted through without a branch: 12 edges and 8 vertices in a hexahedron.
     constexpr std::size_t kShort = 16;
-    if (row.size() > kShort)
-        return static_cast<std::size_t>(std::lower_bound(row.begin(), row.end(), value) -
-                                        row.begin());
+    if (row.size() > kShort) return std::lower_bound(row.begin(), row.end(), value) - row.begin();
     std::size_t less = 0;
     for (const Index other : row) less += other < value;
     return less;

@@ -58,7 +58,7 @@ private:
 /// products are a little off. A source value that is not finite may reach rows beside its own,
 /// whose weight for it is 0.
 ///
-/// Immutable, and so safe to share between threads.
+/// Immutable, and so safe to share between threads. Copies share the numbers.
 ///
 /// \cost of an evaluation: O(entries of the range × components), in parallel, and a look at each
 ///       group of rows; a copy of the source, unless its stride is its length rounded up to a
@@ -73,9 +73,6 @@ public:
     /// \throws Error if this processor does not have `simd`
     /// \cost O(entries + rows log rows)
     explicit CompiledTable(const stencils::StencilTable<Real>& table, Simd simd = bestSimd());
-    ~CompiledTable();
-    CompiledTable(CompiledTable&&) noexcept;
-    CompiledTable& operator=(CompiledTable&&) noexcept;
 
     Index rowCount() const;
     Index columnCount() const;

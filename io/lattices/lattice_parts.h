@@ -93,7 +93,7 @@ std::optional<Index> numberWithout(std::span<const Index> dropped, Index vertex)
 template <class Value>
 void eraseVertices(std::span<const Index> dropped, int components, std::vector<Value>& values) {
     if (dropped.empty()) return;
-    const auto width = static_cast<std::size_t>(components);
+    const std::size_t width = components;
     const std::size_t count = values.size() / width;
     std::size_t kept = 0;
     auto next = dropped.begin();

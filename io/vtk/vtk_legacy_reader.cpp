@@ -381,8 +381,8 @@ private:
             throw FileError(path_,
                             concat("has ", count, " cells and ", types_.size(), " cell types"));
         for (std::size_t cell = 0; cell < count; ++cell) {
-            const auto begin = static_cast<std::size_t>(cellOffsets_[cell]);
-            const auto end = static_cast<std::size_t>(cellOffsets_[cell + 1]);
+            const std::size_t begin = cellOffsets_[cell];
+            const std::size_t end = cellOffsets_[cell + 1];
             const auto row = std::span(std::as_const(connectivity_)).subspan(begin, end - begin);
             if (types_[cell] == kVtkPolyhedron)
                 cells.addPolyhedron(row);

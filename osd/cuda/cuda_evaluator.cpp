@@ -331,14 +331,7 @@ struct CudaEvaluator<Real>::Data {
 template <class Real>
 CudaEvaluator<Real>::CudaEvaluator(const stencils::StencilTable<Real>& table,
                                    const CudaTableOptions& options)
-    : data_(std::make_unique<const Data>(table, options)) {}
-
-template <class Real>
-CudaEvaluator<Real>::~CudaEvaluator() = default;
-template <class Real>
-CudaEvaluator<Real>::CudaEvaluator(CudaEvaluator&&) noexcept = default;
-template <class Real>
-CudaEvaluator<Real>& CudaEvaluator<Real>::operator=(CudaEvaluator&&) noexcept = default;
+    : data_(std::make_shared<const Data>(table, options)) {}
 
 template <class Real>
 Index CudaEvaluator<Real>::rowCount() const {
@@ -432,20 +425,13 @@ CudaKeptPoints<Real>::CudaKeptPoints(Index pointCount, std::span<const Index> ke
     std::vector<Real> positions;
     for (const Point3& position : keptAt)
         for (const double coordinate : position) positions.push_back(static_cast<Real>(coordinate));
-    auto data = std::make_unique<Data>();
+    auto data = std::make_shared<Data>();
     data->pointCount = pointCount;
     data->count = static_cast<Index>(kept.size());
     data->points = data->memory.add(kept);
     data->positions = data->memory.add(std::span<const Real>(positions));
     data_ = std::move(data);
 }
-
-template <class Real>
-CudaKeptPoints<Real>::~CudaKeptPoints() = default;
-template <class Real>
-CudaKeptPoints<Real>::CudaKeptPoints(CudaKeptPoints&&) noexcept = default;
-template <class Real>
-CudaKeptPoints<Real>& CudaKeptPoints<Real>::operator=(CudaKeptPoints&&) noexcept = default;
 
 template <class Real>
 void CudaKeptPoints<Real>::write(DeviceSpan<Real> destination, const BufferDescriptor& layout,

@@ -9,7 +9,6 @@
 #include <sstream>
 
 #include "compare/error_picture.h"
-#include "compare/error_scale.h"
 
 namespace espalier::test {
 namespace {
