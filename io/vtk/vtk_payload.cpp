@@ -30,7 +30,11 @@ public:
 
     std::size_t mostLeft() const { return base64_ ? base64_->mostLeft() : raw_.left(); }
     std::string read(std::uint64_t count) {
-        return base64_ ? base64_->read(count) : std::string(raw_.bytes(count));
+        if (base64_) return base64_->read(count);
+        if (count > raw_.left())
+            throw CodingError(concat("the raw data ends too early: ", count, " bytes are claimed, ",
+                                     raw_.left(), " are there"));
+        return std::string(raw_.bytes(count));
     }
     std::size_t wordSize() const { return coding_.has64BitHeader ? 8 : 4; }
     std::uint64_t readWord() {
