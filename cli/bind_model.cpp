@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bind_model.h"
 
-#include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/limit/limit_binding.h>
 

@@ -11,10 +11,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include "evaluation.h"
