@@ -21,8 +21,6 @@
 namespace espalier::cli {
 namespace {
 
-using nlohmann::ordered_json;
-
 struct CheckOptions {
     CommonOptions common;
     std::string pose;
@@ -69,17 +67,17 @@ struct Checked {
 };
 
 /// \param positions that tell where the cell is
-ordered_json toJson(const Checked& checked, Index cell, const std::vector<Point3>& positions) {
-    ordered_json json = {{"cell", cell},
-                         {"base_cell", checked.baseCell(cell)},
-                         {"centre", checked.centre(cell, positions)}};
+OrderedJson toJson(const Checked& checked, Index cell, const std::vector<Point3>& positions) {
+    OrderedJson json = {{"cell", cell},
+                        {"base_cell", checked.baseCell(cell)},
+                        {"centre", checked.centre(cell, positions)}};
     if (checked.ratio(cell)) json["volume_ratio"] = *checked.ratio(cell);
     return json;
 }
 
-ordered_json toJson(const Checked& checked, const std::vector<Index>& cells,
-                    const std::vector<Point3>& positions) {
-    ordered_json first = ordered_json::array();
+OrderedJson toJson(const Checked& checked, const std::vector<Index>& cells,
+                   const std::vector<Point3>& positions) {
+    OrderedJson first = OrderedJson::array();
     for (std::size_t i = 0; i < std::min(cells.size(), checked.options.listed); ++i)
         first.push_back(toJson(checked, cells[i], positions));
     return {{"count", cells.size()}, {"first", first}};
@@ -98,12 +96,11 @@ ordered_json toJson(const Checked& checked, const std::vector<Index>& cells,
 ///     largest_step           {length, max, limiting_cell, is_tight}: as parts of the way from rest
 ///                            to pose; a cell as above, or null where the length is the most; and
 ///                            whether it is sure to go bad right after (solve/validity.h)
-ordered_json toJson(const Checked& checked) {
+OrderedJson toJson(const Checked& checked) {
     const auto& limiting = checked.step.limitingCell;
     return {
         {"level", checked.level},
-        {"limit_level",
-         checked.options.limit ? ordered_json(checked.options.level) : ordered_json()},
+        {"limit_level", checked.options.limit ? OrderedJson(checked.options.level) : OrderedJson()},
         {"cells", checked.count()},
         {"bad_at_rest", toJson(checked, checked.badAtRest, checked.rest)},
         {"inverted", toJson(checked, checked.validity.inverted, checked.pose)},
@@ -111,7 +108,7 @@ ordered_json toJson(const Checked& checked) {
         {"largest_step",
          {{"length", checked.step.length},
           {"max", checked.options.maxStep},
-          {"limiting_cell", limiting ? toJson(checked, *limiting, checked.pose) : ordered_json()},
+          {"limiting_cell", limiting ? toJson(checked, *limiting, checked.pose) : OrderedJson()},
           {"is_tight", checked.step.isTight}}}};
 }
 

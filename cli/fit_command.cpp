@@ -325,7 +325,7 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
     for (const Point3& displacement : fit.displacements)
         largest = std::max(largest, std::hypot(displacement[0], displacement[1], displacement[2]));
     if (options.report == ReportFormat::Json) {
-        const nlohmann::ordered_json json = {
+        const OrderedJson json = {
             {"targets", wishes.targets.size()},
             {"left_out", leftOut},
             {"held_vertices", heldCount},
@@ -333,8 +333,7 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
             {"rms_miss", fit.meanMiss},
             {"largest_displacement", largest},
             // No number of JSON's is infinite.
-            {"condition", std::isinf(fit.condition) ? nlohmann::ordered_json()
-                                                    : nlohmann::ordered_json(fit.condition)}};
+            {"condition", std::isinf(fit.condition) ? OrderedJson() : OrderedJson(fit.condition)}};
         fmt::print("{}\n", json.dump(2));
         return;
     }
