@@ -1,23 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::osd {
 namespace {
 
-using far::TopologyRefiner;
 using stencils::Rules;
 
 embed::Binding bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
                       const embed::EmbeddingOptions& options = {}) {
-    TopologyRefiner refiner(lattice.complex);
-    refiner.refineUniform(level);
+    TopologyRefiner refiner = refined(lattice.complex, level);
     const auto positions =
         stencils::refinePositions(refiner, level, Rules::Siggraph96, lattice.positions);
     const auto embedding =
@@ -95,8 +92,7 @@ TEST(Binding, TableCarriesAnyAttribute) {
 
 TEST(Binding, RefusesOtherPointsThanWereEmbedded) {
     const Lattice cube = shapes::box();
-    TopologyRefiner refiner(cube.complex);
-    refiner.refineUniform(1);
+    TopologyRefiner refiner = refined(cube.complex, 1);
     const auto positions = stencils::refinePositions(refiner, 1, Rules::Siggraph96, cube.positions);
     const std::vector<Point3> points(3, Point3{0.5, 0.5, 0.5});
     const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points);
