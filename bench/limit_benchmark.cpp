@@ -30,9 +30,10 @@ struct Scene {
     /// D; of the limit if the level is 0.
     embed::Binding bind(int level) const {
         if (level > 0)
-            return embed::bindPoints(base, lattice.positions, level, kRules, points).binding;
+            return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
+                .binding;
         return limit::withoutGradients(
-            limit::bindLimit(base, lattice.positions, kRules, points).binding);
+            limit::bindLimit({base, lattice.positions, kRules}, points).binding);
     }
 
     /// The vertices where no two go the same way: by sines of places.

@@ -27,12 +27,13 @@ espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Poi
     const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
     if (chosen.limit_tolerance != 0) {
-        auto bound = limit::bindLimit(base, positions, refiner.rules, points,
+        auto bound = limit::bindLimit({base, positions, refiner.rules}, points,
                                       {.embedding = options, .tolerance = chosen.limit_tolerance});
         return {{limit::withoutGradients(std::move(bound.binding)), {}, {}},
                 espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
     }
-    auto bound = embed::bindPoints(base, positions, chosen.level, refiner.rules, points, options);
+    auto bound = embed::bindPoints({base, positions, refiner.rules}, points,
+                                   {.level = chosen.level, .embedding = options});
     return {{std::move(bound.binding), {}, {}},
             espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
 }

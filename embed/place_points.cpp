@@ -23,7 +23,8 @@ void checkPositions(const far::CellComplex& complex, std::span<const Point3> pos
     }
 }
 
-void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positions, int level) {
+void checkRest(const RestLattice& lattice, int level) {
+    const far::TopologyRefiner& base = lattice.base;
     if (base.dimension() != 3)
         throw Error("points can be bound to a lattice only, not to a complex of dimension " +
                     std::to_string(base.dimension()));
@@ -35,18 +36,24 @@ void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positio
     if (level > kMostLevelOfPoints)
         throw Error("points are bound to level " + std::to_string(kMostLevelOfPoints) +
                     " at most, not to level " + std::to_string(level));
-    const far::Level& lattice = base.level(0);
-    checkPositions(lattice.complex, positions);
+    const far::Level& level0 = base.level(0);
+    checkPositions(level0.complex, lattice.positions);
     // Without boundary control there may be no next level: refining says what is missing.
     bool isLeft = false;
-    for (Index vertex = 0; vertex < lattice.complex.count(0); ++vertex)
-        isLeft = isLeft || !lattice.strata.isOpen({0, vertex});
+    for (Index vertex = 0; vertex < level0.complex.count(0); ++vertex)
+        isLeft = isLeft || !level0.strata.isOpen({0, vertex});
     if (!isLeft) far::TopologyRefiner(base).refineUniform(1);
 }
 
 double checkedTolerance(double tolerance) {
     if (std::isfinite(tolerance) && tolerance >= 0) return tolerance;
     throw Error("the tolerance is " + std::to_string(tolerance) + "; expected 0 or more");
+}
+
+std::vector<Point3> chosenPoints(std::span<const Point3> points, std::span<const Index> numbers) {
+    std::vector<Point3> chosen;
+    for (const Index i : numbers) chosen.push_back(points[i]);
+    return chosen;
 }
 
 std::vector<Index> alongCurve(std::span<const Point3> points) {

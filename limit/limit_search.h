@@ -21,7 +21,6 @@ using LocatedInLimit = embed::Located<LimitPlace>;
 /// The places of some points, and the levels that they are in.
 struct FoundPlaces {
     embed::Descent descent;
-    std::vector<std::vector<Point3>> positions;  ///< of the vertices of each level
     std::vector<LocatedInLimit> points;
 };
 
@@ -30,9 +29,8 @@ struct FoundPlaces {
 /// their limits. Any number of threads may ask. All in units of the lattice (LengthUnit).
 class LimitSearch {
 public:
-    /// \param base, positions must outlive this
-    LimitSearch(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                stencils::Rules rules, const LimitOptions& options);
+    /// \param lattice its base and positions must outlive this
+    LimitSearch(const embed::RestLattice& lattice, const LimitOptions& options);
 
     /// The points that are in a cell. A point in several, as on a face between two, belongs to the
     /// one of the lowest level, and of these to that of the lowest number. Finds all but those in
@@ -55,11 +53,9 @@ private:
     double gap() const { return std::max(scale_.tolerance, tolerance_ * scale_.size); }
     template <class Settle>
     FoundPlaces search(std::span<const Point3> points, embed::Sought sought, Settle settle) const;
-    LocatedInLimit continued(const LocatedInLimit& nearest, const embed::Descent& descent,
-                             const std::vector<std::vector<Point3>>& positions,
+    LocatedInLimit continued(const LocatedInLimit& nearest, const stencils::Levels& levels,
                              const Eigen::Vector3d& point) const;
 
-    stencils::Rules rules_;
     double tolerance_;  ///< LimitOptions::tolerance
     bool seekNearest_;
     embed::CellSolver::Scale scale_;

@@ -33,8 +33,8 @@ using Bound = std::shared_ptr<BoundPoints>;
 
 void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
                        std::span<const Point3> points, const embed::EmbeddingOptions& options) {
-    auto found = embed::bindPoints(refiner.base(), refiner.lattice()->positions, level,
-                                   refiner.rules(), points, options);
+    auto found = embed::bindPoints({refiner.base(), refiner.lattice()->positions, refiner.rules()},
+                                   points, {.level = level, .embedding = options});
     result.bound.binding = std::move(found.binding);
     result.placement = {std::move(found.statuses), found.largestResidual};
 }
@@ -44,7 +44,7 @@ void bindToLimit(BoundPoints& result, const Refiner& refiner, std::span<const Po
                  const embed::EmbeddingOptions& options, bool gradients) {
     const auto& rest = refiner.lattice()->positions;
     auto found = limit::bindLimit(
-        refiner.base(), rest, refiner.rules(), points,
+        {refiner.base(), rest, refiner.rules()}, points,
         {.embedding = options, .tolerance = options.tolerance, .gradients = gradients});
     if (gradients)
         result.bound.gradients = io::BoundGradients{std::move(found.binding.table.gradients), rest};

@@ -41,8 +41,9 @@ py::array_t<Index> hold(const RefinerLike& lattice, const std::optional<ArrayLik
         if (faces)
             add(embed::verticesHoldingFaces(refiner->base(), refiner->rules(), heldFaces, wanted));
         if (points)
-            add(embed::verticesHoldingPoints(refiner->base(), refiner->lattice()->positions, level,
-                                             refiner->rules(), heldPoints, wanted, options));
+            add(embed::verticesHoldingPoints(
+                {refiner->base(), refiner->lattice()->positions, refiner->rules()}, heldPoints,
+                wanted, {.level = level, .embedding = options}));
         sortUnique(vertices);
         return vertices;
     }));
@@ -57,9 +58,9 @@ std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
     const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
                                           tolerance};
     return withoutGil([&] {
-        return std::make_shared<Table>(embed::nestTables(*table, pose, refiner->base(),
-                                                         refiner->lattice()->positions, level,
-                                                         refiner->rules(), options));
+        return std::make_shared<Table>(embed::nestTables(
+            *table, pose, {refiner->base(), refiner->lattice()->positions, refiner->rules()},
+            {.level = level, .embedding = options}));
     });
 }
 

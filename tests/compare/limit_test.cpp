@@ -174,8 +174,7 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
     for (const Value& limit : rest.points)
         points.push_back({limit.point[0], limit.point[1], limit.point[2]});
     const far::TopologyRefiner base(lattice.complex, refiner.options());
-    const auto bound =
-        limit::bindLimit(base, lattice.positions, Rules::Siggraph96, points, {.gradients = true});
+    const auto bound = limit::bindLimit({base, lattice.positions}, points, {.gradients = true});
     std::array<test::Positions, 3> columns;
     for (std::size_t axis = 0; axis < 3; ++axis)
         columns[axis] = test::times(bound.binding.table.gradients[axis], pose);

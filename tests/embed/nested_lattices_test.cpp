@@ -25,8 +25,8 @@ using ::testing::ThrowsMessage;
 constexpr int kLevel = 2;
 
 stencils::StencilTable<double> bindTo(const Lattice& lattice, const std::vector<Point3>& points) {
-    return bindPoints(far::TopologyRefiner(lattice.complex), lattice.positions, kLevel,
-                      stencils::Rules::Siggraph96, points, {.outside = OutsidePolicy::Error})
+    return bindPoints({far::TopologyRefiner(lattice.complex), lattice.positions}, points,
+                      {.level = kLevel, .embedding = {.outside = OutsidePolicy::Error}})
         .binding.table;
 }
 
@@ -41,8 +41,8 @@ struct Nest {
 
     stencils::StencilTable<double> nest(const std::vector<Point3>& childPose,
                                         const EmbeddingOptions& options = {}) const {
-        return nestTables(ofChild, childPose, parentBase, parent.positions, kLevel,
-                          stencils::Rules::Siggraph96, options);
+        return nestTables(ofChild, childPose, {parentBase, parent.positions},
+                          {.level = kLevel, .embedding = options});
     }
 };
 
@@ -103,8 +103,8 @@ TEST(NestedLattices, GoAsDeepAsWanted) {
     const Lattice outermost =
         shapes::box({.cells = {2, 2, 2}, .min = {-2, -2, -1}, .max = {2, 2, 2}});
     const far::TopologyRefiner base(outermost.complex);
-    const auto table = nestTables(nest.nest(nest.child.positions), nest.parent.positions, base,
-                                  outermost.positions, kLevel, stencils::Rules::Siggraph96);
+    const auto table = nestTables(nest.nest(nest.child.positions), nest.parent.positions,
+                                  {base, outermost.positions}, {.level = kLevel});
     const auto pose = test::shaken(outermost.positions, 8, 0.2);
     const auto parentPose =
         stencils::applyLevelTable(bindTo(outermost, nest.parent.positions), pose);
@@ -137,8 +137,8 @@ TEST(NestedLattices, RefuseWhatDoesNotFit) {
     for (Point3& p : flat.positions) p[2] = 0;
     EXPECT_THAT(
         [&] {
-            nestTables(nest.ofChild, nest.child.positions, nest.parentBase, flat.positions, kLevel,
-                       stencils::Rules::Siggraph96, {.outside = OutsidePolicy::Nearest});
+            nestTables(nest.ofChild, nest.child.positions, {nest.parentBase, flat.positions},
+                       {.level = kLevel, .embedding = {.outside = OutsidePolicy::Nearest}});
         },
         ThrowsMessage<Error>(HasSubstr("vertex 0 of the child has no place in the parent lattice: "
                                        "its cell is degenerate")));

@@ -34,8 +34,9 @@ using Bound = embed::BindingResultOf<LimitTable>;
 
 Bound bound(const Lattice& lattice, const std::vector<Point3>& points,
             const LimitOptions& options = {}, stencils::Rules rules = stencils::Rules::Siggraph96) {
-    return bindLimit(TopologyRefiner(lattice.complex, refinerOptions(lattice)), lattice.positions,
-                     rules, points, options);
+    return bindLimit(
+        {TopologyRefiner(lattice.complex, refinerOptions(lattice)), lattice.positions, rules},
+        points, options);
 }
 
 /// Vertices of a level in the limit, at a pose.
@@ -223,9 +224,9 @@ TEST(LimitBinding, LevelsTendToIt) {
     const auto limit = times(bound(lattice, points).binding.table.points, pose);
     double before = 0;
     for (int level = 2; level <= 5; ++level) {
-        const auto model =
-            embed::bindPoints(base, lattice.positions, level, stencils::Rules::Siggraph96, points,
-                              {.outside = embed::OutsidePolicy::Nearest});
+        const auto model = embed::bindPoints(
+            {base, lattice.positions}, points,
+            {.level = level, .embedding = {.outside = embed::OutsidePolicy::Nearest}});
         const double distance = test::largestDistance(times(model.binding.table, pose), limit);
         if (level > 3) {
             EXPECT_LT(distance, before / 3) << level;
@@ -369,7 +370,7 @@ TEST(LimitBinding, WorksWithoutBoundaryControl) {
     const TopologyRefiner base(test::grid(cells), {.boundary = far::Boundary::Open});
     // What is left is the inner 2 × 2 × 2 cells.
     const std::vector<Point3> points = {{1.25, 2, 2.5}, {1, 1, 1}, {3, 3, 3}, {0.5, 2, 2}};
-    const auto model = bindLimit(base, rest, stencils::Rules::Siggraph96, points);
+    const auto model = bindLimit({base, rest}, points);
     using enum embed::PointStatus;
     EXPECT_THAT(model.statuses, testing::ElementsAre(Inside, Inside, Inside, Outside));
 }
@@ -406,7 +407,7 @@ TEST(LimitBinding, RefusesWhatItCannotBind) {
     EXPECT_THROW(bound(lattice, {}, {}, stencils::Rules::Rats), Error);
     TopologyRefiner refined(lattice.complex);
     refined.refineUniform(1);
-    EXPECT_THROW(bindLimit(refined, lattice.positions, stencils::Rules::Siggraph96, {}), Error);
+    EXPECT_THROW(bindLimit({refined, lattice.positions}, {}), Error);
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ template <class Real>
 stencils::StencilTable<Real> boundTable(const Lattice& lattice, std::size_t pointCount = 4000) {
     const Refined refined(lattice, 3);
     return stencils::convertTable<Real>(
-        embed::bindPoints(far::TopologyRefiner(lattice.complex), lattice.positions, 3,
-                          stencils::Rules::Siggraph96, pointsIn(refined, pointCount, 5))
+        embed::bindPoints({far::TopologyRefiner(lattice.complex), lattice.positions},
+                          pointsIn(refined, pointCount, 5), {.level = 3})
             .binding.table);
 }
 

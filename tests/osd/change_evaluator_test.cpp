@@ -27,8 +27,9 @@ using ::testing::HasSubstr;
 template <class Real>
 StencilTable<Real> boundTable(const Lattice& lattice, int level, std::size_t count) {
     const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
-    return convertTable<Real>(embed::bindPoints(base, lattice.positions, level, Rules::Siggraph96,
-                                                test::pointsIn(test::Refined(lattice, 1), count, 5))
+    return convertTable<Real>(embed::bindPoints({base, lattice.positions},
+                                                test::pointsIn(test::Refined(lattice, 1), count, 5),
+                                                {.level = level})
                                   .binding.table);
 }
 

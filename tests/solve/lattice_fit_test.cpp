@@ -30,8 +30,8 @@ struct Model {
 
     Model(const Lattice& chosen, std::size_t pointCount) : lattice(chosen) {
         const test::Refined refined(lattice, 2);
-        deformation = embed::bindPoints(far::TopologyRefiner(lattice.complex), lattice.positions, 2,
-                                        Rules::Siggraph96, test::pointsIn(refined, pointCount, 5))
+        deformation = embed::bindPoints({far::TopologyRefiner(lattice.complex), lattice.positions},
+                                        test::pointsIn(refined, pointCount, 5), {.level = 2})
                           .binding.table;
     }
 

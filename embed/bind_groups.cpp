@@ -2,8 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
-#include <espalier/embed/table_form.h>
-#include <espalier/stencils/composition.h>
+#include <espalier/embed/bind_groups.h>
 
 #include <algorithm>
 #include <numeric>
@@ -77,31 +76,6 @@ stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts
 }
 
 }  // namespace
-
-void buildRows(const far::TopologyRefiner& refiner,
-               std::span<const stencils::StencilTable<double>> tables, const Embedding& embedding,
-               stencils::StencilTable<double>& result) {
-    result = buildDeformationTable(refiner, tables, embedding);
-}
-
-void buildRows(const far::TopologyRefiner& refiner,
-               std::span<const stencils::StencilTable<double>> tables, const Embedding& embedding,
-               stencils::FactoredTable<double>& result) {
-    result = buildFactoredTable(refiner, tables, embedding);
-}
-
-void buildRows(stencils::StencilTable<double> weights,
-               const stencils::StencilTable<double>& stencils, const stencils::RowOrder& order,
-               stencils::StencilTable<double>& result) {
-    result = stencils::multiply(weights, stencils, order);
-}
-
-void buildRows(stencils::StencilTable<double> weights,
-               const stencils::StencilTable<double>& stencils, const stencils::RowOrder&,
-               stencils::FactoredTable<double>& result) {
-    stencils::CompactTable compact = stencils::compactColumns(std::move(weights));
-    result = {stencils::selectRows(stencils, compact.columns), std::move(compact.table)};
-}
 
 void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, Index rowCount,
                 Index columnCount, stencils::StencilTable<double>& result) {
