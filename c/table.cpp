@@ -2,7 +2,7 @@
 #include <espalier/embed/nested_lattices.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/limit/limit_stencils.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>

@@ -55,8 +55,7 @@ void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, 
                 Index columnCount, stencils::FactoredTable<double>& result);
 
 /// Binds points, a group of near ones after the other, in parallel.
-/// \param bindGroup works in units of `unit`; what it holds goes before the rows are gathered,
-/// which
+/// \param bindGroup works in units of `unit`. What it holds goes before the rows are gathered: that
 ///        takes the most memory
 /// \param progress as BindingOptions::progress
 template <class Table>
@@ -70,12 +69,11 @@ BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::Topolog
     std::vector<std::vector<BoundPart<Table>>> groups((pointCount + groupSize - 1) / groupSize);
     std::atomic<Offset> done = 0, entryCount = 0;
     parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
-        std::vector<Point3> own;
-        for (Offset i = first; i < last; ++i) own.push_back(unit.toUnits(points[order[i]]));
+        const auto numbers = std::span(order).subspan(first, last - first);
         auto& parts = groups[first / groupSize];
-        parts = bindGroup(own);
+        parts = bindGroup(unit.toUnits(chosenPoints(points, numbers)));
         for (BoundPart<Table>& part : parts) {
-            for (Index& point : part.points) point = order[first + point];
+            for (Index& point : part.points) point = numbers[point];
             entryCount += pointRows(part.table).entryCount();
         }
         // gatherRows() takes as much memory again as the rows that the groups hold.

@@ -3,13 +3,14 @@
 #include <espalier/base/parallel.h>
 #include <espalier/embed/continuity.h>
 #include <espalier/embed/length_unit.h>
-#include <espalier/embed/level_search.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
+
+#include "level_search.h"
 
 namespace espalier::embed {
 namespace {

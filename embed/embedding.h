@@ -30,7 +30,7 @@ inline constexpr Word<OutsidePolicy> kOutsidePolicyWords[] = {{"keep", OutsidePo
 
 /// The finest level that points are bound to. Its cells are a millionth of a base cell across, as
 /// fine as the tolerance below: on levels above it a point would be in ever more cells at once.
-inline constexpr int kMostLevelOfPoints = 20;
+inline constexpr int kMaxLevelOfPoints = 20;
 
 /// A lattice at rest, to which points are bound.
 struct RestLattice {

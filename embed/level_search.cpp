@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/embed/level_search.h>
+#include "level_search.h"
+
 #include <espalier/embed/place_points.h>
 #include <espalier/stencils/composition.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
 #include <espalier/embed/bind_groups.h>
-#include <espalier/embed/level_search.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/stencils/level_rows.h>
 
@@ -11,6 +10,8 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+
+#include "level_search.h"
 
 namespace espalier::embed {
 namespace {

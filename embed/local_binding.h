@@ -39,7 +39,7 @@ struct BindingResultOf {
 using BindingResult = BindingResultOf<stencils::StencilTable<double>>;
 
 struct BindingOptions {
-    int level = 3;  ///< of the lattice, 1 to kMostLevelOfPoints
+    int level = 3;  ///< of the lattice, 1 to kMaxLevelOfPoints
     EmbeddingOptions embedding = {};
 
     /// Called now and then with the number of points done, from any thread; or empty.

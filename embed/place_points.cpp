@@ -33,8 +33,8 @@ void checkRest(const RestLattice& lattice, int level) {
                     std::to_string(base.maxLevel()) + " levels more");
     if (level < 1)
         throw Error("points are bound to level 1 or above, not to level " + std::to_string(level));
-    if (level > kMostLevelOfPoints)
-        throw Error("points are bound to level " + std::to_string(kMostLevelOfPoints) +
+    if (level > kMaxLevelOfPoints)
+        throw Error("points are bound to level " + std::to_string(kMaxLevelOfPoints) +
                     " at most, not to level " + std::to_string(level));
     const far::Level& level0 = base.level(0);
     checkPositions(level0.complex, lattice.positions);
@@ -62,7 +62,7 @@ std::vector<Index> alongCurve(std::span<const Point3> points) {
         if (const Eigen::Vector3d position(point.data()); position.allFinite())
             box.extend(position);
     const MortonCurve curve(box);
-    Array<CurvePlace> places(points.size());
+    Array<CurveItem> places(points.size());
     parallelFor(static_cast<Offset>(points.size()), 4096, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
             const auto at = static_cast<std::size_t>(i);
@@ -73,7 +73,7 @@ std::vector<Index> alongCurve(std::span<const Point3> points) {
     sortAlongCurve(places, 32);
     std::vector<Index> order;
     order.reserve(places.size());
-    for (const CurvePlace& place : places) order.push_back(place.item);
+    for (const CurveItem& place : places) order.push_back(place.item);
     return order;
 }
 

@@ -3,7 +3,6 @@
 
 #include <espalier/base/parallel.h>
 #include <espalier/embed/embedding.h>
-#include <espalier/stencils/table_builder.h>
 
 #include <Eigen/Core>
 #include <array>
@@ -24,7 +23,7 @@ void checkPositions(const far::CellComplex& complex, std::span<const Point3> pos
 
 /// Checks that points can be bound to a level of a lattice.
 /// \throws Error for a base that is no lattice or has been refined, and a level that is not 1 to
-///         kMostLevelOfPoints; as checkPositions(); and what refining a base throws of which
+///         kMaxLevelOfPoints; as checkPositions(); and what refining a base throws of which
 ///         nothing is left
 void checkRest(const RestLattice& lattice, int level);
 
@@ -84,21 +83,6 @@ PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCou
         checkAllInside(points, statuses);
     }
     return placed;
-}
-
-/// The weights of each point over the vertices of the lattice: weightsOf(place) returns them. The
-/// row of a point without a place is empty.
-template <class Place, class WeightsOf>
-stencils::StencilTable<double> buildPlaceTable(const PlacedPoints<Place>& placed, Index vertexCount,
-                                               WeightsOf weightsOf) {
-    checkVertexCount(placed.vertexCount, vertexCount);
-    return stencils::buildTable(static_cast<Index>(placed.points.size()), vertexCount,
-                                [&](Index row, stencils::RowAccumulator& accumulator) {
-                                    const auto& place = placed.points[row].place;
-                                    if (!place) return;
-                                    for (const auto& [vertex, weight] : weightsOf(*place))
-                                        accumulator.add(vertex, weight);
-                                });
 }
 
 }  // namespace espalier::embed

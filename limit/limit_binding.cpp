@@ -2,7 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/embed/bind_groups.h>
 #include <espalier/limit/limit_binding.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
 
@@ -167,7 +167,7 @@ public:
 private:
     /// A part for the points of each level, and one for those without a place.
     /// \param numbers of the points
-    void addParts(const FoundPlaces& found, const std::vector<Index>& numbers,
+    void addParts(const FoundPoints& found, const std::vector<Index>& numbers,
                   std::vector<Part>& parts) const {
         const stencils::Levels& levels = found.descent.levels;
         std::vector<Part> ofLevels(static_cast<std::size_t>(levels.finest()) + 1);

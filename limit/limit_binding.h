@@ -18,7 +18,7 @@
 // its eigenvector; TricubicPatch, a regular cell; LimitSearch, which finds a point; LimitTable, D
 // with its gradients.
 //
-// Read vertex_ring.h, limit_table.h, limit_stencils.h, then this header and limit_search.h.
+// Read vertex_ring.h, vertex_limits.h, limit_stencils.h, then this header and limit_search.h.
 //
 // Notation: F = ∂x'/∂X is the deformation gradient by the rest pose X.
 namespace espalier::limit {

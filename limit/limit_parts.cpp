@@ -3,7 +3,7 @@
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/limit/limit_parts.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
@@ -53,9 +53,9 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, 
     if (base.dimension() != 3)
         throw Error("only lattices have a limit volume, not a complex of dimension " +
                     std::to_string(base.dimension()));
-    if (level < 1 || level > kMostLevelOfParts)
+    if (level < 1 || level > kMaxLevelOfParts)
         throw Error("the limit was asked for with features refined to level " +
-                    std::to_string(level) + "; expected 1 to " + std::to_string(kMostLevelOfParts));
+                    std::to_string(level) + "; expected 1 to " + std::to_string(kMaxLevelOfParts));
     checkLimitRules(rules);
     stencils::checkRules(base, rules);
     auto refined = std::make_shared<Refined>(

@@ -3,7 +3,7 @@
 
 #include <espalier/base/error.h>
 #include <espalier/base/sort_unique.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
@@ -46,7 +46,7 @@ std::vector<embed::VertexWeight> slope(const far::CellComplex& complex,
 
 stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int level,
                                            std::span<const Index> vertices) {
-    auto limits = buildLimitTable(levels.refiner(), level, levels.rules(), vertices);
+    auto limits = buildLimitMasks(levels.refiner(), level, levels.rules(), vertices);
     if (levels.refiner().boundary() != far::Boundary::Open) return limits;
     return stencils::buildTable(limits.rowCount(), limits.columnCount(),
                                 [&](Index row, stencils::RowAccumulator& accumulator) {

@@ -137,10 +137,10 @@ LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& 
 /// \param settle is called for each level: settle(descent, cells) leaves the candidates that are to
 ///        be refined
 template <class Settle>
-FoundPlaces LimitSearch::search(std::span<const Point3> points, embed::Sought sought,
+FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought sought,
                                 Settle settle) const {
     const bool isNearest = sought == embed::Sought::Nearest;
-    FoundPlaces found{descent_.begin(points, sought), {}};
+    FoundPoints found{descent_.begin(points, sought), {}};
     found.points.assign(points.size(), {embed::PointStatus::Outside, {}, 0, 0});
     for (;;) {
         settle(found, Cells(*this, found.descent, sought));
@@ -152,10 +152,10 @@ FoundPlaces LimitSearch::search(std::span<const Point3> points, embed::Sought so
     }
 }
 
-FoundPlaces LimitSearch::findInside(std::span<const Point3> points,
+FoundPoints LimitSearch::findInside(std::span<const Point3> points,
                                     std::vector<Index>& unsettled) const {
     auto result =
-        search(points, embed::Sought::Containing, [&](FoundPlaces& found, const Cells& cells) {
+        search(points, embed::Sought::Containing, [&](FoundPoints& found, const Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 LocatedInLimit& located = found.points[p];
@@ -237,12 +237,12 @@ void LimitSearch::keepFew(embed::Descent& descent, std::span<const Point3> point
     });
 }
 
-FoundPlaces LimitSearch::findNearest(std::span<const Point3> points) const {
+FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
     // If points outside stay, only what is in the gaps is of interest.
     std::vector<double> nearest(points.size(),
                                 seekNearest_ ? std::numeric_limits<double>::infinity() : gap());
     auto result =
-        search(points, embed::Sought::Nearest, [&](FoundPlaces& found, const Cells& cells) {
+        search(points, embed::Sought::Nearest, [&](FoundPoints& found, const Cells& cells) {
             const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 const PatchSolver* patch = cells.patch(i);

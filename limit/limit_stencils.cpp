@@ -4,7 +4,7 @@
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/limit/limit_stencils.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
@@ -31,7 +31,7 @@ std::vector<Orders> ordersUpTo(int derivatives) {
 }
 
 /// Refined no further than this, whatever the tolerance: cells of 1e-13 of the first ones.
-constexpr int kMostLevels = 43;
+constexpr int kMaxLevels = 43;
 
 /// A location on its way down: the cell that holds it on the level at hand.
 struct Walker {
@@ -70,8 +70,8 @@ void settle(Walk& walk, std::vector<Walker>& walkers, double tolerance) {
     const int level = walk.levels.finest();
     const far::Level& here = walk.levels.finestLevel();
     const std::vector<Index> cells = cellsOf(walkers);
-    std::vector<std::uint8_t> isSmall(cells.size(), level >= kMostLevels);
-    if (level >= leastLevelOfSmall(tolerance) && level < kMostLevels && !cells.empty())
+    std::vector<std::uint8_t> isSmall(cells.size(), level >= kMaxLevels);
+    if (level >= leastLevelOfSmall(tolerance) && level < kMaxLevels && !cells.empty())
         isSmall = areSmall(walk.levels, cells, tolerance);
     walk.locations.emplace_back();
     walk.places.emplace_back();

@@ -2,7 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/embed/basis_functions.h>
 #include <espalier/limit/limit_binding.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/limit/limit_binding.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>

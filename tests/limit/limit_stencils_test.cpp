@@ -2,7 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/limit/limit_stencils.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/regular_cells.h>
 #include <espalier/far/standard_cells.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
@@ -141,7 +141,7 @@ TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
                 if (!embed::isRegularVertex(here, vertex)) continue;
                 ++seen;
                 const auto table =
-                    buildLimitTable(refiner, level, stencils::Rules::Siggraph96, {{vertex}});
+                    buildLimitMasks(refiner, level, stencils::Rules::Siggraph96, {{vertex}});
                 const auto ring =
                     ringOf(here, refiner.options(), stencils::Rules::Siggraph96, vertex);
                 Eigen::VectorXd expected = ring.start.transpose() * limitMask(ring);
