@@ -29,12 +29,14 @@ ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> p
     const auto base = refineLattice(options.rest, lattice, options.common, 0);
     const auto& rules = options.common.rules;
     if (!options.limit)
-        return {embed::bindPoints(base, lattice.positions, options.level, rules, points, embedding,
-                                  progress)};
-    auto bound = limit::bindLimit(
-        base, lattice.positions, rules, points,
-        {.embedding = embedding, .tolerance = embedding.tolerance, .gradients = hasGradients},
-        progress);
+        return {embed::bindPoints(
+            {base, lattice.positions, rules}, points,
+            {.level = options.level, .embedding = embedding, .progress = progress})};
+    auto bound = limit::bindLimit({base, lattice.positions, rules}, points,
+                                  {.embedding = embedding,
+                                   .tolerance = embedding.tolerance,
+                                   .gradients = hasGradients,
+                                   .progress = progress});
     ModelBinding result;
     if (hasGradients)
         result.gradients = {std::move(bound.binding.table.gradients), lattice.positions};
@@ -107,9 +109,10 @@ std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& 
     if (options.basis || options.limit) return std::nullopt;
     return stages.run("binding in factors", [&] {
         const auto base = refineLattice(options.rest, lattice, options.common, 0);
-        auto bound = embed::bindFactored(base, lattice.positions, options.level,
-                                         options.common.rules, points, options.common.embedding,
-                                         progressOf(stages, points.size()));
+        auto bound = embed::bindFactored({base, lattice.positions, options.common.rules}, points,
+                                         {.level = options.level,
+                                          .embedding = options.common.embedding,
+                                          .progress = progressOf(stages, points.size())});
         stages.addBytes(bytesOf(bound.binding.table));
         return std::move(bound.binding.table);
     });

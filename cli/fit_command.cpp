@@ -138,9 +138,9 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
         if (isBeyondPlaces) {
             std::vector<Point3> own;
             for (const Index point : part.points) own.push_back(points[point]);
-            add(embed::verticesHoldingPoints(base, lattice.positions, options.level,
-                                             options.common.rules, own, hold.continuity,
-                                             options.common.embedding));
+            add(embed::verticesHoldingPoints(
+                {base, lattice.positions, options.common.rules}, own, hold.continuity,
+                {.level = options.level, .embedding = options.common.embedding}));
         }
         if (!part.faces.empty())
             add(embed::verticesHoldingFaces(base, options.common.rules, part.faces,

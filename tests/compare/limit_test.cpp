@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/limit/limit_binding.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/limit/vertex_ring.h>
 #include <opensubdiv/far/primvarRefiner.h>
 
@@ -167,8 +167,7 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
     for (const Value& limit : rest.points)
         points.push_back({limit.point[0], limit.point[1], limit.point[2]});
     const TopologyRefiner base(lattice.complex, refiner.options());
-    const auto bound =
-        limit::bindLimit(base, lattice.positions, Rules::Siggraph96, points, {.gradients = true});
+    const auto bound = limit::bindLimit({base, lattice.positions}, points, {.gradients = true});
     std::array<Positions, 3> columns;
     for (std::size_t axis = 0; axis < 3; ++axis)
         columns[axis] = times(bound.binding.table.gradients[axis], pose);

@@ -194,8 +194,8 @@ struct Held {
     }
     std::vector<Index> freeze(Continuity continuity, int level = 2,
                               const EmbeddingOptions& options = {}) const {
-        return verticesHoldingPoints(base, lattice.positions, level, Rules::Siggraph96, part,
-                                     continuity, options);
+        return verticesHoldingPoints({base, lattice.positions}, part, continuity,
+                                     {.level = level, .embedding = options});
     }
     /// Positions with all vertices moved but the frozen ones.
     std::vector<Point3> pose(const std::vector<Index>& frozen) const {
@@ -210,7 +210,7 @@ struct Held {
     double largestMove(const std::vector<Index>& frozen, const std::vector<Point3>& points,
                        const EmbeddingOptions& options = {}) const {
         const auto table =
-            bindPoints(base, lattice.positions, 2, Rules::Siggraph96, points, options)
+            bindPoints({base, lattice.positions}, points, {.level = 2, .embedding = options})
                 .binding.table;
         const auto moved = stencils::applyLevelTable(table, pose(frozen));
         const auto atRest = stencils::applyLevelTable(table, lattice.positions);
@@ -279,8 +279,8 @@ TEST(Continuity, HoldsByTheLastLayerAtFineLevels) {
     const Lattice box = shapes::box({.cells = {6, 6, 6}, .max = {6, 6, 6}});
     const TopologyRefiner base(box.complex);
     const Point3 point = {3 + cell / 2, 3 + cell / 2, 3 + cell / 2};
-    const auto frozen = verticesHoldingPoints(base, box.positions, level, Rules::Siggraph96,
-                                              {{point}}, Continuity::C2);
+    const auto frozen =
+        verticesHoldingPoints({base, box.positions}, {{point}}, Continuity::C2, {.level = level});
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (double x = 0; x <= 6; ++x) {
             Point3 at = {3, 3, 3};
@@ -332,7 +332,7 @@ TEST(Continuity, PointsOutsideThatAreCarriedStay) {
 TEST(Continuity, OfPointsThatHaveBeenBound) {
     const Held held;
     const auto bound =
-        bindPoints(held.base, held.lattice.positions, 2, Rules::Siggraph96, held.part).binding;
+        bindPoints({held.base, held.lattice.positions}, held.part, {.level = 2}).binding;
     EXPECT_EQ(verticesHoldingRows(bound.table), held.freeze(Continuity::C0));
     EXPECT_TRUE(verticesHoldingRows(stencils::selectRows<double>(bound.table, {})).empty());
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/box_least_squares.h>
 #include <espalier/embed/box_tree.h>
-#include <espalier/embed/simplex.h>
 #include <espalier/embed/solve3.h>
 #include <espalier/embed/space_curve.h>
 #include <espalier/embed/trilinear.h>
 
 #include "support/test.h"
+
+#include "embed/simplex.h"
 
 namespace espalier::embed {
 namespace {
@@ -230,13 +231,13 @@ TEST(MortonCurve, ByHand) {
 TEST(MortonCurve, SortIsStable) {
     std::mt19937_64 random(11);
     for (const int bits : {11, 32, MortonCurve::kBits}) {
-        Array<CurvePlace> places;
+        Array<CurveItem> places;
         for (Index i = 0; i < 5000; ++i) places.push_back({random() >> (i % 2 == 0 ? 1 : 40), i});
         auto expected = places;
         const int low = MortonCurve::kBits - bits;
         std::stable_sort(
             expected.begin(), expected.end(),
-            [&](const CurvePlace& a, const CurvePlace& b) { return a.key >> low < b.key >> low; });
+            [&](const CurveItem& a, const CurveItem& b) { return a.key >> low < b.key >> low; });
         sortAlongCurve(places, bits);
         for (std::size_t i = 0; i < places.size(); ++i) ASSERT_EQ(places[i].item, expected[i].item);
     }

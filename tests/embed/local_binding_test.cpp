@@ -108,14 +108,16 @@ void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base
     for (const OutsidePolicy outside : {OutsidePolicy::Keep, OutsidePolicy::Nearest}) {
         const EmbeddingOptions options{.outside = outside};
         const WholeLevelBinding whole(base, rest, level, rules, points, options);
-        const BindingResult bound = bindPoints(base, rest, level, rules, points, options);
+        const BindingResult bound =
+            bindPoints({base, rest, rules}, points, {.level = level, .embedding = options});
         ASSERT_EQ(bound.statuses.size(), points.size());
         for (std::size_t i = 0; i < points.size(); ++i)
             EXPECT_EQ(bound.statuses[i], whole.embedding.points[i].status)
                 << name << ", level " << level << ", point " << i << " of " << points.size();
         EXPECT_EQ(bound.largestResidual, whole.embedding.largestResidual()) << name;
         EXPECT_TRUE(bound.binding.table == whole.table) << name << ", level " << level;
-        const auto factored = bindFactored(base, rest, level, rules, points, options);
+        const auto factored =
+            bindFactored({base, rest, rules}, points, {.level = level, .embedding = options});
         EXPECT_EQ(factored.statuses, bound.statuses) << name;
         EXPECT_EQ(factored.binding.kept, bound.binding.kept) << name;
         EXPECT_TRUE(productOf(factored.binding.table) == bound.binding.table)
@@ -179,7 +181,7 @@ TEST(LocalBinding, FindsWhatIsExtrapolatedOutOfItsHull) {
         if (box.exteriorDistance(vec(position)) > 0) points.push_back(position);
     ASSERT_GT(points.size(), 0U);
     ASSERT_LT(points.size(), 8U) << "else the whole level is taken";
-    const auto bound = bindPoints(base, lattice.positions, kLevel, Rules::Siggraph96, points);
+    const auto bound = bindPoints({base, lattice.positions}, points, {.level = kLevel});
     EXPECT_EQ(bound.count(PointStatus::Inside), std::ssize(points));
 }
 
@@ -208,11 +210,11 @@ TEST(LocalBinding, TellsOfEachPointOnce) {
     // 20,000 are two groups.
     const std::vector<Point3> points(20'000, Point3{0.1, 0.2, 0.3});
     std::atomic<Offset> most = 0;
-    bindPoints(TopologyRefiner(lattice.complex), lattice.positions, 1, Rules::Siggraph96, points,
-               {}, [&](Offset done) {
-                   for (Offset before = most; before < done;)
-                       if (most.compare_exchange_weak(before, done)) break;
-               });
+    bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
+               {.level = 1, .progress = [&](Offset done) {
+                    for (Offset before = most; before < done;)
+                        if (most.compare_exchange_weak(before, done)) break;
+                }});
     EXPECT_EQ(most, std::ssize(points));
 }
 
@@ -224,16 +226,16 @@ TEST(LocalBinding, DoesNotDependOnTheNumberOfThreads) {
     // In level 4 there are more cells than that.
     const auto points = somePoints(lattice.positions, whole, 1, 17'000, 2);
     const auto bind = [&] {
-        return bindPoints(base, lattice.positions, 4, Rules::Siggraph96, points,
-                          {.outside = OutsidePolicy::Nearest});
+        return bindPoints({base, lattice.positions}, points,
+                          {.level = 4, .embedding = {.outside = OutsidePolicy::Nearest}});
     };
     const auto one = withThreads(1, bind), three = withThreads(3, bind);
     EXPECT_EQ(one.statuses, three.statuses);
     EXPECT_TRUE(one.binding.table == three.binding.table);
     EXPECT_EQ(one.binding.kept, three.binding.kept);
     const auto bindInFactors = [&] {
-        return bindFactored(base, lattice.positions, 4, Rules::Siggraph96, points,
-                            {.outside = OutsidePolicy::Nearest});
+        return bindFactored({base, lattice.positions}, points,
+                            {.level = 4, .embedding = {.outside = OutsidePolicy::Nearest}});
     };
     EXPECT_TRUE(withThreads(1, bindInFactors).binding.table ==
                 withThreads(3, bindInFactors).binding.table);
@@ -248,8 +250,8 @@ TEST(LocalBinding, BindsAtLevelEight) {
     std::uniform_real_distribution<double> unit(0.1, 0.9);
     std::vector<Point3> points(kIsSlow ? 3 : 300);
     for (Point3& point : points) point = {unit(random), unit(random), unit(random)};
-    const auto bound = bindPoints(base, rest, 8, Rules::Siggraph96, points);
-    EXPECT_EQ(bound.count(PointStatus::Inside), Index(points.size()));
+    const auto bound = bindPoints({base, rest}, points, {.level = 8});
+    EXPECT_EQ(bound.count(PointStatus::Inside), static_cast<Index>(points.size()));
     // At rest the points are given back.
     const auto back = stencils::applyLevelTable(bound.binding.table, rest);
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -272,10 +274,11 @@ TEST(LocalBinding, LatticesOfExtremeSize) {
             const EmbeddingOptions options{.outside = outside};
             TopologyRefiner whole(base);
             whole.refineUniform(2);
-            const PointLocator locator(whole.level(2).complex,
-                                       stencils::refinePositions(whole, 2, Rules::Siggraph96, rest),
-                                       CellSolver::scaleOf(rest, options.tolerance));
-            const auto bound = bindPoints(base, rest, 2, Rules::Siggraph96, points, options);
+            const PointLocator locator(
+                whole.level(2).complex,
+                stencils::refinePositions(whole, 2, stencils::Rules::Siggraph96, rest),
+                CellSolver::scaleOf(rest, options.tolerance));
+            const auto bound = bindPoints({base, rest}, points, {.level = 2, .embedding = options});
             for (std::size_t i = 0; i < points.size(); ++i)
                 EXPECT_EQ(bound.statuses[i],
                           locator.locate(points[i], outside == OutsidePolicy::Nearest).status)
@@ -301,7 +304,7 @@ TEST(LocalBinding, FarFromTheOrigin) {
         const auto some =
             std::span(whole.positions)
                 .subspan(first, std::min<std::size_t>(100, whole.positions.size() - first));
-        const auto bound = bindPoints(base, rest, 2, Rules::Siggraph96, some, options);
+        const auto bound = bindPoints({base, rest}, some, {.level = 2, .embedding = options});
         for (std::size_t i = 0; i < some.size(); ++i)
             EXPECT_EQ(bound.statuses[i], expected.embedding.points[first + i].status);
     }
@@ -312,9 +315,9 @@ TEST(LocalBinding, SaysThatNothingIsLeftWithoutBoundaryControl) {
     const TopologyRefiner base(lattice.complex, {.boundary = Boundary::Open});
     const std::vector<Point3> points = {{0.5, 0.5, 0.5}, {2, 2, 2}};
     for (const OutsidePolicy outside : {OutsidePolicy::Keep, OutsidePolicy::Nearest})
-        EXPECT_THROW(
-            bindPoints(base, lattice.positions, 3, Rules::Siggraph96, points, {.outside = outside}),
-            far::TopologyError);
+        EXPECT_THROW(bindPoints({base, lattice.positions}, points,
+                                {.level = 3, .embedding = {.outside = outside}}),
+                     far::TopologyError);
 }
 
 TEST(LocalBinding, RefusesWhatItCannotBind) {
@@ -324,9 +327,9 @@ TEST(LocalBinding, RefusesWhatItCannotBind) {
     const auto expectRefused = [&](const std::string& why, const TopologyRefiner& refiner,
                                    std::span<const Point3> rest, int level,
                                    OutsidePolicy outside = OutsidePolicy::Keep) {
-        EXPECT_REFUSED(
-            Error, why,
-            bindPoints(refiner, rest, level, Rules::Siggraph96, points, {.outside = outside}));
+        EXPECT_REFUSED(Error, why,
+                       bindPoints({refiner, rest}, points,
+                                  {.level = level, .embedding = {.outside = outside}}));
     };
     expectRefused("level 0", base, lattice.positions, 0);
     expectRefused("level 20 at most, not to level 21", base, lattice.positions, 21);
@@ -339,7 +342,7 @@ TEST(LocalBinding, RefusesWhatItCannotBind) {
     expectRefused("has not been refined", base, lattice.positions, 1);
     expectRefused("dimension 2", TopologyRefiner(gridMesh(2, 2)), {}, 1);
     const auto none =
-        bindPoints(TopologyRefiner(lattice.complex), lattice.positions, 1, Rules::Siggraph96, {});
+        bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, {}, {.level = 1});
     EXPECT_EQ(none.binding.table.rowCount(), 0);
     EXPECT_EQ(none.binding.table.columnCount(), 8);
 }
@@ -361,8 +364,9 @@ TEST(LocalBinding, CarriesPointsFromFarAway) {
                     const Vector3d point = sizes * size * direction.normalized();
                     points.push_back({point[0], point[1], point[2]});
                 }
-                const auto model = bindPoints(base, lattice.positions, level, Rules::Siggraph96,
-                                              points, {.outside = OutsidePolicy::Nearest});
+                const auto model =
+                    bindPoints({base, lattice.positions}, points,
+                               {.level = level, .embedding = {.outside = OutsidePolicy::Nearest}});
                 EXPECT_EQ(model.count(PointStatus::Outside), count) << level << ' ' << sizes;
                 // Weights are the distance in cells, and sums of 8 of them are rounded so.
                 const double cells = sizes * 10 * std::ldexp(1.0, level);
@@ -384,8 +388,8 @@ TEST(LocalBinding, CellsOfManySides) {
     std::vector<Point3> points;
     for (std::size_t i = 0; i < positions.size(); i += 400) points.push_back(positions[i]);
     const Embedding embedding = embedPoints(whole.level(2).complex, positions, points);
-    const auto table = buildDeformationTable(whole, 2, Rules::Siggraph96, embedding);
-    const auto model = bindPoints(base, lattice.positions, 2, Rules::Siggraph96, points);
+    const auto table = buildDeformationTable(whole, 2, stencils::Rules::Siggraph96, embedding);
+    const auto model = bindPoints({base, lattice.positions}, points, {.level = 2});
     EXPECT_TRUE(model.binding.table == table);
     const auto product = stencils::multiply(buildEmbeddingTable(whole.level(2).complex, embedding),
                                             stencils::buildStencils(whole, 2, Rules::Siggraph96));
@@ -413,8 +417,8 @@ TEST(LocalBinding, RefusesLongRowsBeforeTheyAreMade) {
     const Lattice lattice = shapes::prism({.sides = 300});
     const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
     const auto bind = [&](std::span<const Point3> points, std::atomic<int>& groups) {
-        return bindPoints(base, lattice.positions, 2, Rules::Siggraph96, points, {},
-                          [&](Offset) { ++groups; });
+        return bindPoints({base, lattice.positions}, points,
+                          {.level = 2, .progress = [&](Offset) { ++groups; }});
     };
     const MemoryLimit limit(residentMemory() + 150'000'000);
     std::atomic<int> groups = 0;
@@ -433,9 +437,7 @@ TEST(LocalBinding, AcceptsShortRowsBesideLongOnes) {
     std::vector<Point3> points = spiral(20'000, 1);
     for (std::size_t i = 0; i < points.size(); ++i)
         if (i % 40 != 0) points[i][2] += 5;  // outside, without a row
-    const auto bind = [&] {
-        return bindPoints(base, lattice.positions, 2, Rules::Siggraph96, points);
-    };
+    const auto bind = [&] { return bindPoints({base, lattice.positions}, points, {.level = 2}); };
     const auto without = bind();
     EXPECT_EQ(without.count(PointStatus::Inside), 500);
     const MemoryLimit limit(residentMemory() + 150'000'000);

@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kLevel = 2;
 
-StencilTable<double> bindTo(const Lattice& lattice, const std::vector<Point3>& points) {
-    return bindPoints(TopologyRefiner(lattice.complex), lattice.positions, kLevel,
-                      Rules::Siggraph96, points, {.outside = OutsidePolicy::Error})
+stencils::StencilTable<double> bindTo(const Lattice& lattice, const std::vector<Point3>& points) {
+    return bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
+                      {.level = kLevel, .embedding = {.outside = OutsidePolicy::Error}})
         .binding.table;
 }
 
@@ -32,10 +32,10 @@ struct Nest {
     std::vector<Point3> points = pointsIn(Refined(child, kLevel), 200, 3);
     StencilTable<double> ofChild = bindTo(child, points);
 
-    StencilTable<double> nest(const std::vector<Point3>& childPose,
-                              const EmbeddingOptions& options = {}) const {
-        return nestTables(ofChild, childPose, parentBase, parent.positions, kLevel,
-                          Rules::Siggraph96, options);
+    stencils::StencilTable<double> nest(const std::vector<Point3>& childPose,
+                                        const EmbeddingOptions& options = {}) const {
+        return nestTables(ofChild, childPose, {parentBase, parent.positions},
+                          {.level = kLevel, .embedding = options});
     }
 };
 
@@ -96,9 +96,9 @@ TEST(NestedLattices, GoAsDeepAsWanted) {
     const Lattice outermost =
         shapes::box({.cells = {2, 2, 2}, .min = {-2, -2, -1}, .max = {2, 2, 2}});
     const TopologyRefiner base(outermost.complex);
-    const auto table = nestTables(nest.nest(nest.child.positions), nest.parent.positions, base,
-                                  outermost.positions, kLevel, Rules::Siggraph96);
-    const auto pose = shaken(outermost.positions, 8, 0.2);
+    const auto table = nestTables(nest.nest(nest.child.positions), nest.parent.positions,
+                                  {base, outermost.positions}, {.level = kLevel});
+    const auto pose = test::shaken(outermost.positions, 8, 0.2);
     const auto parentPose =
         stencils::applyLevelTable(bindTo(outermost, nest.parent.positions), pose);
     expectNear(stencils::applyLevelTable(table, pose),
@@ -125,11 +125,13 @@ TEST(NestedLattices, RefuseWhatDoesNotFit) {
     // A parent without a volume gives no place.
     auto flat = nest.parent;
     for (Point3& p : flat.positions) p[2] = 0;
-    EXPECT_REFUSED(Error,
-                   "vertex 0 of the child has no place in the parent lattice: "
-                   "its cell is degenerate",
-                   nestTables(nest.ofChild, nest.child.positions, nest.parentBase, flat.positions,
-                              kLevel, Rules::Siggraph96, {.outside = OutsidePolicy::Nearest}));
+    EXPECT_THAT(
+        [&] {
+            nestTables(nest.ofChild, nest.child.positions, {nest.parentBase, flat.positions},
+                       {.level = kLevel, .embedding = {.outside = OutsidePolicy::Nearest}});
+        },
+        ThrowsMessage<Error>(HasSubstr("vertex 0 of the child has no place in the parent lattice: "
+                                       "its cell is degenerate")));
 }
 
 }  // namespace

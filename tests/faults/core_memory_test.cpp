@@ -58,7 +58,7 @@ protected:
     }
 
     auto bind() const {
-        return embed::bindPoints(refined(0), lattice.positions, 2, Rules::Siggraph96, points);
+        return embed::bindPoints({refined(0), lattice.positions}, points, {.level = 2});
     }
 };
 
@@ -160,7 +160,7 @@ TEST_F(CoreMemory, Binding) {
     });
     failEachAllocation([&] {
         const auto bound =
-            embed::bindFactored(refined(0), lattice.positions, 1, Rules::Siggraph96, points);
+            embed::bindFactored({refined(0), lattice.positions}, points, {.level = 1});
         return bound.statuses;
     });
     const auto refiner = refined(1);
@@ -169,7 +169,7 @@ TEST_F(CoreMemory, Binding) {
     failEachAllocation([&] {
         const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points,
                                                   {.outside = embed::OutsidePolicy::Nearest});
-        return embed::makeBinding(refiner, 1, Rules::Siggraph96, embedding, points);
+        return embed::buildDeformationTable(refiner, 1, Rules::Siggraph96, embedding);
     });
 }
 
@@ -177,8 +177,8 @@ TEST_F(CoreMemory, Binding) {
 TEST_F(CoreMemory, Refusals) {
     failEachAllocation([&] {
         try {
-            embed::bindPoints(refined(0), lattice.positions, 1, Rules::Siggraph96, points,
-                              {.outside = embed::OutsidePolicy::Error});
+            embed::bindPoints({refined(0), lattice.positions}, points,
+                              {.level = 1, .embedding = {.outside = embed::OutsidePolicy::Error}});
         } catch (const Error& error) {
             return std::string(error.what()).find("point 3 at (9") != std::string::npos;
         }
@@ -199,7 +199,7 @@ TEST_F(CoreMemory, Evaluation) {
     const auto bound = bind();
     const auto& table = bound.binding.table;
     const auto factored =
-        embed::bindFactored(refined(0), lattice.positions, 2, Rules::Siggraph96, points).binding;
+        embed::bindFactored({refined(0), lattice.positions}, points, {.level = 2}).binding;
     failEachAllocation([&] { return osd::evaluateBinding(bound.binding, lattice.positions); });
     failEachAllocation([&] { return osd::evaluateBinding(factored, lattice.positions); });
 
@@ -245,8 +245,7 @@ TEST_F(CoreMemory, Solvers) {
     const TopologyRefiner parent(shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).complex);
     const auto parentRest = shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).positions;
     failEachAllocation([&] {
-        return embed::nestTables(table, lattice.positions, parent, parentRest, 1,
-                                 Rules::Siggraph96);
+        return embed::nestTables(table, lattice.positions, {parent, parentRest}, {.level = 1});
     });
 }
 
@@ -281,8 +280,8 @@ TEST_F(CoreMemory, DestinationsAreAsTheyWere) {
 
 TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
     auto bound = std::optional(bind());
-    auto factored = std::optional(
-        embed::bindFactored(refined(0), lattice.positions, 2, Rules::Siggraph96, points));
+    auto factored =
+        std::optional(embed::bindFactored({refined(0), lattice.positions}, points, {.level = 2}));
     auto refiner = std::optional(refined(2));
     refiner->level(2).complex.relation(0, 3);
     std::optional<osd::CompiledTable<double>> compiled(bound->binding.table);

@@ -128,8 +128,8 @@ TEST_F(IoMemory, AllThatAProgramDoes) {
         const auto model = io::readModel(folder / "model.obj");
         const Lattice rest = io::readLattice(folder / "rest.vtu");
         TopologyRefiner refiner(rest.complex, {.marks = rest.marks});
-        const auto bound = embed::bindPoints(refiner, rest.positions, 1,
-                                             stencils::Rules::Siggraph96, model->positions());
+        const auto bound =
+            embed::bindPoints({refiner, rest.positions}, model->positions(), {.level = 1});
         refiner.refineUniform(1);
         const auto table = stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96);
         io::writeMatrix(folder / "S.npy", table);

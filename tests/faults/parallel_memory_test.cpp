@@ -56,8 +56,7 @@ TEST(ParallelMemory, BindingAndEvaluating) {
     failSome(
         [&] {
             const TopologyRefiner base(lattice.complex);
-            const auto bound =
-                embed::bindPoints(base, lattice.positions, 2, stencils::Rules::Siggraph96, points);
+            const auto bound = embed::bindPoints({base, lattice.positions}, points, {.level = 2});
             return osd::evaluateBinding(bound.binding, lattice.positions);
         },
         15);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/basis_functions.h>
 #include <espalier/limit/limit_binding.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 
@@ -25,9 +25,10 @@ using Eigen::Vector3d;
 using Bound = embed::BindingResultOf<LimitTable>;
 
 Bound bound(const Lattice& lattice, const std::vector<Point3>& points,
-            const LimitOptions& options = {}, Rules rules = Rules::Siggraph96) {
-    return bindLimit(TopologyRefiner(lattice.complex, refinerOptions(lattice)), lattice.positions,
-                     rules, points, options);
+            const LimitOptions& options = {}, stencils::Rules rules = stencils::Rules::Siggraph96) {
+    return bindLimit(
+        {TopologyRefiner(lattice.complex, refinerOptions(lattice)), lattice.positions, rules},
+        points, options);
 }
 
 /// Vertices of a level in the limit, at a pose.
@@ -210,8 +211,9 @@ TEST(LimitBinding, LevelsTendToIt) {
     const auto limit = times(bound(lattice, points).binding.table.points, pose);
     double before = 0;
     for (int level = 2; level <= 5; ++level) {
-        const auto model = embed::bindPoints(base, lattice.positions, level, Rules::Siggraph96,
-                                             points, {.outside = embed::OutsidePolicy::Nearest});
+        const auto model = embed::bindPoints(
+            {base, lattice.positions}, points,
+            {.level = level, .embedding = {.outside = embed::OutsidePolicy::Nearest}});
         const double distance = largestDistance(times(model.binding.table, pose), limit);
         if (level > 3) {
             EXPECT_LT(distance, before / 3) << level;
@@ -349,7 +351,7 @@ TEST(LimitBinding, WorksWithoutBoundaryControl) {
     const TopologyRefiner base(test::grid(cells), {.boundary = Boundary::Open});
     // What is left is the inner 2 × 2 × 2 cells.
     const std::vector<Point3> points = {{1.25, 2, 2.5}, {1, 1, 1}, {3, 3, 3}, {0.5, 2, 2}};
-    const auto model = bindLimit(base, rest, Rules::Siggraph96, points);
+    const auto model = bindLimit({base, rest}, points);
     using enum embed::PointStatus;
     EXPECT_THAT(model.statuses, ElementsAre(Inside, Inside, Inside, Outside));
 }
@@ -383,9 +385,10 @@ TEST(LimitBinding, RefusesWhatItCannotBind) {
     EXPECT_THROW(bound(lattice, {}, {.tolerance = 0}), Error);
     EXPECT_THROW(bound(lattice, {}, {.tolerance = 0.2}), Error);
     EXPECT_THROW(bound(lattice, {}, {.tolerance = kNan}), Error);
-    EXPECT_THROW(bound(lattice, {}, {}, Rules::Rats), Error);
-    TopologyRefiner refined = test::refined(lattice.complex, 1);
-    EXPECT_THROW(bindLimit(refined, lattice.positions, Rules::Siggraph96, {}), Error);
+    EXPECT_THROW(bound(lattice, {}, {}, stencils::Rules::Rats), Error);
+    TopologyRefiner refined(lattice.complex);
+    refined.refineUniform(1);
+    EXPECT_THROW(bindLimit({refined, lattice.positions}, {}), Error);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST(LimitParts, PatchesAreWhatPointsAreBoundTo) {
                 points.push_back({from[0], from[1], from[2]});
                 expected.push_back({to[0], to[1], to[2]});
             }
-            const auto bound = bindLimit(base, lattice.positions, Rules::Siggraph96, points);
+            const auto bound = bindLimit({base, lattice.positions}, points);
             const auto got = stencils::applyLevelTable(bound.binding.table.points, pose);
             for (std::size_t i = 0; i < points.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c)

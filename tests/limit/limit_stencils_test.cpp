@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/standard_cells.h>
 #include <espalier/limit/limit_stencils.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 

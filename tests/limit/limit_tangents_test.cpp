@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/limit/limit_binding.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
@@ -54,7 +54,7 @@ TEST(LimitGradients, AffinePosesAreExactAtAnyTolerance) {
         for (Point3& p : pose) p = toPoint(map * vec(p) + Vector3d(0.3, -0.7, 0.2));
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         for (const double tolerance : {1e-2, 1e-6, 1e-8, 1e-9, 1e-12, 1e-14}) {
-            const Bound result = bindLimit(base, lattice.positions, Rules::Siggraph96, points,
+            const Bound result = bindLimit({base, lattice.positions}, points,
                                            {.tolerance = tolerance, .gradients = true});
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const auto& rows = result.binding.table.gradients[axis];
@@ -133,7 +133,7 @@ TEST(LimitGradients, AreTheEigenvectorsOnIrregularEdges) {
         const auto point = stencils::applyLevelTable(
             buildVertexLimits(base, 0, Rules::Siggraph96, vertices), lattice.positions);
         for (const double tolerance : {1e-6, 1e-12}) {
-            const Bound result = bindLimit(base, lattice.positions, Rules::Siggraph96, point,
+            const Bound result = bindLimit({base, lattice.positions}, point,
                                            {.tolerance = tolerance, .gradients = true});
             // For 16 cells both are so good: eigenvalues are 0.03 apart, and rounding of the axis
             // grows by 1.22 a level while the axis settles.
@@ -152,8 +152,7 @@ TEST(LimitGradients, GoOnFromFeatures) {
     double before = 0;
     for (const double step : {1e-2, 1e-4, 1e-6, 1e-8}) {
         const std::vector<Point3> points = {{0, 0, 0.2}, {step, 0.3 * step, 0.2 + 0.5 * step}};
-        const Bound result =
-            bindLimit(base, lattice.positions, Rules::Siggraph96, points, {.gradients = true});
+        const Bound result = bindLimit({base, lattice.positions}, points, {.gradients = true});
         ASSERT_EQ(result.count(embed::PointStatus::Inside), 2);
         const double change = (gradientAt(result, 1, pose) - gradientAt(result, 0, pose)).norm();
         // As a power of the distance: each level takes that to 0.5985, and the change to

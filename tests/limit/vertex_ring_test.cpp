@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/regular_cells.h>
 #include <espalier/far/standard_cells.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
@@ -127,8 +127,10 @@ TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
             for (Index vertex = 0; vertex < here.complex.count(0); vertex += 1 + level * 6) {
                 if (!embed::isRegularVertex(here, vertex)) continue;
                 ++seen;
-                const auto table = buildLimitTable(refiner, level, Rules::Siggraph96, {{vertex}});
-                const auto ring = ringOf(here, refiner.options(), Rules::Siggraph96, vertex);
+                const auto table =
+                    buildLimitMasks(refiner, level, stencils::Rules::Siggraph96, {{vertex}});
+                const auto ring =
+                    ringOf(here, refiner.options(), stencils::Rules::Siggraph96, vertex);
                 Eigen::VectorXd expected = ring.start.transpose() * limitMask(ring);
                 for (std::size_t k = 0; k < table.columns(0).size(); ++k) {
                     const auto at = std::lower_bound(ring.vertices.begin(), ring.vertices.end(),

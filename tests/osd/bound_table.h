@@ -17,8 +17,9 @@ template <class Real>
 StencilTable<Real> boundTable(const Lattice& lattice, std::size_t pointCount = 4000,
                               int level = 3) {
     const TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
-    const auto bound = embed::bindPoints(base, lattice.positions, level, Rules::Siggraph96,
-                                         pointsIn(Refined(lattice, level), pointCount, 5));
+    const auto bound =
+        embed::bindPoints({base, lattice.positions},
+                          pointsIn(Refined(lattice, level), pointCount, 5), {.level = level});
     return stencils::convertTable<Real>(bound.binding.table);
 }
 

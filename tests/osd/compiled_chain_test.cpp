@@ -55,8 +55,8 @@ TYPED_TEST(CompiledChainTest, FactorsGiveWhatTheirProductDoes) {
     const Refined refined(lattice, 2);
     const auto points = pointsIn(refined, 40'000, 3);
     const TopologyRefiner base(lattice.complex);
-    const auto factored = embed::bindFactored(base, refined.base, 2, Rules::Siggraph96, points);
-    const auto bound = embed::bindPoints(base, refined.base, 2, Rules::Siggraph96, points);
+    const auto factored = embed::bindFactored({base, refined.base}, points, {.level = 2});
+    const auto bound = embed::bindPoints({base, refined.base}, points, {.level = 2});
     EXPECT_EQ(factored.statuses, bound.statuses);
     const auto factors = convertTable<TypeParam>(factored.binding.table);
     const CompiledChain<TypeParam> chain(factors);
@@ -75,8 +75,8 @@ TYPED_TEST(CompiledChainTest, FactorsHaveTheirAdjoint) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});
     const Refined refined(lattice, 2);
     const auto factors =
-        convertTable<Real>(embed::bindFactored(TopologyRefiner(lattice.complex), refined.base, 2,
-                                               Rules::Siggraph96, pointsIn(refined, 3000, 3))
+        convertTable<Real>(embed::bindFactored({TopologyRefiner(lattice.complex), refined.base},
+                                               pointsIn(refined, 3000, 3), {.level = 2})
                                .binding.table);
     const CompiledAdjointChain<Real> adjoint(factors);
     EXPECT_EQ(adjoint.rowCount(), factors.columnCount());

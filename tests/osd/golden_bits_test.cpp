@@ -74,8 +74,9 @@ void addResults(const TopologyRefiner& refiner, const Lattice& lattice, stencils
     add(stencils::convertTable<Real>(stencils::buildStencils(refiner, refiner.maxLevel(), rules)),
         hash);
     const auto points = exactPoints();
-    const auto bound = embed::bindPoints(TopologyRefiner(lattice.complex, refiner.options()),
-                                         lattice.positions, 2, rules, points);
+    const auto bound = embed::bindPoints(
+        {TopologyRefiner(lattice.complex, refiner.options()), lattice.positions, rules},
+        points, {.level = 2});
     const auto table = stencils::convertTable<Real>(bound.binding.table);
     add(table, hash);
     std::vector<Real> source;

@@ -49,11 +49,9 @@ struct Tables {
             const TopologyRefiner base(lattice.complex);
             const auto points = pointsIn(Refined(lattice, 1), 12'000, 5);
             tables.push_back(stencils::convertTable<Real>(
-                embed::bindPoints(base, lattice.positions, 3, Rules::Siggraph96, points)
-                    .binding.table));
+                embed::bindPoints({base, lattice.positions}, points, {.level = 3}).binding.table));
             factored = stencils::convertTable<Real>(
-                embed::bindFactored(base, lattice.positions, 3, Rules::Siggraph96, points)
-                    .binding.table);
+                embed::bindFactored({base, lattice.positions}, points, {.level = 3}).binding.table);
         }
         const Lattice torus = surfaceOf(shapes::torus());
         TopologyRefiner refiner = refined(torus.complex, 4);
@@ -199,10 +197,10 @@ TYPED_TEST(RealTimeTest, KeptPoints) {
     using Real = TypeParam;
     const Lattice cube = shapes::box();
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3.25, 3}, {1, 1, 1}};
-    const auto binding =
-        embed::convertBinding<Real>(embed::bindPoints(TopologyRefiner(cube.complex), cube.positions,
-                                                      2, Rules::Siggraph96, points)
-                                        .binding);
+    const auto binding = embed::convertBinding<Real>(
+        embed::bindPoints({TopologyRefiner(cube.complex), cube.positions}, points,
+                          {.level = 2})
+            .binding);
     const CompiledTable<Real> compiled(binding.table);
     Workspace workspace = compiled.workspace(3);
     std::vector<Real> pose, result(1 + 3 * 4, 99);

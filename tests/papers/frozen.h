@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/composition.h>
@@ -38,12 +39,9 @@ struct Frozen {
 
     Frozen(const Lattice& lattice, int level, const std::vector<Point3>& points)
         : rest(lattice), model(points) {
-        const TopologyRefiner refiner = refined(rest, level);
-        const embed::Embedding embedding = embed::embedPoints(
-            refiner.level(level).complex, positionsAt(rest, refiner, level), points);
-        EXPECT_EQ(embedding.count(embed::PointStatus::Inside), Index(points.size()));
-        binding =
-            embed::makeBinding(refiner, level, stencils::Rules::Siggraph96, embedding, points);
+        auto bound = embed::bindPoints({refined(rest, 0), rest.positions}, points, {.level = level});
+        EXPECT_EQ(bound.count(embed::PointStatus::Inside), static_cast<Index>(points.size()));
+        binding = std::move(bound.binding);
     }
 
     std::vector<Point3> posed(const std::vector<Point3>& pose) const {

@@ -20,7 +20,7 @@ std::vector<Point3> scaled(std::vector<Point3> points, int exponent) {
 BindingResult bind(const Lattice& lattice, const std::vector<Point3>& points,
                    const EmbeddingOptions& options = {}, int level = 2) {
     const TopologyRefiner refiner(lattice.complex);
-    return bindPoints(refiner, lattice.positions, level, Rules::Siggraph96, points, options);
+    return bindPoints({refiner, lattice.positions}, points, {.level = level, .embedding = options});
 }
 
 /// How far D puts point `i` from where it was, at rest.

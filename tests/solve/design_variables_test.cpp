@@ -159,8 +159,8 @@ struct Designed {
 
     Designed() {
         const Refined refined(lattice, 2);
-        deformation = embed::bindPoints(TopologyRefiner(lattice.complex), lattice.positions, 2,
-                                        Rules::Siggraph96, pointsIn(refined, 200, 4))
+        deformation = embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions},
+                                        pointsIn(refined, 200, 4), {.level = 2})
                           .binding.table;
         solve::DesignVariables variables(lattice.complex.count(0));
         variables.link(3, 1, {0.5, -1, 2});

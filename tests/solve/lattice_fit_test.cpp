@@ -20,8 +20,8 @@ struct Model {
 
     Model(const Lattice& chosen, std::size_t pointCount) : lattice(chosen) {
         const Refined refined(lattice, 2);
-        deformation = embed::bindPoints(TopologyRefiner(lattice.complex), lattice.positions, 2,
-                                        Rules::Siggraph96, pointsIn(refined, pointCount, 5))
+        deformation = embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions},
+                                        pointsIn(refined, pointCount, 5), {.level = 2})
                           .binding.table;
     }
 

@@ -86,8 +86,7 @@ TEST(LimitValidity, NoGradientContradictsIt) {
         options.gradients = true;
         const auto points = pointsIn(refined, kIsSlow ? 20 : 100, 3);
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
-        const auto bound =
-            limit::bindLimit(base, lattice.positions, Rules::Siggraph96, points, options);
+        const auto bound = limit::bindLimit({base, lattice.positions}, points, options);
         /// The least determinant, of those in cells.
         const auto sampled = [&](const Positions& pose) {
             std::array<Positions, 3> columns;

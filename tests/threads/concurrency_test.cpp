@@ -83,9 +83,9 @@ TEST(Concurrency, EvaluatorsOfOneTable) {
     const TopologyRefiner base(lattice().complex);
     const auto model = points(6000);
     const auto table = stencils::convertTable<float>(
-        embed::bindPoints(base, lattice().positions, 3, Rules::Siggraph96, model).binding.table);
+        embed::bindPoints({base, lattice().positions}, model, {.level = 3}).binding.table);
     const auto factors = stencils::convertTable<float>(
-        embed::bindFactored(base, lattice().positions, 3, Rules::Siggraph96, model).binding.table);
+        embed::bindFactored({base, lattice().positions}, model, {.level = 3}).binding.table);
     const auto xyz = BufferDescriptor::packed(3);
     const Index rows = table.rowCount(), columns = table.columnCount();
     expectSame(rows, columns, [&](auto source, auto result) {
@@ -117,8 +117,8 @@ TEST(Concurrency, EvaluatorsOfOneTable) {
 }
 
 TEST(Concurrency, OneBinding) {
-    const auto bound = embed::bindPoints(TopologyRefiner(lattice().complex), lattice().positions, 3,
-                                         Rules::Siggraph96, points(3000));
+    const auto bound = embed::bindPoints({TopologyRefiner(lattice().complex), lattice().positions},
+                                         points(3000), {.level = 3});
     const auto expected = evaluateBinding(bound.binding, lattice().positions);
     onThreads(
         [&](int) { EXPECT_EQ(evaluateBinding(bound.binding, lattice().positions), expected); });
@@ -128,7 +128,7 @@ TEST(Concurrency, OneBinding) {
 TEST(Concurrency, BindingToOneLattice) {
     const auto model = points(2000);
     const auto bind = [&](const TopologyRefiner& base) {
-        return embed::bindPoints(base, lattice().positions, 3, Rules::Siggraph96, model).binding;
+        return embed::bindPoints({base, lattice().positions}, model, {.level = 3}).binding;
     };
     const auto expected = bind(TopologyRefiner(shapes::cylinder({.sectors = 5}).complex));
     // Built again, so that nothing of it has been derived.

@@ -236,8 +236,8 @@ TEST(Executor, OffersAgainWhatWasTurnedAway) {
 embed::BindingResult bindModel() {
     static const Lattice lattice = shapes::cylinder({.sectors = 5});
     static const std::vector<Point3> points = pointsIn(Refined(lattice, 2), 20'000, 3);
-    return embed::bindPoints(TopologyRefiner(lattice.complex), lattice.positions, 3,
-                             Rules::Siggraph96, points);
+    return embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
+                             {.level = 3});
 }
 
 TEST(ExecutorScope, ResultsAreTheSameBitForBit) {

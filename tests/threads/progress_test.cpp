@@ -264,8 +264,7 @@ TEST(Cancelled, TablesAndBindings) {
     withAndWithoutThreads([&] {
         cancelEverywhere([&] { return stencils::buildStencils(refiner, 2); });
         cancelEverywhere([&] {
-            return embed::bindPoints(base, lattice().positions, 2, Rules::Siggraph96, points)
-                .binding;
+            return embed::bindPoints({base, lattice().positions}, points, {.level = 2}).binding;
         });
     });
 }
