@@ -39,7 +39,8 @@ struct Scene {
     far::TopologyRefiner base{lattice.complex};
 
     embed::Binding bind() const {
-        return embed::bindPoints(base, lattice.positions, level, kRules, points).binding;
+        return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
+            .binding;
     }
 };
 

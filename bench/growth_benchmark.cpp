@@ -32,7 +32,8 @@ struct Scene {
           base(lattice.complex) {}
 
     embed::Binding bind(int level) const {
-        return embed::bindPoints(base, lattice.positions, level, kRules, points).binding;
+        return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
+            .binding;
     }
 };
 

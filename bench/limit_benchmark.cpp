@@ -30,8 +30,9 @@ struct Scene {
     /// D; of the limit if the level is 0.
     embed::Binding bind(int level) const {
         if (level > 0)
-            return embed::bindPoints(base, lattice.positions, level, kRules, points).binding;
-        return limit::withoutGradients(limit::bindLimit(base, lattice.positions, kRules, points))
+            return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
+                .binding;
+        return limit::withoutGradients(limit::bindLimit({base, lattice.positions, kRules}, points))
             .binding;
     }
 

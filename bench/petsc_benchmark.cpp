@@ -75,8 +75,8 @@ double peakMegabytes() {
 }
 
 StencilTable<double> bindOwn(const Lattice& lattice, const std::vector<Point3>& points, int level) {
-    return embed::bindPoints(far::TopologyRefiner(lattice.complex), lattice.positions, level,
-                             stencils::Rules::Siggraph96, points)
+    return embed::bindPoints({far::TopologyRefiner(lattice.complex), lattice.positions}, points,
+                             {.level = level})
         .binding.table;
 }
 
@@ -261,8 +261,7 @@ void runLattice() {
         for (Point3& point : points) point = {anywhere(random), anywhere(random), along(random)};
         StencilTable<double> rows;
         const double binding = secondsOf([&] {
-            rows = embed::bindPoints(base, lattice.positions, kLevel, stencils::Rules::Siggraph96,
-                                     points)
+            rows = embed::bindPoints({base, lattice.positions}, points, {.level = kLevel})
                        .binding.table;
         });
         const double peak = largest(peakMegabytes());

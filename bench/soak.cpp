@@ -70,9 +70,8 @@ void runOne(int number, const std::filesystem::path& folder) {
     const std::vector<Point3> points = pointsAround(lattice, number);
     const far::TopologyRefiner refiner(lattice.complex);
     io::BoundModel model;
-    model.binding = embed::bindPoints(refiner, lattice.positions, 2 + number % 2,
-                                      stencils::Rules::Siggraph96, points)
-                        .binding;
+    model.binding =
+        embed::bindPoints({refiner, lattice.positions}, points, {.level = 2 + number % 2}).binding;
     model.modelName = "points";
 
     const auto path = folder / (std::to_string(number) + ".espb");

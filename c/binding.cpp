@@ -4,7 +4,6 @@
 #include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 
-#include <string>
 #include <utility>
 
 #include "handles.h"
@@ -27,9 +26,10 @@ embed::BindingResult bind(const espalier_refiner& refiner, std::span<const Point
     const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
     if (chosen.limit_tolerance == 0)
-        return embed::bindPoints(base, positions, chosen.level, refiner.rules, points, options);
+        return embed::bindPoints({base, positions, refiner.rules}, points,
+                                 {.level = chosen.level, .embedding = options});
     return limit::withoutGradients(
-        limit::bindLimit(base, positions, refiner.rules, points,
+        limit::bindLimit({base, positions, refiner.rules}, points,
                          {.embedding = options, .tolerance = chosen.limit_tolerance}));
 }
 

@@ -380,7 +380,7 @@ ESPALIER_C_API espalier_status espalier_table_create_level(const espalier_refine
                                                            int32_t level, espalier_table** table);
 
 /// Where the vertices of a level go in the limit: vertices of the level × vertices of the lattice
-/// (limit/limit_table.h).
+/// (limit/vertex_limits.h).
 ///
 /// \retval ESPALIER_ERROR_INPUT no such level; rules or a boundary without a limit here
 ESPALIER_C_API espalier_status espalier_table_create_limits(const espalier_refiner* refiner,

@@ -6,9 +6,7 @@
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -143,8 +141,9 @@ espalier_status espalier_hold_points(const espalier_refiner* refiner, int32_t ve
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
         c::putHeld(vertex_count, vertex_count, held, held_count, [&] {
-            return embed::verticesHoldingPoints(base, rest, chosen.level, own.rules, model, wanted,
-                                                c::embeddingOptions(chosen));
+            return embed::verticesHoldingPoints(
+                {base, rest, own.rules}, model, wanted,
+                {.level = chosen.level, .embedding = c::embeddingOptions(chosen)});
         });
     });
 }

@@ -2,12 +2,11 @@
 #include <espalier/embed/nested_lattices.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/limit/limit_stencils.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
 #include <memory>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -113,9 +112,9 @@ espalier_status espalier_table_create_nested(
         const auto pose = c::positions(child_pose, child_vertex_count, "child_pose");
         const auto rest = c::positions(parent_positions, parent_vertex_count, "parent_positions");
         const auto chosen = c::levelOptionsOr(options, "lattices nest in a level");
-        return c::newTable(embed::nestTables(own, pose, c::baseOf(outer.refiner), rest,
-                                             chosen.level, outer.rules,
-                                             c::embeddingOptions(chosen)));
+        return c::newTable(
+            embed::nestTables(own, pose, {c::baseOf(outer.refiner), rest, outer.rules},
+                              {.level = chosen.level, .embedding = c::embeddingOptions(chosen)}));
     });
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bind_model.h"
 
-#include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/limit/limit_binding.h>
 
@@ -14,9 +13,9 @@ namespace espalier::cli {
 namespace {
 
 /// MacCracken & Joy 1996, section 5; without subdivision their section 1.
-BoundPoints bindByOptions(const BindOptions& options, std::span<const Point3> points,
-                          const Lattice& lattice, bool hasGradients,
-                          const std::function<void(Offset)>& progress) {
+ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> points,
+                           const Lattice& lattice, bool hasGradients,
+                           const std::function<void(Offset)>& progress) {
     const auto& embedding = options.common.embedding;
     if (options.basis) {
         // To go on without them would be another deformation than the file asks for.
@@ -30,13 +29,15 @@ BoundPoints bindByOptions(const BindOptions& options, std::span<const Point3> po
     const auto base = refineLattice(options.rest, lattice, options.common, 0);
     const auto& rules = options.common.rules;
     if (!options.limit)
-        return {embed::bindPoints(base, lattice.positions, options.level, rules, points, embedding,
-                                  progress)};
-    auto bound = limit::bindLimit(
-        base, lattice.positions, rules, points,
-        {.embedding = embedding, .tolerance = embedding.tolerance, .gradients = hasGradients},
-        progress);
-    BoundPoints result;
+        return {embed::bindPoints(
+            {base, lattice.positions, rules}, points,
+            {.level = options.level, .embedding = embedding, .progress = progress})};
+    auto bound = limit::bindLimit({base, lattice.positions, rules}, points,
+                                  {.embedding = embedding,
+                                   .tolerance = embedding.tolerance,
+                                   .gradients = hasGradients,
+                                   .progress = progress});
+    ModelBinding result;
     if (hasGradients)
         result.gradients = {std::move(bound.binding.table.gradients), lattice.positions};
     result.points = limit::withoutGradients(std::move(bound));
@@ -91,8 +92,8 @@ void checkBasis(const BindOptions& options) {
                                        "is of use with --basis subdivision only");
 }
 
-BoundPoints bindModel(const BindOptions& options, std::span<const Point3> points,
-                      const Lattice& lattice, Stages& stages, bool hasGradients) {
+ModelBinding bindModel(const BindOptions& options, std::span<const Point3> points,
+                       const Lattice& lattice, Stages& stages, bool hasGradients) {
     return stages.run("binding", [&] {
         auto bound = bindByOptions(options, points, lattice, hasGradients,
                                    progressOf(stages, points.size()));
@@ -108,9 +109,10 @@ std::optional<stencils::FactoredTable<double>> bindInFactors(const BindOptions& 
     if (options.basis || options.limit) return std::nullopt;
     return stages.run("binding in factors", [&] {
         const auto base = refineLattice(options.rest, lattice, options.common, 0);
-        auto bound = embed::bindFactored(base, lattice.positions, options.level,
-                                         options.common.rules, points, options.common.embedding,
-                                         progressOf(stages, points.size()));
+        auto bound = embed::bindFactored({base, lattice.positions, options.common.rules}, points,
+                                         {.level = options.level,
+                                          .embedding = options.common.embedding,
+                                          .progress = progressOf(stages, points.size())});
         stages.addBytes(bytesOf(bound.binding.table));
         return std::move(bound.binding.table);
     });

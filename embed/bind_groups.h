@@ -3,29 +3,65 @@
 
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
-#include <espalier/embed/group_binder.h>
 #include <espalier/embed/length_unit.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/far/topology_match.h>
+#include <espalier/stencils/factored_table.h>
 
 #include <atomic>
 #include <functional>
-#include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+// Points are bound in groups, to D or to its factors. The limit binds to D with its gradients, and
+// adds overloads of pointRows() and gatherRows() (limit_binding.cpp).
 namespace espalier::embed {
 
-/// Binds points, a group of near ones after the other, in parallel.
-/// \param binder works in units of `unit`; goes before the rows are gathered, which takes the most
-///        memory
-/// \param progress as in bindPoints()
+/// Some of the points of a group, as they were bound.
 template <class Table>
-BindingResultOf<Table> bindGroups(std::unique_ptr<const GroupBinder<Table>> binder,
-                                  const far::TopologyRefiner& base, const LengthUnit& unit,
-                                  std::span<const Point3> points, Offset groupSize,
-                                  OutsidePolicy outside,
+struct BoundPart {
+    std::vector<Index> points;  ///< which, counted from 0
+    std::vector<PointStatus> statuses;
+    double largestResidual = 0;
+    Table table;  ///< a row for each, without entries where it has no place
+};
+
+/// Binds a group of points that lie together. Any number of threads may ask.
+///
+/// Returns all of the points; where a later part has some of them again, that counts, and the
+/// earlier one has no entries for these.
+template <class Table>
+using BindGroup = std::function<std::vector<BoundPart<Table>>(std::span<const Point3>)>;
+
+/// The rows that tell which points have a place.
+inline const stencils::StencilTable<double>& pointRows(
+    const stencils::StencilTable<double>& table) {
+    return table;
+}
+inline const stencils::StencilTable<double>& pointRows(
+    const stencils::FactoredTable<double>& table) {
+    return table.points;
+}
+
+/// Puts the rows of all parts into one table, and empties the tables of the parts. A vertex of
+/// factors that several parts use is repeated for each of them.
+/// \param parts with the numbers of their points in the whole model
+void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, Index rowCount,
+                Index columnCount, stencils::StencilTable<double>& result);
+void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, Index rowCount,
+                Index columnCount, stencils::FactoredTable<double>& result);
+
+/// Binds points, a group of near ones after the other, in parallel.
+/// \param bindGroup works in units of `unit`. What it holds goes before the rows are gathered: that
+///        takes the most memory
+/// \param progress as BindingOptions::progress
+template <class Table>
+BindingResultOf<Table> bindGroups(BindGroup<Table> bindGroup, const far::TopologyRefiner& base,
+                                  const LengthUnit& unit, std::span<const Point3> points,
+                                  Offset groupSize, OutsidePolicy outside,
                                   const std::function<void(Offset)>& progress) {
     checkPointCount(points);
     const Offset pointCount = std::ssize(points);
@@ -33,12 +69,11 @@ BindingResultOf<Table> bindGroups(std::unique_ptr<const GroupBinder<Table>> bind
     std::vector<std::vector<BoundPart<Table>>> groups((pointCount + groupSize - 1) / groupSize);
     std::atomic<Offset> done = 0, entryCount = 0;
     parallelFor(pointCount, groupSize, [&](Offset first, Offset last) {
-        std::vector<Point3> own;
-        for (Offset i = first; i < last; ++i) own.push_back(unit.toUnits(points[order[i]]));
+        const auto numbers = std::span(order).subspan(first, last - first);
         auto& parts = groups[first / groupSize];
-        parts = binder->bind(own);
+        parts = bindGroup(unit.toUnits(chosenPoints(points, numbers)));
         for (BoundPart<Table>& part : parts) {
-            for (Index& point : part.points) point = order[first + point];
+            for (Index& point : part.points) point = numbers[point];
             entryCount += pointRows(part.table).entryCount();
         }
         // gatherRows() takes as much memory again as the rows that the groups hold.
@@ -47,7 +82,7 @@ BindingResultOf<Table> bindGroups(std::unique_ptr<const GroupBinder<Table>> bind
         if (progress) progress(done += last - first);
     });
 
-    binder.reset();
+    bindGroup = {};
     BindingResultOf<Table> model;
     model.statuses.resize(points.size());
     std::vector<BoundPart<Table>> parts;

@@ -37,14 +37,10 @@ auto convertBinding(BindingOf<Table> binding) {
                                       std::move(binding.keptAt), binding.topologyHash};
 }
 
-/// Collects D and what it keeps.
+/// Collects D and what it keeps for a box lattice with Bézier or B-spline weights. (To a level of
+/// a lattice points are bound by bindPoints().)
 /// \param points as they were embedded
-/// \throws Error if their number is not that of the embedding, or that is in another level
-ESPALIER_API Binding makeBinding(const far::TopologyRefiner& refiner, int level,
-                                 stencils::Rules rules, const Embedding& embedding,
-                                 std::span<const Point3> points);
-
-/// The same for a box lattice with Bézier or B-spline weights.
+/// \throws Error if their number is not that of the embedding, or that is in another lattice
 ESPALIER_API Binding makeBinding(const TensorLattice& lattice, const TensorEmbedding& embedding,
                                  std::span<const Point3> points);
 

@@ -25,13 +25,13 @@ bool contains(const BoxTree::Box& box, const Eigen::Vector3d& point) {
 
 /// How many of some places, sorted and two or more, go to the left: those without the highest bit
 /// in which their keys differ.
-Index leftCount(std::span<const CurvePlace> places) {
+Index leftCount(std::span<const CurveItem> places) {
     const std::uint64_t differing = places.front().key ^ places.back().key;
     if (differing == 0) return static_cast<Index>(places.size() / 2);
     const std::uint64_t bit = std::bit_floor(differing);
     const auto right =
         std::partition_point(places.begin(), places.end(),
-                             [&](const CurvePlace& place) { return (place.key & bit) == 0; });
+                             [&](const CurveItem& place) { return (place.key & bit) == 0; });
     return static_cast<Index>(right - places.begin());
 }
 
@@ -43,7 +43,7 @@ BoxTree::BoxTree(std::span<const Box> boxes) {
     Box all;
     for (const Box& box : boxes) all.extend(box);
     const MortonCurve curve(all);
-    Array<CurvePlace> places(boxes.size());
+    Array<CurveItem> places(boxes.size());
     parallelFor(static_cast<Offset>(boxes.size()), 4096, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
             const auto item = static_cast<std::size_t>(i);
@@ -53,14 +53,14 @@ BoxTree::BoxTree(std::span<const Box> boxes) {
     sortAlongCurve(places);
     order_.reserve(boxes.size());
     boxes_.reserve(boxes.size());
-    for (const CurvePlace& place : places) {
+    for (const CurveItem& place : places) {
         order_.push_back(place.item);
         boxes_.push_back(boxes[place.item]);
     }
     if (!places.empty()) build(places, 0, static_cast<Index>(places.size()));
 }
 
-void BoxTree::build(std::span<const CurvePlace> places, Index first, Index count) {
+void BoxTree::build(std::span<const CurveItem> places, Index first, Index count) {
     const std::size_t at = nodes_.size();
     nodes_.emplace_back();
     Box box;

@@ -51,7 +51,7 @@ private:
 
     template <class IsIn>
     void collect(IsIn isIn, std::vector<Index>& found) const;
-    void build(std::span<const CurvePlace> places, Index first, Index count);
+    void build(std::span<const CurveItem> places, Index first, Index count);
 
     std::vector<Node> nodes_;
     std::vector<Index> order_;  ///< the items, leaf by leaf

@@ -4,7 +4,6 @@
 #include <espalier/embed/cell_solver.h>
 #include <espalier/embed/continuation.h>
 #include <espalier/embed/place_points.h>
-#include <espalier/embed/simplex.h>
 #include <espalier/embed/solve3.h>
 #include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
@@ -12,6 +11,8 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+
+#include "simplex.h"
 
 namespace espalier::embed {
 

@@ -4,7 +4,7 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/base/word.h>
-#include <espalier/embed/embedding.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
@@ -69,18 +69,13 @@ ESPALIER_API std::vector<Index> verticesHoldingRows(
 /// A point outside of the lattice asks for what carries it: under OutsidePolicy::Nearest the
 /// nearest cell, under OutsidePolicy::Keep nothing.
 ///
-/// \param base a lattice at level 0
-/// \param positions of its vertices, at rest
-/// \param level that the model is bound to, 1 to kMostLevelOfPoints
-/// \param options that it is bound with
+/// \param options that the model is bound with
 /// \throws Error if there are no points; naming one that is not finite; as bindPoints()
 /// \cost as bindPoints()
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 5
-ESPALIER_API std::vector<Index> verticesHoldingPoints(const far::TopologyRefiner& base,
-                                                      std::span<const Point3> positions, int level,
-                                                      stencils::Rules rules,
+ESPALIER_API std::vector<Index> verticesHoldingPoints(const RestLattice& lattice,
                                                       std::span<const Point3> points,
                                                       Continuity continuity,
-                                                      const EmbeddingOptions& options = {});
+                                                      const BindingOptions& options = {});
 
 }  // namespace espalier::embed

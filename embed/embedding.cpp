@@ -154,14 +154,11 @@ stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner& r
                          });
 }
 
-stencils::FactoredTable<double> buildFactoredTable(
-    const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
-    const Embedding& embedding) {
-    const int level = static_cast<int>(tables.size());
-    return factoredTable(refiner.level(level).complex, embedding,
-                         [&](std::span<const Index> vertices) {
-                             return stencils::composeStencils(refiner, tables, vertices);
-                         });
+stencils::FactoredTable<double> buildFactoredTable(const stencils::Levels& levels,
+                                                   const Embedding& embedding) {
+    return factoredTable(
+        levels.finestLevel().complex, embedding,
+        [&](std::span<const Index> vertices) { return levels.stencils(vertices); });
 }
 
 namespace {
@@ -196,12 +193,11 @@ stencils::StencilTable<double> buildDeformationTable(const far::TopologyRefiner&
                       embedding);
 }
 
-stencils::StencilTable<double> buildDeformationTable(
-    const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
-    const Embedding& embedding) {
-    if (hasLongRows(refiner)) return multipliedFromPoints(refiner, tables, embedding);
-    return multiplied(buildFactoredTable(refiner, tables, embedding), refiner,
-                      static_cast<int>(tables.size()), embedding);
+stencils::StencilTable<double> buildDeformationTable(const stencils::Levels& levels,
+                                                     const Embedding& embedding) {
+    const far::TopologyRefiner& refiner = levels.refiner();
+    if (hasLongRows(refiner)) return multipliedFromPoints(refiner, levels.tables(), embedding);
+    return multiplied(buildFactoredTable(levels, embedding), refiner, levels.finest(), embedding);
 }
 
 }  // namespace espalier::embed

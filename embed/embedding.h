@@ -6,6 +6,7 @@
 #include <espalier/embed/point_location.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/factored_table.h>
+#include <espalier/stencils/levels.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/row_order.h>
 #include <espalier/stencils/stencil_table.h>
@@ -29,7 +30,14 @@ inline constexpr Word<OutsidePolicy> kOutsidePolicyWords[] = {{"keep", OutsidePo
 
 /// The finest level that points are bound to. Its cells are a millionth of a base cell across, as
 /// fine as the tolerance below: on levels above it a point would be in ever more cells at once.
-inline constexpr int kMostLevelOfPoints = 20;
+inline constexpr int kMaxLevelOfPoints = 20;
+
+/// A lattice at rest, to which points are bound.
+struct RestLattice {
+    const far::TopologyRefiner& base;   ///< a lattice at level 0
+    std::span<const Point3> positions;  ///< of its vertices
+    stencils::Rules rules = stencils::Rules::Siggraph96;
+};
 
 struct EmbeddingOptions {
     OutsidePolicy outside = OutsidePolicy::Keep;
@@ -102,10 +110,9 @@ ESPALIER_API stencils::StencilTable<double> buildDeformationTable(
     const far::TopologyRefiner& refiner, int level, stencils::Rules rules,
     const Embedding& embedding);
 
-/// The same from the level tables R_1 to R_level: see composeStencils().
-ESPALIER_API stencils::StencilTable<double> buildDeformationTable(
-    const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
-    const Embedding& embedding);
+/// The same in the finest of some levels.
+ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const stencils::Levels& levels,
+                                                                  const Embedding& embedding);
 
 /// W and the rows of S_level that it asks for, in the order of the vertices of the level.
 ///
@@ -115,9 +122,8 @@ ESPALIER_API stencils::FactoredTable<double> buildFactoredTable(const far::Topol
                                                                 int level, stencils::Rules rules,
                                                                 const Embedding& embedding);
 
-/// The same from the level tables R_1 to R_level: see composeStencils().
-ESPALIER_API stencils::FactoredTable<double> buildFactoredTable(
-    const far::TopologyRefiner& refiner, std::span<const stencils::StencilTable<double>> tables,
-    const Embedding& embedding);
+/// The same in the finest of some levels.
+ESPALIER_API stencils::FactoredTable<double> buildFactoredTable(const stencils::Levels& levels,
+                                                                const Embedding& embedding);
 
 }  // namespace espalier::embed

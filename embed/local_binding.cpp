@@ -5,10 +5,13 @@
 #include <espalier/stencils/level_rows.h>
 
 #include <cmath>
+#include <memory>
 #include <random>
 #include <string>
 #include <type_traits>
 #include <utility>
+
+#include "level_search.h"
 
 namespace espalier::embed {
 namespace {
@@ -21,19 +24,41 @@ bool isWithin(const far::CellComplex& base, int level, Offset most) {
     return cells <= static_cast<double>(most);
 }
 
-template <class Table>
-std::unique_ptr<const GroupBinder<Table>> makeBinder(const far::TopologyRefiner& base,
-                                                     std::span<const Point3> positions, int level,
-                                                     stencils::Rules rules, Offset pointCount,
-                                                     const EmbeddingOptions& options) {
+LevelSearch::Scope scopeFor(const far::CellComplex& base, int level, Offset pointCount) {
     // Where there are points for every cell, nothing is saved by leaving some out, and groups
     // would refine the cells between them twice. But rows of S for all of its vertices are too many
     // where they are long.
-    const far::CellComplex& complex = base.level(0).complex;
-    if (isWithin(complex, level, pointCount) &&
-        stencils::compositionAbove(complex) == stencils::Composition::FromBase)
-        return std::make_unique<WholeBinder<Table>>(base, positions, level, rules, options);
-    return std::make_unique<PartBinder<Table>>(base, positions, level, rules, options);
+    const bool isWhole = isWithin(base, level, pointCount) &&
+                         stencils::compositionAbove(base) == stencils::Composition::FromBase;
+    return isWhole ? LevelSearch::Scope::Whole : LevelSearch::Scope::Parts;
+}
+
+/// D or its factors.
+/// \param where stencils::Levels or WholeLevel
+template <class Table, class Where>
+Table rowsIn(const Where& where, const Embedding& embedding) {
+    if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
+        return buildDeformationTable(where, embedding);
+    else
+        return buildFactoredTable(where, embedding);
+}
+
+template <class Table>
+std::vector<BoundPart<Table>> bindGroup(const LevelSearch& search, std::span<const Point3> points) {
+    std::vector<BoundPart<Table>> parts;
+    search.locate(points, far::TopologyRefiner::Extent::Cells, [&](LocatedPart located) {
+        BoundPart<Table> part;
+        part.points = std::move(located.points);
+        for (const LocatedPoint& point : located.embedding.points)
+            part.statuses.push_back(point.status);
+        part.largestResidual = located.embedding.largestResidual();
+        if (located.levels)
+            part.table = rowsIn<Table>(*located.levels, located.embedding);
+        else if (search.whole())
+            part.table = rowsIn<Table>(*search.whole(), located.embedding);
+        parts.push_back(std::move(part));
+    });
+    return parts;
 }
 
 /// A lower bound of the mean of numbers between 0 and 1, of which a random sample has the mean
@@ -56,8 +81,8 @@ double leastMean(double sampleMean, int count) {
 /// Refuses rows of D that are more than memory holds, before they are made: where each row may have
 /// thousands of entries, making them takes minutes. How many they have, some of the points tell.
 /// \throws MemoryError
-void requireForRows(const GroupBinder<stencils::StencilTable<double>>& binder,
-                    const LengthUnit& unit, std::span<const Point3> points, Index columnCount) {
+void requireForRows(const LevelSearch& search, const LengthUnit& unit,
+                    std::span<const Point3> points, Index columnCount) {
     constexpr int kSampleSize = 64;
     if (points.size() < 4 * kSampleSize) return;
     // The rows of the groups, and D, in which they are gathered.
@@ -80,7 +105,7 @@ void requireForRows(const GroupBinder<stencils::StencilTable<double>>& binder,
     for (int i = 0; i < kSampleSize; ++i)
         sample.push_back(unit.toUnits(points[random() % points.size()]));
     Offset entryCount = 0;
-    for (const BoundPart<stencils::StencilTable<double>>& part : binder.bind(sample))
+    for (const auto& part : bindGroup<stencils::StencilTable<double>>(search, sample))
         entryCount += part.table.entryCount();
     const double rowLength = static_cast<double>(entryCount) / kSampleSize;
     require(mostEntries * leastMean(rowLength / columnCount, kSampleSize), rowLength);
@@ -88,42 +113,40 @@ void requireForRows(const GroupBinder<stencils::StencilTable<double>>& binder,
 
 /// Binds points in either form.
 template <class Table>
-BindingResultOf<Table> bind(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                            int level, stencils::Rules rules, std::span<const Point3> points,
-                            const EmbeddingOptions& options,
-                            const std::function<void(Offset)>& progress) {
-    checkBase(base, positions, level);
+BindingResultOf<Table> bind(const RestLattice& lattice, std::span<const Point3> points,
+                            const BindingOptions& options) {
+    checkRest(lattice, options.level);
     checkPointCount(points);
-    const LengthUnit unit(positions);
-    const std::vector<Point3> inUnits = unit.toUnits(positions);
-    auto binder = makeBinder<Table>(base, inUnits, level, rules, std::ssize(points), options);
-    const far::CellComplex& complex = base.level(0).complex;
+    const LengthUnit unit(lattice.positions);
+    const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
+    const far::CellComplex& complex = lattice.base.level(0).complex;
+    auto search = std::make_shared<const LevelSearch>(
+        RestLattice{lattice.base, inUnits, lattice.rules}, options.level, options.embedding,
+        scopeFor(complex, options.level, std::ssize(points)));
     if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
         if (stencils::compositionAbove(complex) == stencils::Composition::FromRows)
-            requireForRows(*binder, unit, points, complex.count(0));
+            requireForRows(*search, unit, points, complex.count(0));
     // Larger groups share more of the cells around theirs; but their levels are held at once, some
     // 100 kB a level for a point that shares none, as most do on the fine levels.
-    const Offset groupSize = level < 7 ? 1 << 14 : 1 << 11;
-    return bindGroups<Table>(std::move(binder), base, unit, points, groupSize, options.outside,
-                             progress);
+    const Offset groupSize = options.level < 7 ? 1 << 14 : 1 << 11;
+    return bindGroups<Table>(
+        [search = std::move(search)](std::span<const Point3> group) {
+            return bindGroup<Table>(*search, group);
+        },
+        lattice.base, unit, points, groupSize, options.embedding.outside, options.progress);
 }
 
 }  // namespace
 
-BindingResult bindPoints(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                         int level, stencils::Rules rules, std::span<const Point3> points,
-                         const EmbeddingOptions& options,
-                         const std::function<void(Offset)>& progress) {
-    return bind<stencils::StencilTable<double>>(base, positions, level, rules, points, options,
-                                                progress);
+BindingResult bindPoints(const RestLattice& lattice, std::span<const Point3> points,
+                         const BindingOptions& options) {
+    return bind<stencils::StencilTable<double>>(lattice, points, options);
 }
 
-BindingResultOf<stencils::FactoredTable<double>> bindFactored(
-    const far::TopologyRefiner& base, std::span<const Point3> positions, int level,
-    stencils::Rules rules, std::span<const Point3> points, const EmbeddingOptions& options,
-    const std::function<void(Offset)>& progress) {
-    return bind<stencils::FactoredTable<double>>(base, positions, level, rules, points, options,
-                                                 progress);
+BindingResultOf<stencils::FactoredTable<double>> bindFactored(const RestLattice& lattice,
+                                                              std::span<const Point3> points,
+                                                              const BindingOptions& options) {
+    return bind<stencils::FactoredTable<double>>(lattice, points, options);
 }
 
 BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,

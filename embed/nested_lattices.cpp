@@ -11,9 +11,8 @@ namespace espalier::embed {
 
 stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& child,
                                           std::span<const Point3> childPose,
-                                          const far::TopologyRefiner& parent,
-                                          std::span<const Point3> parentRest, int level,
-                                          stencils::Rules rules, const EmbeddingOptions& options) {
+                                          const RestLattice& parent,
+                                          const BindingOptions& options) {
     if (childPose.size() != static_cast<std::size_t>(child.columnCount()))
         throw Error("got " + std::to_string(childPose.size()) + " positions for " +
                     std::to_string(child.columnCount()) + " vertices of the child");
@@ -22,9 +21,10 @@ stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& 
             if (!std::isfinite(coordinate))
                 throw Error("the position of vertex " + std::to_string(vertex) +
                             " of the child is not finite");
-    EmbeddingOptions embedding = options;
-    if (embedding.outside == OutsidePolicy::Error) embedding.outside = OutsidePolicy::Keep;
-    const auto bound = bindPoints(parent, parentRest, level, rules, childPose, embedding);
+    BindingOptions binding = options;
+    if (binding.embedding.outside == OutsidePolicy::Error)
+        binding.embedding.outside = OutsidePolicy::Keep;
+    const auto bound = bindPoints(parent, childPose, binding);
     // A vertex that stays where it is has no row of weights.
     if (!bound.binding.kept.empty()) {
         const Index vertex = bound.binding.kept.front();

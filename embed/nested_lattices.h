@@ -3,7 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
-#include <espalier/embed/embedding.h>
+#include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
@@ -26,10 +26,8 @@ namespace espalier::embed {
 /// \param child D_child, points × vertices of the child; the rows of points that it keeps in place
 ///        stay empty
 /// \param childPose of each of its vertices, in the space where the parent is at rest
-/// \param parent a lattice at level 0
-/// \param parentRest positions of its vertices, at rest
-/// \param level of the parent, 1 to kMostLevelOfPoints
-/// \param options where a vertex of the child is outside of the parent, OutsidePolicy::Nearest
+/// \param options of binding to the parent; where a vertex of the child is outside of the parent,
+/// OutsidePolicy::Nearest
 ///        takes it along; any other policy refuses it
 /// \throws Error if there are not as many positions as columns of D_child; naming a vertex of the
 ///         child that is not finite, that lies outside of the parent, or in a degenerate cell of
@@ -38,9 +36,7 @@ namespace espalier::embed {
 /// \cite MacCracken & Joy 1996, section 5: x' = D · p', twice
 ESPALIER_API stencils::StencilTable<double> nestTables(const stencils::StencilTable<double>& child,
                                                        std::span<const Point3> childPose,
-                                                       const far::TopologyRefiner& parent,
-                                                       std::span<const Point3> parentRest,
-                                                       int level, stencils::Rules rules,
-                                                       const EmbeddingOptions& options = {});
+                                                       const RestLattice& parent,
+                                                       const BindingOptions& options = {});
 
 }  // namespace espalier::embed

@@ -23,7 +23,8 @@ void checkPositions(const far::CellComplex& complex, std::span<const Point3> pos
     }
 }
 
-void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positions, int level) {
+void checkRest(const RestLattice& lattice, int level) {
+    const far::TopologyRefiner& base = lattice.base;
     if (base.dimension() != 3)
         throw Error("points can be bound to a lattice only, not to a complex of dimension " +
                     std::to_string(base.dimension()));
@@ -32,15 +33,15 @@ void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positio
                     std::to_string(base.maxLevel()) + " levels more");
     if (level < 1)
         throw Error("points are bound to level 1 or above, not to level " + std::to_string(level));
-    if (level > kMostLevelOfPoints)
-        throw Error("points are bound to level " + std::to_string(kMostLevelOfPoints) +
+    if (level > kMaxLevelOfPoints)
+        throw Error("points are bound to level " + std::to_string(kMaxLevelOfPoints) +
                     " at most, not to level " + std::to_string(level));
-    const far::Level& lattice = base.level(0);
-    checkPositions(lattice.complex, positions);
+    const far::Level& level0 = base.level(0);
+    checkPositions(level0.complex, lattice.positions);
     // Without boundary control there may be no next level: refining says what is missing.
     bool isLeft = false;
-    for (Index vertex = 0; vertex < lattice.complex.count(0); ++vertex)
-        isLeft = isLeft || !lattice.strata.isOpen({0, vertex});
+    for (Index vertex = 0; vertex < level0.complex.count(0); ++vertex)
+        isLeft = isLeft || !level0.strata.isOpen({0, vertex});
     if (!isLeft) far::TopologyRefiner(base).refineUniform(1);
 }
 
@@ -49,13 +50,19 @@ double checkedTolerance(double tolerance) {
     throw Error("the tolerance is " + std::to_string(tolerance) + "; expected 0 or more");
 }
 
+std::vector<Point3> chosenPoints(std::span<const Point3> points, std::span<const Index> numbers) {
+    std::vector<Point3> chosen;
+    for (const Index i : numbers) chosen.push_back(points[i]);
+    return chosen;
+}
+
 std::vector<Index> alongCurve(std::span<const Point3> points) {
     Eigen::AlignedBox3d box;
     for (const Point3& point : points)
         if (const Eigen::Vector3d position(point.data()); position.allFinite())
             box.extend(position);
     const MortonCurve curve(box);
-    Array<CurvePlace> places(points.size());
+    Array<CurveItem> places(points.size());
     parallelFor(static_cast<Offset>(points.size()), 4096, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
             const auto at = static_cast<std::size_t>(i);
@@ -66,7 +73,7 @@ std::vector<Index> alongCurve(std::span<const Point3> points) {
     sortAlongCurve(places, 32);
     std::vector<Index> order;
     order.reserve(places.size());
-    for (const CurvePlace& place : places) order.push_back(place.item);
+    for (const CurveItem& place : places) order.push_back(place.item);
     return order;
 }
 

@@ -3,7 +3,6 @@
 
 #include <espalier/base/parallel.h>
 #include <espalier/embed/embedding.h>
-#include <espalier/stencils/table_builder.h>
 
 #include <Eigen/Core>
 #include <array>
@@ -22,11 +21,11 @@ inline std::array<double, 3> toArray(const Eigen::Vector3d& v) {
 /// \throws Error if `positions` are not one a vertex, or not finite
 void checkPositions(const far::CellComplex& complex, std::span<const Point3> positions);
 
-/// Checks that points can be bound to a level of a base.
+/// Checks that points can be bound to a level of a lattice.
 /// \throws Error for a base that is no lattice or has been refined, and a level that is not 1 to
-///         kMostLevelOfPoints; as checkPositions(); and what refining a base throws of which
+///         kMaxLevelOfPoints; as checkPositions(); and what refining a base throws of which
 ///         nothing is left
-void checkBase(const far::TopologyRefiner& base, std::span<const Point3> positions, int level);
+void checkRest(const RestLattice& lattice, int level);
 
 /// The tolerance, if it is one.
 /// \throws Error if it is not finite or negative
@@ -43,6 +42,9 @@ void checkVertexCount(Index placedIn, Index vertexCount);
 
 /// \throws Error naming the first point that is not inside
 void checkAllInside(std::span<const Point3> points, std::span<const PointStatus> statuses);
+
+/// The points of some numbers.
+std::vector<Point3> chosenPoints(std::span<const Point3> points, std::span<const Index> numbers);
 
 /// The points in an order in which one is near the next: they ask for the same cells, which then
 /// are in the cache. That halves the time of locating them.
@@ -81,21 +83,6 @@ PlacedPoints<Place> locatePoints(std::span<const Point3> points, Index vertexCou
         checkAllInside(points, statuses);
     }
     return placed;
-}
-
-/// The weights of each point over the vertices of the lattice: weightsOf(place) returns them. The
-/// row of a point without a place is empty.
-template <class Place, class WeightsOf>
-stencils::StencilTable<double> buildPlaceTable(const PlacedPoints<Place>& placed, Index vertexCount,
-                                               WeightsOf weightsOf) {
-    checkVertexCount(placed.vertexCount, vertexCount);
-    return stencils::buildTable(static_cast<Index>(placed.points.size()), vertexCount,
-                                [&](Index row, stencils::RowAccumulator& accumulator) {
-                                    const auto& place = placed.points[row].place;
-                                    if (!place) return;
-                                    for (const auto& [vertex, weight] : weightsOf(*place))
-                                        accumulator.add(vertex, weight);
-                                });
 }
 
 }  // namespace espalier::embed

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/point_descent.h>
 #include <espalier/embed/regular_cells.h>
-#include <espalier/stencils/composition.h>
 
 #include <algorithm>
 #include <cmath>
@@ -67,17 +66,15 @@ double reach(const far::CellComplex& complex, std::span<const Point3> positions,
 
 }  // namespace
 
-PointDescent::PointDescent(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                           stencils::Rules rules, CellSolver::Scale scale)
-    : base_(base),
-      positions_(positions),
-      rules_(rules),
-      rounding_(kSlack * (scale.size + largestCoordinate(positions))),
+PointDescent::PointDescent(const RestLattice& lattice, CellSolver::Scale scale)
+    : lattice_(lattice),
+      rounding_(kSlack * (scale.size + largestCoordinate(lattice.positions))),
       margin_(scale.tolerance + rounding_),
       bounds_([&] {
-          CellBounds bounds(base.level(0), positions, base.options().creasing);
+          CellBounds bounds(lattice.base.level(0), lattice.positions,
+                            lattice.base.options().creasing);
           std::vector<Bound> result;
-          for (Index cell = 0; cell < base.level(0).complex.count(3); ++cell)
+          for (Index cell = 0; cell < lattice.base.level(0).complex.count(3); ++cell)
               result.push_back(bounds.boundOf(cell, std::nullopt));
           return result;
       }()),
@@ -98,9 +95,10 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
         } else {
             const auto reachOf = [&](Index i) {
                 const Index cell = bounded_[i];
-                if (!isLasting(base_.level(0), cell))
+                if (!isLasting(lattice_.base.level(0), cell))
                     return std::numeric_limits<double>::infinity();
-                return reach(base_.level(0).complex, positions_, cell, bounds_[cell], position);
+                return reach(lattice_.base.level(0).complex, lattice_.positions, cell,
+                             bounds_[cell], position);
             };
             tree_.findWithin(position, tree_.findNearest(position, reachOf).distance + margin_,
                              found);
@@ -117,23 +115,26 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
 }
 
 Descent PointDescent::begin(std::span<const Point3> points, Sought sought) const {
-    Descent descent{
-        base_, {}, {positions_.begin(), positions_.end()}, baseCandidates(points, sought), margin_};
+    const std::span<const Point3> positions = lattice_.positions;
+    Descent descent{{lattice_.base, lattice_.rules, {positions.begin(), positions.end()}},
+                    baseCandidates(points, sought),
+                    margin_};
     descent.candidates.filter([&](std::size_t i, Index) {
-        return isLasting(base_.level(0), descent.candidates.cells[i]);
+        return isLasting(lattice_.base.level(0), descent.candidates.cells[i]);
     });
     return descent;
 }
 
 void PointDescent::keepNearest(Descent& descent, std::span<const Point3> points,
                                std::span<double> nearest) const {
-    const far::CellComplex& complex = descent.refiner.level(descent.refiner.maxLevel()).complex;
+    const far::CellComplex& complex = descent.levels.finestLevel().complex;
     Candidates& candidates = descent.candidates;
     for (std::size_t i = 0; i < candidates.cells.size(); ++i)
         for (const Index point : candidates.pointsOf(i)) {
             double& best = nearest[point];
-            best = std::min(best, reach(complex, descent.positions, candidates.cells[i],
-                                        candidates.bounds[i], Vector3d(points[point].data())));
+            best =
+                std::min(best, reach(complex, descent.levels.finestPositions(), candidates.cells[i],
+                                     candidates.bounds[i], Vector3d(points[point].data())));
         }
     candidates.filter([&](std::size_t i, Index point) {
         const Bound& bound = candidates.bounds[i];
@@ -145,13 +146,12 @@ void PointDescent::keepNearest(Descent& descent, std::span<const Point3> points,
 
 void PointDescent::refine(Descent& descent, std::span<const Point3> points, Sought sought,
                           Extent extent, Bounding bounding) const {
-    const int level = descent.refiner.maxLevel() + 1;
-    const far::CellComplex parent = descent.refiner.level(level - 1).complex;
-    descent.refiner.refineAround(descent.candidates.cells, extent);
-    descent.tables.push_back(stencils::buildLevelTable(descent.refiner, level, rules_));
-    descent.positions = stencils::applyLevelTable(descent.tables.back(), descent.positions);
-
-    CellBounds bounds(descent.refiner.level(level), descent.positions, base_.options().creasing);
+    const far::CellComplex parent = descent.levels.finestLevel().complex;
+    descent.levels.refineAround(descent.candidates.cells, extent);
+    const far::Refinement& refinement =
+        descent.levels.refiner().refinement(descent.levels.finest());
+    CellBounds bounds(descent.levels.finestLevel(), descent.levels.finestPositions(),
+                      lattice_.base.options().creasing);
     const auto mayHold = [&](const Bound& bound, const AffineHull& hull, Index point) {
         return !bound ||
                (!(bound->box.exteriorDistance(Vector3d(points[point].data())) > descent.margin) &&
@@ -163,7 +163,7 @@ void PointDescent::refine(Descent& descent, std::span<const Point3> points, Soug
         const Index cell = parents.cells[i];
         const Bound& bound = parents.bounds[i];
         for (const Index vertex : parent.relation(3, 0)[cell]) {
-            const auto child = descent.refiner.refinement(level).childOf({{0, vertex}, {3, cell}});
+            const auto child = refinement.childOf({{0, vertex}, {3, cell}});
             if (!child) continue;  // It is beyond the open boundary.
             const Bound ofChild =
                 bounding == Bounding::Future

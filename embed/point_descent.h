@@ -5,10 +5,8 @@
 #include <espalier/embed/box_tree.h>
 #include <espalier/embed/cell_bounds.h>
 #include <espalier/embed/cell_solver.h>
-#include <espalier/far/topology_error.h>
-#include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
-#include <espalier/stencils/stencil_table.h>
+#include <espalier/embed/embedding.h>
+#include <espalier/stencils/levels.h>
 
 #include <numeric>
 #include <optional>
@@ -96,20 +94,17 @@ enum class Bounding {
 /// Levels of a lattice as far as they have been refined for some points, and the cells of the
 /// finest that may hold them, or become one that does.
 struct Descent {
-    far::TopologyRefiner refiner;
-    std::vector<stencils::StencilTable<double>> tables;  ///< R_1 to that of the finest level
-    std::vector<Point3> positions;                       ///< of the vertices there
-    Candidates candidates;
-    double margin;  ///< how far from the box of a cell a point still counts as in it
+    stencils::Levels levels;
+    Candidates candidates;  ///< in the finest level
+    double margin;          ///< how far from the box of a cell a point still counts as in it
 };
 
 /// Refines a lattice no further than points ask for: level by level, only around the cells that can
 /// still become one that is sought. Any number of threads may ask.
 class PointDescent {
 public:
-    /// \param base a lattice at level 0; must outlive this, as the positions of its vertices
-    PointDescent(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                 stencils::Rules rules, CellSolver::Scale scale);
+    /// \param lattice its base and positions must outlive this
+    PointDescent(const RestLattice& lattice, CellSolver::Scale scale);
 
     /// Level 0: nothing has been refined. The margin is the tolerance, and the rounding.
     Descent begin(std::span<const Point3> points, Sought sought) const;
@@ -144,9 +139,7 @@ public:
 private:
     Candidates baseCandidates(std::span<const Point3> points, Sought sought) const;
 
-    const far::TopologyRefiner& base_;
-    std::span<const Point3> positions_;
-    stencils::Rules rules_;
+    RestLattice lattice_;
     double rounding_;
     double margin_;                                 ///< that, and the tolerance
     std::vector<std::optional<CellBound>> bounds_;  ///< of the base cells

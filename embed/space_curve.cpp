@@ -41,22 +41,22 @@ std::uint64_t MortonCurve::key(const Eigen::Vector3d& point) const {
     return key;
 }
 
-void sortAlongCurve(Array<CurvePlace>& places, int bits) {
+void sortAlongCurve(Array<CurveItem>& places, int bits) {
     // Digit by digit from the lowest. With digits of 11 bits, which are fewer, it takes twice as
     // long: places then go to more parts of the memory at once than it has translations at hand.
     constexpr int kDigitBits = 8;
     constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
-    Array<CurvePlace> sorted(places.size());
+    Array<CurveItem> sorted(places.size());
     const int low = MortonCurve::kBits - bits;
     for (int shift = low; shift < MortonCurve::kBits; shift += kDigitBits) {
-        const auto digit = [&](const CurvePlace& place) {
+        const auto digit = [&](const CurveItem& place) {
             return static_cast<std::size_t>(place.key >> shift) % kDigits;
         };
         std::array<std::size_t, kDigits> next = {};
-        for (const CurvePlace& place : places) ++next[digit(place)];
+        for (const CurveItem& place : places) ++next[digit(place)];
         std::size_t begin = 0;
         for (std::size_t& count : next) begin += std::exchange(count, begin);
-        for (const CurvePlace& place : places) sorted[next[digit(place)]++] = place;
+        for (const CurveItem& place : places) sorted[next[digit(place)]++] = place;
         places.swap(sorted);
     }
 }

@@ -11,7 +11,7 @@
 namespace espalier::embed {
 
 /// Where an item lies along a space-filling curve.
-struct CurvePlace {
+struct CurveItem {
     std::uint64_t key = 0;
     Index item = 0;
 };
@@ -35,6 +35,6 @@ private:
 
 /// Sorts by the highest `bits` of the key; those with the same stay in order.
 /// \cost O(places · bits): 1 M places by all bits in 0.05 s
-ESPALIER_API void sortAlongCurve(Array<CurvePlace>& places, int bits = MortonCurve::kBits);
+ESPALIER_API void sortAlongCurve(Array<CurveItem>& places, int bits = MortonCurve::kBits);
 
 }  // namespace espalier::embed

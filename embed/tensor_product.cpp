@@ -4,6 +4,7 @@
 #include <espalier/embed/box_least_squares.h>
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/tensor_product.h>
+#include <espalier/stencils/table_builder.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -192,6 +193,7 @@ TensorEmbedding embedPoints(const TensorLattice& lattice, std::span<const Point3
 
 stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattice,
                                                      const TensorEmbedding& embedding) {
+    checkVertexCount(embedding.vertexCount, lattice.complex().count(0));
     // All rows are as long; those of a Bézier lattice name each of its vertices.
     const auto& points = embedding.points;
     const auto first = std::find_if(points.begin(), points.end(),
@@ -200,8 +202,13 @@ stencils::StencilTable<double> buildDeformationTable(const TensorLattice& lattic
         requireMemory(points.size() * lattice.weights(*first->place).size() *
                           (sizeof(Index) + sizeof(double)),
                       "a table of " + std::to_string(points.size()) + " rows");
-    return buildPlaceTable(embedding, lattice.complex().count(0),
-                           [&](const TensorPlace& place) { return lattice.weights(place); });
+    return stencils::buildTable(
+        static_cast<Index>(points.size()), lattice.complex().count(0),
+        [&](Index row, stencils::RowAccumulator& accumulator) {
+            if (!points[row].place) return;
+            for (const auto& [vertex, weight] : lattice.weights(*points[row].place))
+                accumulator.add(vertex, weight);
+        });
 }
 
 }  // namespace espalier::embed

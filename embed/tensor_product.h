@@ -5,7 +5,6 @@
 #include <espalier/embed/basis_functions.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/far/box_grid.h>
-#include <espalier/far/topology_error.h>
 
 #include <Eigen/Core>
 #include <array>

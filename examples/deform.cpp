@@ -16,8 +16,7 @@ int main(int, char** arguments) {
     // Once: find each point of the model in level 3 of the lattice, and compose the matrix.
     const far::TopologyRefiner base(rest.complex, {.marks = rest.marks});
     const auto binding =
-        embed::bindPoints(base, rest.positions, 3, stencils::Rules::Siggraph96, model->positions())
-            .binding;
+        embed::bindPoints({base, rest.positions}, model->positions(), {.level = 3}).binding;
 
     // For every pose: one sparse product.
     model->write(arguments[4], osd::evaluateBinding(binding, pose.positions));

@@ -26,8 +26,7 @@ void deform(int count, char** arguments) {
     // to the device.
     const far::TopologyRefiner base(rest.complex, {.marks = rest.marks});
     const auto binding =
-        embed::bindPoints(base, rest.positions, 3, stencils::Rules::Siggraph96, model->positions())
-            .binding;
+        embed::bindPoints({base, rest.positions}, model->positions(), {.level = 3}).binding;
     const osd::CudaEvaluator<float> table(stencils::convertTable<float>(binding.table));
     const osd::CudaKeptPoints<float> kept(table.rowCount(), binding.kept, binding.keptAt);
     const auto xyz = osd::BufferDescriptor::packed(3);

@@ -139,8 +139,8 @@ void run(int count, char** arguments) {
     Lattice lattice = io::readLattice(arguments[2]);
     far::TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
     const auto bound =
-        embed::bindPoints(refiner, lattice.positions, kLevel, stencils::Rules::Siggraph96,
-                          model->positions(), {.outside = embed::OutsidePolicy::Error});
+        embed::bindPoints({refiner, lattice.positions}, model->positions(),
+                          {.level = kLevel, .embedding = {.outside = embed::OutsidePolicy::Error}});
     const stencils::StencilTable<double>& deformation = bound.binding.table;
     refiner.refineUniform(kLevel);
     const auto levelTable = stencils::buildStencils(refiner, kLevel);

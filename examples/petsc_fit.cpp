@@ -116,8 +116,7 @@ PetscErrorCode fit(const Paths& paths) {
     const auto ownPoints = ranks.ownPart(model->positions());
     const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
 
-    const auto own =
-        embed::bindPoints(base, lattice.positions, kLevel, stencils::Rules::Siggraph96, ownPoints);
+    const auto own = embed::bindPoints({base, lattice.positions}, ownPoints, {.level = kLevel});
     const auto vertices = petsc::evenRange(lattice.complex.count(0), ranks.rank, ranks.size);
     petsc::DistributedTable table(PETSC_COMM_WORLD, own.binding, vertices.count());
 

@@ -2,7 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/embed/bind_groups.h>
 #include <espalier/limit/limit_binding.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
 
@@ -121,12 +121,6 @@ std::array<stencils::StencilTable<double>, 3> gradientsOf(
     return gradients;
 }
 
-std::vector<Point3> chosen(std::span<const Point3> points, const std::vector<Index>& numbers) {
-    std::vector<Point3> result;
-    for (const Index i : numbers) result.push_back(points[i]);
-    return result;
-}
-
 /// \throws Error naming a cell, a face or a vertex of so many sides that the levels around it would
 ///         take all memory: each point near it needs some twenty levels, with as many cells as that
 void checkSides(const far::CellComplex& complex) {
@@ -147,36 +141,36 @@ void checkSides(const far::CellComplex& complex) {
 }
 
 /// Binds groups of points to the limit volume.
-class LimitBinder : public embed::GroupBinder<LimitTable> {
+class LimitBinder {
 public:
-    /// \param positions in units; must outlive this
-    LimitBinder(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                const embed::LengthUnit& unit, stencils::Rules rules, const LimitOptions& options)
-        : rules_(rules),
-          positions_(positions),
+    /// \param lattice in units; its base and positions must outlive this
+    LimitBinder(const embed::RestLattice& lattice, const embed::LengthUnit& unit,
+                const LimitOptions& options)
+        : positions_(lattice.positions),
           perLength_(unit.toUnits(1.0)),
           gradients_(options.gradients),
-          search_(base, positions, rules, forGradients(options)) {}
+          search_(lattice, forGradients(options)) {}
 
     using Part = embed::BoundPart<LimitTable>;
 
-    std::vector<Part> bind(std::span<const Point3> points) const override {
+    std::vector<Part> bind(std::span<const Point3> points) const {
         std::vector<Part> parts;
         std::vector<Index> left(points.size());
         std::iota(left.begin(), left.end(), Index{0});
         std::vector<Index> unsettled;
         addParts(search_.findInside(points, unsettled), left, parts);
         if (!unsettled.empty())
-            addParts(search_.findNearest(chosen(points, unsettled)), unsettled, parts);
+            addParts(search_.findNearest(embed::chosenPoints(points, unsettled)), unsettled, parts);
         return parts;
     }
 
 private:
     /// A part for the points of each level, and one for those without a place.
     /// \param numbers of the points
-    void addParts(const FoundPlaces& found, const std::vector<Index>& numbers,
+    void addParts(const FoundPoints& found, const std::vector<Index>& numbers,
                   std::vector<Part>& parts) const {
-        std::vector<Part> ofLevels(found.positions.size());
+        const stencils::Levels& levels = found.descent.levels;
+        std::vector<Part> ofLevels(static_cast<std::size_t>(levels.finest()) + 1);
         std::vector<std::vector<LimitPlace>> places(ofLevels.size());
         Part without;
         for (std::size_t i = 0; i < found.points.size(); ++i) {
@@ -190,16 +184,16 @@ private:
         }
         std::vector<stencils::StencilTable<double>> rows, directions;
         for (std::size_t level = 0; level < ofLevels.size(); ++level) {
-            const PlaceRows weights(found.descent.refiner, static_cast<int>(level), rules_,
-                                    places[level]);
-            rows.push_back(rowsOf(weights, places[level].size(),
-                                  static_cast<Index>(found.positions[level].size())));
+            const PlaceRows weights(levels, static_cast<int>(level), places[level]);
+            rows.push_back(
+                rowsOf(weights, places[level].size(),
+                       levels.refiner().level(static_cast<int>(level)).complex.count(0)));
             if (gradients_) directions.push_back(weights.tangents());
         }
-        auto tables = stencils::composeRows(found.descent.tables, std::move(rows),
-                                            stencils::compositionOf(found.descent.tables));
+        auto tables = stencils::composeRows(levels.tables(), std::move(rows),
+                                            stencils::compositionOf(levels.tables()));
         if (gradients_)
-            directions = stencils::composeDerivatives(found.descent.tables, std::move(directions),
+            directions = stencils::composeDerivatives(levels.tables(), std::move(directions),
                                                       stencils::RowMeaning::Spans);
         for (std::size_t level = 0; level < ofLevels.size(); ++level) {
             if (places[level].empty()) continue;
@@ -213,7 +207,6 @@ private:
         if (!without.points.empty()) parts.push_back(std::move(without));
     }
 
-    stencils::Rules rules_;
     std::span<const Point3> positions_;
     double perLength_;  ///< units in a length of 1
     bool gradients_;
@@ -222,22 +215,22 @@ private:
 
 }  // namespace
 
-embed::BindingResultOf<LimitTable> bindLimit(const far::TopologyRefiner& base,
-                                             std::span<const Point3> positions,
-                                             stencils::Rules rules, std::span<const Point3> points,
-                                             const LimitOptions& options,
-                                             const std::function<void(Offset)>& progress) {
+embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
+                                             std::span<const Point3> points,
+                                             const LimitOptions& options) {
     checkLimitTolerance(options.tolerance);
-    checkLimitRules(rules);
-    embed::checkBase(base, positions, 1);
-    checkSides(base.level(0).complex);
-    const embed::LengthUnit unit(positions);
-    const std::vector<Point3> inUnits = unit.toUnits(positions);
-    auto binder = std::make_unique<const LimitBinder>(base, inUnits, unit, rules, options);
+    checkLimitRules(lattice.rules);
+    embed::checkRest(lattice, 1);
+    checkSides(lattice.base.level(0).complex);
+    const embed::LengthUnit unit(lattice.positions);
+    const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
+    auto binder = std::make_shared<const LimitBinder>(
+        embed::RestLattice{lattice.base, inUnits, lattice.rules}, unit, options);
     // As in a deep level: most points at irregular features share no cells with others.
     constexpr Offset kGroupSize = 1 << 12;
-    auto model = bindGroups<LimitTable>(std::move(binder), base, unit, points, kGroupSize,
-                                        options.embedding.outside, progress);
+    auto model = embed::bindGroups<LimitTable>(
+        [binder = std::move(binder)](std::span<const Point3> group) { return binder->bind(group); },
+        lattice.base, unit, points, kGroupSize, options.embedding.outside, options.progress);
     if (!options.gradients) model.binding.table.gradients = {};
     return model;
 }

@@ -18,7 +18,7 @@
 // its eigenvector; TricubicPatch, a regular cell; LimitSearch, which finds a point; LimitTable, D
 // with its gradients.
 //
-// Read vertex_ring.h, limit_table.h, limit_stencils.h, then this header and limit_search.h.
+// Read vertex_ring.h, vertex_limits.h, limit_stencils.h, then this header and limit_search.h.
 //
 // Notation: F = ∂x'/∂X is the deformation gradient by the rest pose X.
 namespace espalier::limit {
@@ -37,6 +37,9 @@ struct LimitOptions {
     /// Whether to make LimitTable::gradients. Points are then placed with a tolerance of 1e-12 at
     /// most, whatever `tolerance` is: at irregular features that takes more levels.
     bool gradients = false;
+
+    /// Called now and then with the number of points done, from any thread; or empty.
+    std::function<void(Offset)> progress = {};
 };
 
 /// D, and the gradient of the deformation.
@@ -71,19 +74,15 @@ struct LimitTable {
 /// the nearest place. A point in the gap between a patch and what is left at an irregular feature,
 /// less wide than the tolerance, is inside.
 ///
-/// \param base a lattice at level 0
-/// \param positions of its vertices, at rest
-/// \param progress called now and then with the number of points done, from any thread, or empty
 /// \throws Error as bindPoints(); for a cell, a face or a vertex of more than 1,000 faces or edges,
 ///         around which the levels would take all memory; for a tolerance that is out of range; and
 ///         under Rules::Rats
 /// \cost O(points · entries of D a point); near an irregular feature also its distance's logarithm,
 ///       some 0.2 ms a level. In parallel; the result does not depend on the number of threads
 /// \cite MacCracken & Joy 1996, sections 2.2, 3 and 6 (whose trilinear cells this goes past)
-ESPALIER_API embed::BindingResultOf<LimitTable> bindLimit(
-    const far::TopologyRefiner& base, std::span<const Point3> positions, stencils::Rules rules,
-    std::span<const Point3> points, const LimitOptions& options = {},
-    const std::function<void(Offset)>& progress = {});
+ESPALIER_API embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
+                                                          std::span<const Point3> points,
+                                                          const LimitOptions& options = {});
 
 /// The same without gradients: the result of binding to a level, for all that takes such.
 inline embed::BindingResult withoutGradients(embed::BindingResultOf<LimitTable> result) {

@@ -3,7 +3,7 @@
 #include <espalier/base/sort_unique.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/limit/limit_parts.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
@@ -15,8 +15,7 @@
 namespace espalier::limit {
 
 struct LimitParts::Refined {
-    far::TopologyRefiner refiner;
-    std::vector<stencils::StencilTable<double>> tables = {};  ///< R_1 to that of the last level
+    stencils::Levels levels;
     std::vector<LimitPart> parts = {};
     std::vector<TricubicPatch> patches = {};
     std::vector<Index> blended = {};             ///< vertices of the last level, ascending
@@ -54,19 +53,19 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, 
     if (base.dimension() != 3)
         throw Error("only lattices have a limit volume, not a complex of dimension " +
                     std::to_string(base.dimension()));
-    if (level < 1 || level > kMostLevelOfParts)
+    if (level < 1 || level > kMaxLevelOfParts)
         throw Error("the limit was asked for with features refined to level " +
-                    std::to_string(level) + "; expected 1 to " + std::to_string(kMostLevelOfParts));
+                    std::to_string(level) + "; expected 1 to " + std::to_string(kMaxLevelOfParts));
     checkLimitRules(rules);
     stencils::checkRules(base, rules);
-    auto refined =
-        std::make_shared<Refined>(Refined{far::TopologyRefiner(base.level(0), base.options())});
-    far::TopologyRefiner& refiner = refined->refiner;
+    auto refined = std::make_shared<Refined>(
+        Refined{{far::TopologyRefiner(base.level(0), base.options()), rules}});
+    stencils::Levels& levels = refined->levels;
     std::vector<LimitPart> left;
-    for (Index cell = 0; cell < refiner.level(0).complex.count(3); ++cell)
+    for (Index cell = 0; cell < base.level(0).complex.count(3); ++cell)
         left.push_back({cell, 0, cell});
     for (int k = 0;; ++k) {
-        const far::Level& here = refiner.level(k);
+        const far::Level& here = levels.finestLevel();
         std::vector<LimitPart> irregular;
         for (const LimitPart& part : left) {
             if (!embed::isLasting(here, part.cell)) continue;
@@ -79,26 +78,24 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, 
         }
         left = std::move(irregular);
         if (left.empty() || k == level) break;
-        refiner.refineAround(cellsOf(left));
-        refined->tables.push_back(stencils::buildLevelTable(refiner, k + 1, rules));
-        left = childrenOf(refiner, left);
+        levels.refineAround(cellsOf(left));
+        left = childrenOf(levels.refiner(), left);
     }
     // Without boundary control there may be no next level: refining says what is missing.
     if (left.empty() && refined->parts.empty())
         far::TopologyRefiner(base.level(0), base.options()).refineUniform(1);
-    const int last = refiner.maxLevel();
     for (const LimitPart& part : left) {
-        const auto vertices = refiner.level(last).complex.relation(3, 0)[part.cell];
+        const auto vertices = levels.finestLevel().complex.relation(3, 0)[part.cell];
         refined->blended.insert(refined->blended.end(), vertices.begin(), vertices.end());
     }
     sortUnique(refined->blended);
-    if (!left.empty()) refined->limits = blendedRows(refiner, last, rules, refined->blended);
+    if (!left.empty()) refined->limits = blendedRows(levels, levels.finest(), refined->blended);
     refined->parts.insert(refined->parts.end(), left.begin(), left.end());
     refined_ = std::move(refined);
 }
 
 const far::CellComplex& LimitParts::base() const {
-    return refined_->refiner.level(0).complex;
+    return refined_->levels.refiner().level(0).complex;
 }
 
 std::span<const LimitPart> LimitParts::parts() const {
@@ -110,7 +107,7 @@ std::size_t LimitParts::patchCount() const {
 }
 
 const far::CellComplex& LimitParts::lastLevel() const {
-    return refined_->refiner.level(refined_->refiner.maxLevel()).complex;
+    return refined_->levels.finestLevel().complex;
 }
 
 LimitPositions LimitParts::place(std::span<const Point3> positions) const {
@@ -118,7 +115,7 @@ LimitPositions LimitParts::place(std::span<const Point3> positions) const {
         throw Error("got " + std::to_string(positions.size()) + " positions for " +
                     std::to_string(base().count(0)) + " vertices");
     LimitPositions result{{{positions.begin(), positions.end()}}, {}};
-    for (const stencils::StencilTable<double>& table : refined_->tables)
+    for (const stencils::StencilTable<double>& table : refined_->levels.tables())
         result.levels.push_back(stencils::applyLevelTable(table, result.levels.back()));
     result.limits = result.levels.back();
     if (refined_->blended.empty()) return result;

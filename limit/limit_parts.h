@@ -3,7 +3,6 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
 
@@ -15,7 +14,7 @@
 namespace espalier::limit {
 
 /// The most levels to which LimitParts refines irregular features.
-inline constexpr int kMostLevelOfParts = 15;
+inline constexpr int kMaxLevelOfParts = 15;
 
 /// One of the parts that the limit volume of a lattice is made of: the limit of a cell of a level.
 struct LimitPart {
@@ -52,7 +51,7 @@ struct BezierPatch {
 class ESPALIER_API LimitParts {
 public:
     /// \param base a lattice; its level 0 is refined anew, locally
-    /// \param level how far irregular features are refined, 1 to kMostLevelOfParts: what is blended
+    /// \param level how far irregular features are refined, 1 to kMaxLevelOfParts: what is blended
     ///        around them halves in width with each
     /// \throws Error for what is no lattice, a level out of range, and under Rules::Rats;
     ///         TopologyError and MemoryError as TopologyRefiner::refineUniform()

@@ -3,7 +3,7 @@
 
 #include <espalier/base/error.h>
 #include <espalier/base/sort_unique.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
@@ -44,10 +44,10 @@ std::vector<embed::VertexWeight> slope(const far::CellComplex& complex,
 
 }  // namespace
 
-stencils::StencilTable<double> blendedRows(const far::TopologyRefiner& refiner, int level,
-                                           stencils::Rules rules, std::span<const Index> vertices) {
-    auto limits = buildLimitTable(refiner, level, rules, vertices);
-    if (refiner.boundary() != far::Boundary::Open) return limits;
+stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int level,
+                                           std::span<const Index> vertices) {
+    auto limits = buildLimitMasks(levels.refiner(), level, levels.rules(), vertices);
+    if (levels.refiner().boundary() != far::Boundary::Open) return limits;
     return stencils::buildTable(limits.rowCount(), limits.columnCount(),
                                 [&](Index row, stencils::RowAccumulator& accumulator) {
                                     for (std::size_t k = 0; k < limits.columns(row).size(); ++k)
@@ -95,24 +95,25 @@ std::vector<embed::VertexWeight> blendWeights(const FramePlace& place, const Ord
 
 }  // namespace
 
-std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int level,
-                                   std::span<const stencils::StencilTable<double>> tables,
-                                   std::span<const Index> cells, double tolerance) {
-    const far::Incidence& vertices = refiner.level(level).complex.relation(3, 0);
+std::vector<std::uint8_t> areSmall(const stencils::Levels& levels, std::span<const Index> cells,
+                                   double tolerance) {
+    const far::Incidence& vertices = levels.finestLevel().complex.relation(3, 0);
+    const int level = levels.finest();
     std::vector<Index> corners;
     for (const Index cell : cells)
         corners.insert(corners.end(), vertices[cell].begin(), vertices[cell].end());
     sortUnique(corners);
     std::vector<stencils::StencilTable<double>> selections;
     for (int k = 0; k <= level; ++k)
-        selections.push_back(stencils::buildTable(
-            k < level ? 0 : static_cast<Index>(corners.size()), refiner.level(k).complex.count(0),
-            [&](Index row, stencils::RowAccumulator& accumulator) {
-                accumulator.add(corners[row], 1);
-            }));
-    const auto rows =
-        stencils::composeRows(tables, std::move(selections), stencils::compositionOf(tables))
-            .back();
+        selections.push_back(
+            stencils::buildTable(k < level ? 0 : static_cast<Index>(corners.size()),
+                                 levels.refiner().level(k).complex.count(0),
+                                 [&](Index row, stencils::RowAccumulator& accumulator) {
+                                     accumulator.add(corners[row], 1);
+                                 }));
+    const auto rows = stencils::composeRows(levels.tables(), std::move(selections),
+                                            stencils::compositionOf(levels.tables()))
+                          .back();
     std::vector<std::uint8_t> result;
     for (const Index cell : cells) {
         double spread = 0;
@@ -136,12 +137,10 @@ int leastLevelOfSmall(double tolerance) {
     return std::max(1, static_cast<int>(std::ceil(-std::log2(tolerance))));
 }
 
-PlaceRows::PlaceRows(const far::TopologyRefiner& refiner, int level, stencils::Rules rules,
-                     std::span<const LimitPlace> places)
-    : refiner_(refiner),
+PlaceRows::PlaceRows(const stencils::Levels& levels, int level, std::span<const LimitPlace> places)
+    : levels_(levels),
       levelNumber_(level),
-      level_(refiner.level(level)),
-      rules_(rules),
+      level_(levels.refiner().level(level)),
       places_(places),
       patches_(places.size()) {
     const auto blend = [&](std::span<const Index> corners) {
@@ -164,7 +163,7 @@ PlaceRows::PlaceRows(const far::TopologyRefiner& refiner, int level, stencils::R
         }
     }
     sortUnique(vertices_);
-    if (!vertices_.empty()) limits_ = blendedRows(refiner, level, rules, vertices_);
+    if (!vertices_.empty()) limits_ = blendedRows(levels, level, vertices_);
 }
 
 std::vector<embed::VertexWeight> PlaceRows::weights(std::size_t i, const Orders& orders) const {
@@ -191,7 +190,8 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
         corners.push_back(nearestCorner(i));
     }
     stencils::StencilTable<double> atCorners;
-    if (!corners.empty()) atCorners = buildTangentTable(refiner_, levelNumber_, rules_, corners);
+    if (!corners.empty())
+        atCorners = buildTangentTable(levels_.refiner(), levelNumber_, levels_.rules(), corners);
     return stencils::buildTable(
         static_cast<Index>(3 * places_.size()), level_.complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {

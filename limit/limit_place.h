@@ -2,7 +2,7 @@
 #pragma once
 
 #include <espalier/embed/cell_place.h>
-#include <espalier/stencils/masks.h>
+#include <espalier/stencils/levels.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -44,16 +44,13 @@ inline constexpr std::array<Orders, 6> kSecond = {
 
 /// The limits of vertices of a level, as they are blended: a vertex on the open boundary, which has
 /// none, is itself. It is within the size of a cell of where it goes.
-stencils::StencilTable<double> blendedRows(const far::TopologyRefiner& refiner, int level,
-                                           stencils::Rules rules, std::span<const Index> vertices);
+stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int level,
+                                           std::span<const Index> vertices);
 
-/// Which cells of a level are so small that they may be blended: no two of their vertices are
-/// further apart than a fraction of the size of level 0, in any pose.
-/// \param tables R_1 to that of the level; the level is 1 or above
-/// \param cells of the level
-std::vector<std::uint8_t> areSmall(const far::TopologyRefiner& refiner, int level,
-                                   std::span<const stencils::StencilTable<double>> tables,
-                                   std::span<const Index> cells, double tolerance);
+/// Which cells of the finest level, 1 or above, are so small that they may be blended: no two of
+/// their vertices are further apart than a fraction of the size of level 0, in any pose.
+std::vector<std::uint8_t> areSmall(const stencils::Levels& levels, std::span<const Index> cells,
+                                   double tolerance);
 
 /// \throws Error if it is not 1e-14 to 0.1
 void checkLimitTolerance(double tolerance);
@@ -64,11 +61,10 @@ int leastLevelOfSmall(double tolerance);
 /// The weights of places of one level over its vertices.
 class PlaceRows {
 public:
-    /// \param refiner, must outlive this
-    /// \param places of the level
+    /// \param levels, places must outlive this
+    /// \param level of the places
     /// \cost that of the limits of vertices at irregular features
-    PlaceRows(const far::TopologyRefiner& refiner, int level, stencils::Rules rules,
-              std::span<const LimitPlace> places);
+    PlaceRows(const stencils::Levels& levels, int level, std::span<const LimitPlace> places);
 
     /// A derivative at place i, along its tangent if it has an offset: that changes the position
     /// alone. Second ones of a FramePlace alone; those of a blend by u, v or w twice are 0.
@@ -83,10 +79,9 @@ private:
     CellCorner nearestCorner(std::size_t i) const;
     std::vector<embed::VertexWeight> inLimits(std::span<const embed::VertexWeight> weights) const;
 
-    const far::TopologyRefiner& refiner_;
+    const stencils::Levels& levels_;
     int levelNumber_;
     const far::Level& level_;
-    stencils::Rules rules_;
     std::span<const LimitPlace> places_;
     std::vector<std::optional<TricubicPatch>> patches_;  ///< one a place
     std::vector<Index> vertices_;                        ///< whose limits are known, ascending

@@ -43,9 +43,11 @@ constexpr std::size_t kMaxNearest = 24;
 class LimitSearch::Cells {
 public:
     Cells(const LimitSearch& search, const embed::Descent& descent, embed::Sought sought)
-        : level_(descent.refiner.level(descent.refiner.maxLevel())), positions_(descent.positions) {
+        : level_(descent.levels.finestLevel()),
+          positions_(descent.levels.finestPositions().begin(),
+                     descent.levels.finestPositions().end()) {
         const auto& cells = descent.candidates.cells;
-        const int level = descent.refiner.maxLevel();
+        const int level = descent.levels.finest();
         patches_.resize(cells.size());
         frames_.resize(cells.size());
         for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -78,7 +80,7 @@ private:
     static constexpr double kFar = 8;
 
     void findBlended(const LimitSearch& search, const embed::Descent& descent) {
-        const int level = descent.refiner.maxLevel();
+        const int level = descent.levels.finest();
         std::vector<Index> corners;
         for (const Index cell : descent.candidates.cells) {
             const auto row = level_.complex.relation(3, 0)[cell];
@@ -88,7 +90,7 @@ private:
         if (corners.empty()) return;
         if (search.isFineEnough(level)) {
             // What is only far away may be blended of the vertices as they are.
-            const auto limits = blendedRows(descent.refiner, level, search.rules_, corners);
+            const auto limits = blendedRows(descent.levels, level, corners);
             const auto places = stencils::applyLevelTable(limits, positions_);
             for (std::size_t i = 0; i < corners.size(); ++i) positions_[corners[i]] = places[i];
         }
@@ -100,8 +102,7 @@ private:
                 boxes_.back().extend(Vector3d(positions_[vertex].data()));
         }
         if (!search.isFineEnough(level)) return;
-        isBlended_ = areSmall(descent.refiner, level, descent.tables, descent.candidates.cells,
-                              search.tolerance_);
+        isBlended_ = areSmall(descent.levels, descent.candidates.cells, search.tolerance_);
         for (std::size_t i = 0; i < isBlended_.size(); ++i)
             isBlended_[i] |=
                 isThin(level_.complex.relation(3, 0)[descent.candidates.cells[i]], search.scale_);
@@ -126,25 +127,22 @@ private:
     std::optional<embed::CellSolver> blend_;
 };
 
-LimitSearch::LimitSearch(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                         stencils::Rules rules, const LimitOptions& options)
-    : rules_(rules),
-      tolerance_(options.tolerance),
+LimitSearch::LimitSearch(const embed::RestLattice& lattice, const LimitOptions& options)
+    : tolerance_(options.tolerance),
       seekNearest_(options.embedding.outside == embed::OutsidePolicy::Nearest),
-      scale_(embed::CellSolver::scaleOf(positions, options.embedding.tolerance)),
+      scale_(embed::CellSolver::scaleOf(lattice.positions, options.embedding.tolerance)),
       finestLevel_(leastLevelOfSmall(options.tolerance)),
-      descent_(base, positions, rules, scale_) {}
+      descent_(lattice, scale_) {}
 
 /// \param settle is called for each level: settle(descent, cells) leaves the candidates that are to
 ///        be refined
 template <class Settle>
-FoundPlaces LimitSearch::search(std::span<const Point3> points, embed::Sought sought,
+FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought sought,
                                 Settle settle) const {
     const bool isNearest = sought == embed::Sought::Nearest;
-    FoundPlaces found{descent_.begin(points, sought), {}, {}};
+    FoundPoints found{descent_.begin(points, sought), {}};
     found.points.assign(points.size(), {embed::PointStatus::Outside, {}, 0, 0});
     for (;;) {
-        found.positions.push_back(found.descent.positions);
         settle(found, Cells(*this, found.descent, sought));
         if (found.descent.candidates.cells.empty()) return found;
         keepFew(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
@@ -154,11 +152,11 @@ FoundPlaces LimitSearch::search(std::span<const Point3> points, embed::Sought so
     }
 }
 
-FoundPlaces LimitSearch::findInside(std::span<const Point3> points,
+FoundPoints LimitSearch::findInside(std::span<const Point3> points,
                                     std::vector<Index>& unsettled) const {
     auto result =
-        search(points, embed::Sought::Containing, [&](FoundPlaces& found, const Cells& cells) {
-            const int level = found.descent.refiner.maxLevel();
+        search(points, embed::Sought::Containing, [&](FoundPoints& found, const Cells& cells) {
+            const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 LocatedInLimit& located = found.points[p];
                 if (located.place) return false;
@@ -215,9 +213,9 @@ void LimitSearch::keepFew(embed::Descent& descent, std::span<const Point3> point
     const bool areFew = std::all_of(cellsOf.begin(), cellsOf.end(),
                                     [&](const auto& cells) { return cells.size() <= most; });
     // Base cells may be of any kind, and have no distances yet.
-    if (areFew || descent.refiner.maxLevel() == 0) return;
-    const far::Level& level = descent.refiner.level(descent.refiner.maxLevel());
-    const embed::CellSolver solver(level.complex, descent.positions, scale_);
+    if (areFew || descent.levels.finest() == 0) return;
+    const embed::CellSolver solver(descent.levels.finestLevel().complex,
+                                   descent.levels.finestPositions(), scale_);
     for (std::size_t p = 0; p < points.size(); ++p) {
         auto& cells = cellsOf[p];
         if (cells.size() <= most) continue;
@@ -239,13 +237,13 @@ void LimitSearch::keepFew(embed::Descent& descent, std::span<const Point3> point
     });
 }
 
-FoundPlaces LimitSearch::findNearest(std::span<const Point3> points) const {
+FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
     // If points outside stay, only what is in the gaps is of interest.
     std::vector<double> nearest(points.size(),
                                 seekNearest_ ? std::numeric_limits<double>::infinity() : gap());
     auto result =
-        search(points, embed::Sought::Nearest, [&](FoundPlaces& found, const Cells& cells) {
-            const int level = found.descent.refiner.maxLevel();
+        search(points, embed::Sought::Nearest, [&](FoundPoints& found, const Cells& cells) {
+            const int level = found.descent.levels.finest();
             found.descent.candidates.filter([&](std::size_t i, Index p) {
                 const PatchSolver* patch = cells.patch(i);
                 const Vector3d point(points[p].data());
@@ -279,14 +277,13 @@ FoundPlaces LimitSearch::findNearest(std::span<const Point3> points) const {
         LocatedInLimit& located = result.points[p];
         // Nothing is as near as a gap is wide.
         if (!located.place && !seekNearest_) continue;
-        located = continued(located, result.descent, result.positions, Vector3d(points[p].data()));
+        located = continued(located, result.descent.levels, Vector3d(points[p].data()));
     }
     return result;
 }
 
 /// A point that is in no cell, with its nearest place continued to it along the tangent.
-LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const embed::Descent& descent,
-                                      const std::vector<std::vector<Point3>>& positions,
+LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const stencils::Levels& levels,
                                       const Vector3d& point) const {
     if (!nearest.place) return {embed::PointStatus::NotConverged, {}, 0, 0};
     const double distance = nearest.distance;
@@ -296,11 +293,10 @@ LocatedInLimit LimitSearch::continued(const LocatedInLimit& nearest, const embed
         isInside ? embed::PointStatus::Inside : embed::PointStatus::Outside;
     if (!isInside && !seekNearest_) return {status, {}, distance, 0};
     LimitPlace place = *nearest.place;
-    const auto level = static_cast<std::size_t>(place.level);
-    const PlaceRows rows(descent.refiner, place.level, rules_, {&place, 1});
+    const PlaceRows rows(levels, place.level, {&place, 1});
     const auto sum = [&](const Orders& orders) {
         return embed::weightedSum(rows.weights(0, orders), [&](Index vertex) {
-            return Vector3d(positions[level][vertex].data());
+            return Vector3d(levels.positions(place.level)[vertex].data());
         });
     };
     const auto setOffset = [&](const Vector3d& offset) {

@@ -19,9 +19,8 @@ namespace espalier::limit {
 using LocatedInLimit = embed::Located<LimitPlace>;
 
 /// The places of some points, and the levels that they are in.
-struct FoundPlaces {
+struct FoundPoints {
     embed::Descent descent;
-    std::vector<std::vector<Point3>> positions;  ///< of the vertices of each level
     std::vector<LocatedInLimit> points;
 };
 
@@ -30,22 +29,21 @@ struct FoundPlaces {
 /// their limits. Any number of threads may ask. All in units of the lattice (LengthUnit).
 class LimitSearch {
 public:
-    /// \param base, positions must outlive this
-    LimitSearch(const far::TopologyRefiner& base, std::span<const Point3> positions,
-                stencils::Rules rules, const LimitOptions& options);
+    /// \param lattice its base and positions must outlive this
+    LimitSearch(const embed::RestLattice& lattice, const LimitOptions& options);
 
     /// The points that are in a cell. A point in several, as on a face between two, belongs to the
     /// one of the lowest level, and of these to that of the lowest number. Finds all but those in
     /// strongly bent cells, which reach far beyond their corners.
     /// \param unsettled gets the points that findNearest() may find
-    FoundPlaces findInside(std::span<const Point3> points, std::vector<Index>& unsettled) const;
+    FoundPoints findInside(std::span<const Point3> points, std::vector<Index>& unsettled) const;
 
     /// Points by the nearest place: in strongly bent cells, in gaps between cells, and beside the
     /// lattice, if points there are to be carried.
     ///
     /// A point is sought in kMaxNearest cells of a level at most. Where more are as near, as in a
     /// lattice that is folded flat, its place is a near one, or it is NotConverged.
-    FoundPlaces findNearest(std::span<const Point3> points) const;
+    FoundPoints findNearest(std::span<const Point3> points) const;
 
 private:
     class Cells;
@@ -54,12 +52,10 @@ private:
     /// How far from a cell a point still counts as inside.
     double gap() const { return std::max(scale_.tolerance, tolerance_ * scale_.size); }
     template <class Settle>
-    FoundPlaces search(std::span<const Point3> points, embed::Sought sought, Settle settle) const;
-    LocatedInLimit continued(const LocatedInLimit& nearest, const embed::Descent& descent,
-                             const std::vector<std::vector<Point3>>& positions,
+    FoundPoints search(std::span<const Point3> points, embed::Sought sought, Settle settle) const;
+    LocatedInLimit continued(const LocatedInLimit& nearest, const stencils::Levels& levels,
                              const Eigen::Vector3d& point) const;
 
-    stencils::Rules rules_;
     double tolerance_;  ///< LimitOptions::tolerance
     bool seekNearest_;
     embed::CellSolver::Scale scale_;

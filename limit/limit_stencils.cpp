@@ -4,7 +4,7 @@
 #include <espalier/embed/place_points.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/limit/limit_stencils.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/table_builder.h>
@@ -31,7 +31,7 @@ std::vector<Orders> ordersUpTo(int derivatives) {
 }
 
 /// Refined no further than this, whatever the tolerance: cells of 1e-13 of the first ones.
-constexpr int kMostLevels = 43;
+constexpr int kMaxLevels = 43;
 
 /// A location on its way down: the cell that holds it on the level at hand.
 struct Walker {
@@ -42,8 +42,7 @@ struct Walker {
 
 /// Locations with their places, on the levels that go on from theirs.
 struct Walk {
-    far::TopologyRefiner refiner;  ///< level 0 is that of the locations
-    std::vector<stencils::StencilTable<double>> tables = {};
+    stencils::Levels levels;                               ///< level 0 is that of the locations
     std::vector<std::vector<std::size_t>> locations = {};  ///< that end on each level
     std::vector<std::vector<LimitPlace>> places = {};      ///< one for each of these
 };
@@ -68,12 +67,12 @@ std::vector<Index> cellsOf(const std::vector<Walker>& walkers) {
 
 /// Ends the walkers that are in regular cells, or in small ones, and leaves the others.
 void settle(Walk& walk, std::vector<Walker>& walkers, double tolerance) {
-    const int level = walk.refiner.maxLevel();
-    const far::Level& here = walk.refiner.level(level);
+    const int level = walk.levels.finest();
+    const far::Level& here = walk.levels.finestLevel();
     const std::vector<Index> cells = cellsOf(walkers);
-    std::vector<std::uint8_t> isSmall(cells.size(), level >= kMostLevels);
-    if (level >= leastLevelOfSmall(tolerance) && level < kMostLevels && !cells.empty())
-        isSmall = areSmall(walk.refiner, level, walk.tables, cells, tolerance);
+    std::vector<std::uint8_t> isSmall(cells.size(), level >= kMaxLevels);
+    if (level >= leastLevelOfSmall(tolerance) && level < kMaxLevels && !cells.empty())
+        isSmall = areSmall(walk.levels, cells, tolerance);
     walk.locations.emplace_back();
     walk.places.emplace_back();
     std::erase_if(walkers, [&](const Walker& walker) {
@@ -87,16 +86,13 @@ void settle(Walk& walk, std::vector<Walker>& walkers, double tolerance) {
 }
 
 /// Goes down with all that have not ended.
-void refine(Walk& walk, std::vector<Walker>& walkers, stencils::Rules rules,
-            std::span<const LimitLocation> locations) {
-    const far::CellComplex parent = walk.refiner.level(walk.refiner.maxLevel()).complex;
-    walk.refiner.refineAround(cellsOf(walkers));
-    const int level = walk.refiner.maxLevel();
-    walk.tables.push_back(stencils::buildLevelTable(walk.refiner, level, rules));
+void refine(Walk& walk, std::vector<Walker>& walkers, std::span<const LimitLocation> locations) {
+    const far::CellComplex parent = walk.levels.finestLevel().complex;
+    walk.levels.refineAround(cellsOf(walkers));
+    const far::Refinement& refinement = walk.levels.refiner().refinement(walk.levels.finest());
     for (Walker& walker : walkers) {
         const std::size_t corner = stepInto(walker.uvw);
-        const auto child =
-            embed::childOf(parent, walk.refiner.refinement(level), walker.frame, corner);
+        const auto child = embed::childOf(parent, refinement, walker.frame, corner);
         if (!child)
             throw Error("place " + std::to_string(walker.location) + ", in cell " +
                         std::to_string(locations[walker.location].cell) +
@@ -111,7 +107,7 @@ stencils::StencilTable<double> rowsOf(const Walk& walk, std::size_t level, const
     const std::size_t placeCount = walk.places[level].size();
     return stencils::buildTable(
         static_cast<Index>(placeCount * orders.size()),
-        walk.refiner.level(static_cast<int>(level)).complex.count(0),
+        walk.levels.refiner().level(static_cast<int>(level)).complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {
             const auto& order = orders[static_cast<std::size_t>(row) / placeCount];
             // Coordinates are twice as fast on each level.
@@ -131,24 +127,24 @@ stencils::StencilTable<double> rowsOf(const far::Level& level,
                                       std::vector<Walker> walkers,
                                       const std::vector<Orders>& orders, double tolerance) {
     const std::size_t first = walkers.front().location, count = walkers.size();
-    Walk walk{far::TopologyRefiner(level, refinerOptions)};
+    Walk walk{{far::TopologyRefiner(level, refinerOptions), rules}};
     for (;;) {
         settle(walk, walkers, tolerance);
         if (walkers.empty()) break;
-        refine(walk, walkers, rules, locations);
+        refine(walk, walkers, locations);
     }
     const std::span derivatives = std::span(orders).subspan(1);
     std::vector<stencils::StencilTable<double>> rows, derivativeRows;
     for (std::size_t k = 0; k < walk.places.size(); ++k) {
-        const PlaceRows ofPlaces(walk.refiner, static_cast<int>(k), rules, walk.places[k]);
+        const PlaceRows ofPlaces(walk.levels, static_cast<int>(k), walk.places[k]);
         rows.push_back(rowsOf(walk, k, ofPlaces, std::span(orders).first(1)));
         if (!derivatives.empty()) derivativeRows.push_back(rowsOf(walk, k, ofPlaces, derivatives));
     }
-    const auto tables =
-        stencils::composeRows(walk.tables, std::move(rows), stencils::compositionOf(walk.tables));
+    const auto tables = stencils::composeRows(walk.levels.tables(), std::move(rows),
+                                              stencils::compositionOf(walk.levels.tables()));
     if (!derivatives.empty())
-        derivativeRows = stencils::composeDerivatives(walk.tables, std::move(derivativeRows),
-                                                      stencils::RowMeaning::Themselves);
+        derivativeRows = stencils::composeDerivatives(
+            walk.levels.tables(), std::move(derivativeRows), stencils::RowMeaning::Themselves);
     // Where the row of each location and derivative is.
     struct Source {
         const stencils::StencilTable<double>* table;

@@ -33,27 +33,26 @@ bool hasSemiSharp(const far::Level& level, Index vertex) {
 
 /// A star as it is refined about its vertex.
 struct Chain {
-    far::TopologyRefiner refiner;
+    stencils::Levels levels;
     Index vertex;  ///< the child of the first level's
-    std::vector<stencils::StencilTable<double>> tables = {};
 
-    const far::Level& level() const { return refiner.level(refiner.maxLevel()); }
+    const far::Level& level() const { return levels.finestLevel(); }
+    const far::Refinement& refinement() const {
+        return levels.refiner().refinement(levels.finest());
+    }
 
-    void refine(stencils::Rules rules, Extent extent) {
-        const int dimension = refiner.dimension();
-        const auto cells = level().complex.relation(0, dimension)[vertex];
-        refiner.refineAround(std::vector<Index>(cells.begin(), cells.end()), extent);
+    void refine(Extent extent) {
+        const far::CellComplex complex = level().complex;
+        levels.refineAround(complex.relation(0, complex.dimension())[vertex], extent);
         const Entity parent{0, vertex};
-        vertex = refiner.refinement(refiner.maxLevel()).childOf({parent, parent})->index;
-        tables.push_back(stencils::buildLevelTable(refiner, refiner.maxLevel(), rules));
+        vertex = refinement().childOf({parent, parent})->index;
     }
 
     /// The ring about the vertex: the new points of what contained it a level before.
     std::vector<Index> ring(const std::vector<Entity>& entities) const {
         std::vector<Index> points;
         for (const Entity& entity : entities)
-            points.push_back(
-                refiner.refinement(refiner.maxLevel()).childOf({entity, entity})->index);
+            points.push_back(refinement().childOf({entity, entity})->index);
         return points;
     }
 };
@@ -104,26 +103,26 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
     const int dimension = level.complex.dimension();
     if (level.complex.relation(0, dimension)[vertex].empty()) return loneRing(vertex);
 
-    Chain chain{far::TopologyRefiner(star.level, options), star.vertex};
+    Chain chain{{far::TopologyRefiner(star.level, options), rules}, star.vertex};
     std::vector<Entity> entities;
     do {
         entities = entitiesAt(chain.level().complex, chain.vertex);
-        chain.refine(rules, Extent::Ring);
+        chain.refine(Extent::Ring);
     } while (hasSemiSharp(chain.level(), chain.vertex));
     const std::vector<Index> first = chain.ring(entities);
 
     VertexRing ring;
     ring.entities = entitiesAt(level.complex, vertex);
     ring.vertices = verticesAround(level.complex, vertex);
-    ring.levels = chain.refiner.maxLevel();
-    const auto rows = stencils::composeStencils(chain.refiner, chain.tables, first);
+    ring.levels = chain.levels.finest();
+    const auto rows = chain.levels.stencils(first);
     ring.start = matrixOf(rows, std::ssize(ring.vertices), [&](Index column) {
         return placeIn(ring.vertices, star.entities[0][column]);
     });
 
     entities = entitiesAt(chain.level().complex, chain.vertex);
-    chain.refine(rules, Extent::Cells);
-    const auto next = stencils::selectRows(chain.tables.back(), chain.ring(entities));
+    chain.refine(Extent::Cells);
+    const auto next = stencils::selectRows(chain.levels.tables().back(), chain.ring(entities));
     // A vertex is numbered by the dimension and number of what it is the new point of: the ring
     // ascends.
     ring.subdivision =

@@ -8,12 +8,10 @@
 #include <espalier/solve/lattice_fit.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "arguments.h"
@@ -73,8 +71,9 @@ py::array_t<Index> hold(const RefinerLike& lattice, const std::optional<ArrayLik
         if (faces)
             add(embed::verticesHoldingFaces(refiner->base(), refiner->rules(), heldFaces, wanted));
         if (points)
-            add(embed::verticesHoldingPoints(refiner->base(), refiner->lattice()->positions, level,
-                                             refiner->rules(), heldPoints, wanted, options));
+            add(embed::verticesHoldingPoints(
+                {refiner->base(), refiner->lattice()->positions, refiner->rules()}, heldPoints,
+                wanted, {.level = level, .embedding = options}));
         sortUnique(vertices);
         return vertices;
     }));
@@ -89,8 +88,9 @@ std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
     const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
                                           tolerance};
     return sharedWithoutGil([&] {
-        return embed::nestTables(*table, pose, refiner->base(), refiner->lattice()->positions,
-                                 level, refiner->rules(), options);
+        return embed::nestTables(*table, pose,
+                                 {refiner->base(), refiner->lattice()->positions, refiner->rules()},
+                                 {.level = level, .embedding = options});
     });
 }
 

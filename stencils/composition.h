@@ -3,7 +3,6 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/masks.h>
 #include <espalier/stencils/row_order.h>
@@ -18,7 +17,8 @@
 //
 // Types: Mask, the weights of one point (masks.h; mlca.h and rats.h hold other rules);
 // StencilTable, a matrix in compressed sparse rows; FactoredTable, a product that is left in two
-// factors. Weights are made in double; convertTable() rounds them to float.
+// factors; Levels, refined levels with their tables and positions. Weights are made in double;
+// convertTable() rounds them to float.
 //
 // Read masks.h, stencil_table.h, then this header.
 //

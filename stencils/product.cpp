@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/place_map.h>
+#include <espalier/stencils/index_set.h>
 #include <espalier/stencils/table_builder.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ private:
     /// Takes a row into the block, unless that has rows already and becomes too large.
     bool extend(Index row) {
         // Wider blocks are mostly zeros; with more middle rows they leave the nearer caches.
-        constexpr std::size_t kMostColumns = 128, kMostMiddles = 1024;
+        constexpr std::size_t kMaxColumns = 128, kMaxMiddles = 1024;
         const std::size_t middleCount = middles_.items().size();
         const std::size_t columnCount = columns_.items().size();
         for (const Index middle : left_.columns(row)) {
@@ -52,7 +52,7 @@ private:
                 if (!columns_.has(column)) columns_.add(column);
         }
         if (middleCount == 0 ||
-            (columns_.items().size() <= kMostColumns && middles_.items().size() <= kMostMiddles))
+            (columns_.items().size() <= kMaxColumns && middles_.items().size() <= kMaxMiddles))
             return true;
         middles_.shrink(middleCount);
         columns_.shrink(columnCount);
@@ -140,7 +140,7 @@ private:
 
     const StencilTable<double>& left_;
     const StencilTable<double>& right_;
-    PlaceMap middles_, columns_;  ///< what the block has so far
+    IndexSet middles_, columns_;  ///< what the block has so far
     std::size_t rowsLeft_ = 0;    ///< that append() is still to make
     std::size_t width_ = 0;
     std::vector<double> dense_;  ///< a row of `width_` for each of middles_

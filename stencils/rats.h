@@ -2,7 +2,6 @@
 #pragma once
 
 #include <espalier/base/api.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 
 #include <vector>

@@ -15,8 +15,8 @@ std::size_t Surroundings::Hash::operator()(const std::vector<Index>& numbers) co
 
 Surroundings::Surroundings(const far::Level& level)
     : level_(level),
-      around_{PlaceMap(level.complex.count(0)), PlaceMap(level.complex.count(1)),
-              PlaceMap(level.complex.count(2)), PlaceMap(level.complex.count(3))},
+      around_{IndexSet(level.complex.count(0)), IndexSet(level.complex.count(1)),
+              IndexSet(level.complex.count(2)), IndexSet(level.complex.count(3))},
       vertices_(level.complex.count(0)) {
     const far::CellComplex& complex = level.complex;
     for (int d = 0; d <= complex.dimension(); ++d)
@@ -32,26 +32,26 @@ bool Surroundings::decideRows(const far::Level& level, far::Boundary boundary, R
 
 Index Surroundings::shapeOf(const Entity& entity) {
     // What repeats is met early. Where nothing does, each shape takes some kilobytes.
-    constexpr std::size_t kMostRemembered = 4096;
+    constexpr std::size_t kMaxRemembered = 4096;
     collect(entity);
     describe(entity);
     if (const auto known = shapes_.find(description_); known != shapes_.end()) return known->second;
-    if (shapes_.size() < kMostRemembered) shapes_.emplace(description_, shapeCount_);
+    if (shapes_.size() < kMaxRemembered) shapes_.emplace(description_, shapeCount_);
     return shapeCount_++;
 }
 
 void Surroundings::collect(const Entity& entity) {
-    const auto addNew = [](PlaceMap& items, std::span<const Index> more) {
+    const auto addNew = [](IndexSet& items, std::span<const Index> more) {
         for (const Index item : more)
             if (!items.has(item)) items.add(item);
     };
     vertices_.shrink(0);
-    for (PlaceMap& items : around_) items.shrink(0);
+    for (IndexSet& items : around_) items.shrink(0);
     addNew(around_[0], (*relations_[entity.dimension].toVertices)[entity.index]);
     addNew(vertices_, around_[0].items());
     around_[0].sort();
     for (std::size_t d = 1; d < relations_.size(); ++d) {
-        PlaceMap& items = around_[d];
+        IndexSet& items = around_[d];
         for (const Index vertex : around_[0].items())
             addNew(items, (*relations_[d].ofVertex)[vertex]);
         items.sort();
@@ -83,7 +83,7 @@ void Surroundings::describe(int dimension, Index index) {
     const auto parts = (*relations.boundary)[index];
     const auto signs = relations.boundary->signs(index);
     description_.push_back(static_cast<Index>(parts.size()));
-    const PlaceMap& near = around_[static_cast<std::size_t>(dimension) - 1];
+    const IndexSet& near = around_[static_cast<std::size_t>(dimension) - 1];
     for (std::size_t i = 0; i < parts.size(); ++i)
         // Parts that do not touch the entity bear no name here.
         description_.push_back(near.has(parts[i]) ? signs[i] * (near.placeOf(parts[i]) + 1) : 0);

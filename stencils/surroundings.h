@@ -2,8 +2,8 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
+#include <espalier/stencils/index_set.h>
 #include <espalier/stencils/masks.h>
-#include <espalier/stencils/place_map.h>
 
 #include <array>
 #include <map>
@@ -60,8 +60,8 @@ private:
     };
     const far::Level& level_;
     std::vector<Relations> relations_;
-    std::array<PlaceMap, kMaxDimension + 1> around_;  ///< by dimension; 0: of the entity
-    PlaceMap vertices_;
+    std::array<IndexSet, kMaxDimension + 1> around_;  ///< by dimension; 0: of the entity
+    IndexSet vertices_;
     std::vector<Index> description_;
     std::unordered_map<std::vector<Index>, Index, Hash> shapes_;
     Index shapeCount_ = 0;

@@ -99,8 +99,8 @@ TEST(Tutorial, FromALatticeToAPose) {
 
     const far::TopologyRefiner base(rest.complex,
                                     {.marks = rest.marks});
-    const auto bound = embed::bindPoints(base, rest.positions,
-                                         3, rules, points);
+    const auto bound = embed::bindPoints(
+        {base, rest.positions, rules}, points, {.level = 3});
     const auto& deformation = bound.binding.table;  // D
     const auto outside =
         bound.count(embed::PointStatus::Outside);

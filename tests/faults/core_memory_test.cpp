@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/base/executor.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/progress.h>
@@ -52,14 +51,14 @@ protected:
         return lattice;
     }
 
-    far::TopologyRefiner refined(int level) const {
-        far::TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
+    TopologyRefiner refined(int level) const {
+        TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
         refiner.refineUniform(level);
         return refiner;
     }
 
     auto bind() const {
-        return embed::bindPoints(refined(0), lattice.positions, 2, Rules::Siggraph96, points);
+        return embed::bindPoints({refined(0), lattice.positions}, points, {.level = 2});
     }
 };
 
@@ -115,8 +114,8 @@ TEST_F(CoreMemory, Refinement) {
     });
     for (const auto creasing : {far::Creasing::Uniform, far::Creasing::Chaikin})
         failEachAllocation([&] {
-            far::TopologyRefiner refiner(lattice.complex,
-                                         {.creasing = creasing, .marks = lattice.marks});
+            TopologyRefiner refiner(lattice.complex,
+                                    {.creasing = creasing, .marks = lattice.marks});
             refiner.refineAround(std::vector<Index>{0});
             return refiner.level(1).complex.count(0);
         });
@@ -126,7 +125,7 @@ TEST_F(CoreMemory, Refinement) {
 TEST_F(CoreMemory, ARefinerHasTheLevelsThatWereComplete) {
     const Index expected = refined(2).level(2).complex.count(3);
     for (long n = 1;; n += 5) {
-        far::TopologyRefiner refiner = refined(1);
+        TopologyRefiner refiner = refined(1);
         const auto refine = [&] {
             refiner.refineUniform(2);
             return 0;
@@ -161,7 +160,7 @@ TEST_F(CoreMemory, Binding) {
     });
     failEachAllocation([&] {
         const auto bound =
-            embed::bindFactored(refined(0), lattice.positions, 1, Rules::Siggraph96, points);
+            embed::bindFactored({refined(0), lattice.positions}, points, {.level = 1});
         return bound.statuses;
     });
     const auto refiner = refined(1);
@@ -170,7 +169,7 @@ TEST_F(CoreMemory, Binding) {
     failEachAllocation([&] {
         const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points,
                                                   {.outside = embed::OutsidePolicy::Nearest});
-        return embed::makeBinding(refiner, 1, Rules::Siggraph96, embedding, points);
+        return embed::buildDeformationTable(refiner, 1, Rules::Siggraph96, embedding);
     });
 }
 
@@ -178,8 +177,8 @@ TEST_F(CoreMemory, Binding) {
 TEST_F(CoreMemory, Refusals) {
     failEachAllocation([&] {
         try {
-            embed::bindPoints(refined(0), lattice.positions, 1, Rules::Siggraph96, points,
-                              {.outside = embed::OutsidePolicy::Error});
+            embed::bindPoints({refined(0), lattice.positions}, points,
+                              {.level = 1, .embedding = {.outside = embed::OutsidePolicy::Error}});
         } catch (const Error& error) {
             return std::string(error.what()).find("point 3 at (9") != std::string::npos;
         }
@@ -200,15 +199,15 @@ TEST_F(CoreMemory, Evaluation) {
     const auto bound = bind();
     const auto& table = bound.binding.table;
     const auto factored =
-        embed::bindFactored(refined(0), lattice.positions, 2, Rules::Siggraph96, points).binding;
+        embed::bindFactored({refined(0), lattice.positions}, points, {.level = 2}).binding;
     failEachAllocation([&] { return osd::evaluateBinding(bound.binding, lattice.positions); });
     failEachAllocation([&] { return osd::evaluateBinding(factored, lattice.positions); });
 
     const auto pose = flat(lattice.positions);
     const auto xyz = osd::BufferDescriptor::packed(3);
     const auto evaluated = [&](const auto& compiled) {
-        std::vector<double> moved(3 * static_cast<std::size_t>(compiled.rowCount()));
-        const auto width = static_cast<std::size_t>(compiled.columnCount());
+        std::vector<double> moved(3 * std::size_t(compiled.rowCount()));
+        const auto width = std::size_t(compiled.columnCount());
         compiled.evaluate(std::span(pose).first(3 * width), xyz, moved, xyz,
                           {0, compiled.rowCount()});
         return moved;
@@ -243,11 +242,10 @@ TEST_F(CoreMemory, Solvers) {
         return std::tuple(check.check(pose).inverted, check.largestStep(pose).length);
     });
     failEachAllocation([&] { return embed::verticesHoldingRows(table); });
-    const far::TopologyRefiner parent(shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).complex);
+    const TopologyRefiner parent(shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).complex);
     const auto parentRest = shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).positions;
     failEachAllocation([&] {
-        return embed::nestTables(table, lattice.positions, parent, parentRest, 1,
-                                 Rules::Siggraph96);
+        return embed::nestTables(table, lattice.positions, {parent, parentRest}, {.level = 1});
     });
 }
 
@@ -282,8 +280,8 @@ TEST_F(CoreMemory, DestinationsAreAsTheyWere) {
 
 TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
     auto bound = std::optional(bind());
-    auto factored = std::optional(
-        embed::bindFactored(refined(0), lattice.positions, 2, Rules::Siggraph96, points));
+    auto factored =
+        std::optional(embed::bindFactored({refined(0), lattice.positions}, points, {.level = 2}));
     auto refiner = std::optional(refined(2));
     refiner->level(2).complex.relation(0, 3);
     std::optional<osd::CompiledTable<double>> compiled(bound->binding.table);
@@ -309,8 +307,8 @@ TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
 template <class... Types>
 constexpr bool kMoveWithoutMemory = (... && (std::is_nothrow_move_constructible_v<Types> &&
                                              std::is_nothrow_move_assignable_v<Types>));
-static_assert(kMoveWithoutMemory<far::CellComplex, far::Incidence, far::SignedIncidence, far::Level,
-                                 far::Refinement, far::Marks, far::TopologyRefiner, Lattice>);
+static_assert(kMoveWithoutMemory<CellComplex, far::Incidence, far::SignedIncidence, far::Level,
+                                 far::Refinement, far::Marks, TopologyRefiner, Lattice>);
 static_assert(kMoveWithoutMemory<StencilTable<double>, embed::Binding, embed::BindingResult,
                                  embed::Embedding>);
 static_assert(kMoveWithoutMemory<osd::CompiledTable<double>, osd::CompiledAdjoint<float>,

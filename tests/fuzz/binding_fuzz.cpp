@@ -140,7 +140,8 @@ const Target kEmbedding("embedding", [](std::string_view bytes) {
     runBinding(Input(bytes), kMaxPoints,
                [](const auto& refiner, const auto& rest, auto rules, const auto& points,
                   const auto& options) {
-                   return embed::bindPoints(refiner, rest, 1, rules, points, options);
+                   return embed::bindPoints({refiner, rest, rules}, points,
+                                            {.level = 1, .embedding = options});
                });
 });
 
@@ -152,7 +153,7 @@ const Target kLimit("limit", [](std::string_view bytes) {
                [](const auto& refiner, const auto& rest, auto rules, const auto& points,
                   const auto& options) {
                    auto bound = limit::bindLimit(
-                       refiner, rest, rules, points,
+                       {refiner, rest, rules}, points,
                        {.embedding = options, .tolerance = 1e-3, .gradients = true});
                    for (const auto& table : bound.binding.table.gradients)
                        for (const double weight : table.weights())

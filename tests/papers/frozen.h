@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <vector>
+
+#include "support/complexes.h"
+#include "support/test.h"
 
 // Shapes with their positions, refined; and models frozen to them.
 namespace espalier::test {
@@ -16,14 +18,14 @@ inline Eigen::Vector3d vec(const Point3& p) {
     return Eigen::Vector3d(p.data());
 }
 
-inline far::TopologyRefiner refined(const Lattice& lattice, int levels,
-                                    far::Boundary boundary = far::Boundary::Sharp) {
-    far::TopologyRefiner refiner(lattice.complex, {.boundary = boundary, .marks = lattice.marks});
-    refiner.refineUniform(levels);
+inline TopologyRefiner refined(const Lattice& lattice, int levels,
+                               Boundary boundary = Boundary::Sharp) {
+    TopologyRefiner refiner =
+        test::refined(lattice.complex, levels, {.boundary = boundary, .marks = lattice.marks});
     return refiner;
 }
 
-inline std::vector<Point3> positionsAt(const Lattice& lattice, const far::TopologyRefiner& refiner,
+inline std::vector<Point3> positionsAt(const Lattice& lattice, const TopologyRefiner& refiner,
                                        int level) {
     return stencils::refinePositions(refiner, level, stencils::Rules::Siggraph96,
                                      lattice.positions);
@@ -37,12 +39,9 @@ struct Frozen {
 
     Frozen(const Lattice& lattice, int level, const std::vector<Point3>& points)
         : rest(lattice), model(points) {
-        const far::TopologyRefiner refiner = refined(rest, level);
-        const embed::Embedding embedding = embed::embedPoints(
-            refiner.level(level).complex, positionsAt(rest, refiner, level), points);
-        EXPECT_EQ(embedding.count(embed::PointStatus::Inside), static_cast<Index>(points.size()));
-        binding =
-            embed::makeBinding(refiner, level, stencils::Rules::Siggraph96, embedding, points);
+        auto bound = embed::bindPoints({refined(rest, 0), rest.positions}, points, {.level = level});
+        EXPECT_EQ(bound.count(embed::PointStatus::Inside), static_cast<Index>(points.size()));
+        binding = std::move(bound.binding);
     }
 
     std::vector<Point3> posed(const std::vector<Point3>& pose) const {

@@ -20,8 +20,7 @@ int main() {
     const Lattice lattice = shapes::box({.cells = {2, 2, 2}});
     const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
     const std::vector<Point3> points = {{0.1, 0.2, 0.3}, {0.5, 0.5, 0.5}, {0.9, 0.1, 0.7}};
-    const auto bound =
-        embed::bindPoints(base, lattice.positions, 2, stencils::Rules::Siggraph96, points);
+    const auto bound = embed::bindPoints({base, lattice.positions}, points, {.level = 2});
     std::vector<Point3> pose = lattice.positions;
     for (Point3& position : pose)
         for (std::size_t c = 0; c < 3; ++c) position[c] += static_cast<double>(c + 1);

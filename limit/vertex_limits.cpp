@@ -2,7 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/far/standard_cells.h>
-#include <espalier/limit/limit_table.h>
+#include <espalier/limit/vertex_limits.h>
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/surroundings.h>
@@ -79,7 +79,7 @@ void checkLimitRules(stencils::Rules rules) {
             "vertex");
 }
 
-stencils::StencilTable<double> buildLimitTable(const far::TopologyRefiner& refiner, int level,
+stencils::StencilTable<double> buildLimitMasks(const far::TopologyRefiner& refiner, int level,
                                                stencils::Rules rules,
                                                std::span<const Index> vertices) {
     stencils::checkVertices(refiner, level, vertices);
@@ -117,7 +117,7 @@ stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& ref
                                                  stencils::Rules rules,
                                                  std::span<const Index> vertices) {
     const stencils::CompactTable limits =
-        stencils::compactColumns(buildLimitTable(refiner, level, rules, vertices));
+        stencils::compactColumns(buildLimitMasks(refiner, level, rules, vertices));
     return stencils::multiply(limits.table,
                               stencils::buildStencils(refiner, level, rules, limits.columns));
 }

@@ -26,7 +26,7 @@ ESPALIER_API void checkLimitRules(stencils::Rules rules);
 ///       for each shape of ring. In parallel
 /// \cite Halstead, Kass, DeRose 1993 (surfaces); regular: the values (1, 4, 1)/6 of the uniform
 ///       cubic B-spline at its knots
-ESPALIER_API stencils::StencilTable<double> buildLimitTable(const far::TopologyRefiner& refiner,
+ESPALIER_API stencils::StencilTable<double> buildLimitMasks(const far::TopologyRefiner& refiner,
                                                             int level, stencils::Rules rules,
                                                             std::span<const Index> vertices);
 

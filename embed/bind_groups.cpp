@@ -2,8 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
-#include <espalier/embed/table_form.h>
-#include <espalier/stencils/composition.h>
+#include <espalier/embed/bind_groups.h>
 
 #include <algorithm>
 #include <numeric>
@@ -14,10 +13,10 @@ namespace espalier::embed {
 namespace {
 
 /// A table under construction whose rows come in any order, from several threads.
-class RowPlaces {
+class ScatteredRows {
 public:
     /// \param lengths of the rows, behind a 0
-    explicit RowPlaces(Array<Offset> lengths) : offsets_(std::move(lengths)) {
+    explicit ScatteredRows(Array<Offset> lengths) : offsets_(std::move(lengths)) {
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
         requireMemory(
             static_cast<std::uint64_t>(offsets_.back()) * (sizeof(Index) + sizeof(double)),
@@ -62,46 +61,21 @@ stencils::StencilTable<double> gatherPoints(std::vector<BoundPart<Table>>& parts
             lengths[static_cast<std::size_t>(part.points[i]) + 1] +=
                 static_cast<Offset>(rows.columns(i).size());
     }
-    RowPlaces places(std::move(lengths));
+    ScatteredRows scattered(std::move(lengths));
     parallelFor(std::ssize(parts), 1, [&](Offset first, Offset last) {
         for (Offset p = first; p < last; ++p) {
             BoundPart<Table>& part = parts[p];
             stencils::StencilTable<double>& rows = rowsOf(part.table);
             for (Index i = 0; i < rows.rowCount(); ++i)
                 if (!rows.columns(i).empty())
-                    places.set(part.points[i], rows.columns(i), rows.weights(i), shifts[p]);
+                    scattered.set(part.points[i], rows.columns(i), rows.weights(i), shifts[p]);
             rows = {};
         }
     });
-    return places.take(columnCount);
+    return scattered.take(columnCount);
 }
 
 }  // namespace
-
-void buildRows(const far::TopologyRefiner& refiner,
-               std::span<const stencils::StencilTable<double>> tables, const Embedding& embedding,
-               stencils::StencilTable<double>& result) {
-    result = buildDeformationTable(refiner, tables, embedding);
-}
-
-void buildRows(const far::TopologyRefiner& refiner,
-               std::span<const stencils::StencilTable<double>> tables, const Embedding& embedding,
-               stencils::FactoredTable<double>& result) {
-    result = buildFactoredTable(refiner, tables, embedding);
-}
-
-void buildRows(stencils::StencilTable<double> weights,
-               const stencils::StencilTable<double>& stencils, const stencils::RowOrder& order,
-               stencils::StencilTable<double>& result) {
-    result = stencils::multiply(weights, stencils, order);
-}
-
-void buildRows(stencils::StencilTable<double> weights,
-               const stencils::StencilTable<double>& stencils, const stencils::RowOrder&,
-               stencils::FactoredTable<double>& result) {
-    stencils::CompactTable compact = stencils::compactColumns(std::move(weights));
-    result = {stencils::selectRows(stencils, compact.columns), std::move(compact.table)};
-}
 
 void gatherRows(std::vector<BoundPart<stencils::StencilTable<double>>>& parts, Index rowCount,
                 Index columnCount, stencils::StencilTable<double>& result) {
@@ -130,13 +104,13 @@ void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, 
             lengths.push_back(static_cast<Offset>(vertices.columns(row).size()));
     }
     const auto vertexCount = static_cast<Index>(lengths.size()) - 1;
-    RowPlaces places(std::move(lengths));
+    ScatteredRows scattered(std::move(lengths));
     parallelFor(std::ssize(parts), 1, [&](Offset first, Offset last) {
         for (Offset p = first; p < last; ++p) {
             const auto part = static_cast<std::size_t>(p);
             const stencils::StencilTable<double>& vertices = parts[part].table.vertices;
             for (Index row = 0; row < vertices.rowCount(); ++row)
-                places.set(shifts[part] + row, vertices.columns(row), vertices.weights(row), 0);
+                scattered.set(shifts[part] + row, vertices.columns(row), vertices.weights(row), 0);
         }
     });
     stencils::StencilTable<double> points =
@@ -144,7 +118,7 @@ void gatherRows(std::vector<BoundPart<stencils::FactoredTable<double>>>& parts, 
                      [](stencils::FactoredTable<double>& table) -> stencils::StencilTable<double>& {
                          return table.points;
                      });
-    result = {places.take(columnCount), std::move(points)};
+    result = {scattered.take(columnCount), std::move(points)};
 }
 
 }  // namespace espalier::embed

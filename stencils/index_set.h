@@ -9,12 +9,12 @@
 
 namespace espalier::stencils {
 
-/// A few of many numbered items, each with its place in a list. To look one up is to read an array;
-/// to forget them all costs as much as they are.
-class PlaceMap {
+/// A set of a few of many numbered items, each with its place in a list. To look one up is to read
+/// an array; to forget them all costs as much as they are.
+class IndexSet {
 public:
     /// \param count items are 0 to count − 1
-    explicit PlaceMap(Index count) : places_(count, kNone) {}
+    explicit IndexSet(Index count) : places_(count, kNone) {}
 
     bool has(Index item) const { return places_[item] != kNone; }
     /// \param item one that is there

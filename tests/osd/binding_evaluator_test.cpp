@@ -1,28 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/cpu_evaluator.h>
-#include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::osd {
 namespace {
 
-using far::TopologyRefiner;
-using stencils::Rules;
 
 embed::Binding bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
                       const embed::EmbeddingOptions& options = {}) {
-    TopologyRefiner refiner(lattice.complex);
-    refiner.refineUniform(level);
-    const auto positions =
-        stencils::refinePositions(refiner, level, Rules::Siggraph96, lattice.positions);
-    const auto embedding =
-        embed::embedPoints(refiner.level(level).complex, positions, points, options);
-    return embed::makeBinding(refiner, level, Rules::Siggraph96, embedding, points);
+    return embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
+                             {.level = level, .embedding = options})
+        .binding;
 }
 
 // A cube sheared: points inside follow, the point outside is kept.
@@ -44,9 +36,8 @@ TEST(Binding, InFactorsMovesAndKeepsTheSame) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});
     const std::vector<Point3> points = {{0.1, 0.2, 0.3}, {5, 5, 5}, {-0.3, 0.1, 0.9}, {0, 0, 0.5}};
     const TopologyRefiner base(lattice.complex);
-    const auto bound = embed::bindPoints(base, lattice.positions, 3, Rules::Siggraph96, points);
-    const auto factored =
-        embed::bindFactored(base, lattice.positions, 3, Rules::Siggraph96, points);
+    const auto bound = embed::bindPoints({base, lattice.positions}, points, {.level = 3});
+    const auto factored = embed::bindFactored({base, lattice.positions}, points, {.level = 3});
     EXPECT_EQ(factored.binding.kept, std::vector<Index>{1});
     auto pose = lattice.positions;
     for (Point3& p : pose) p[2] += p[0] * p[1];
@@ -95,14 +86,12 @@ TEST(Binding, TableCarriesAnyAttribute) {
 
 TEST(Binding, RefusesOtherPointsThanWereEmbedded) {
     const Lattice cube = shapes::box();
-    TopologyRefiner refiner(cube.complex);
-    refiner.refineUniform(1);
-    const auto positions = stencils::refinePositions(refiner, 1, Rules::Siggraph96, cube.positions);
+    const embed::TensorLattice tensor(cube.complex, cube.positions, embed::Basis::Bezier);
     const std::vector<Point3> points(3, Point3{0.5, 0.5, 0.5});
-    const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points);
+    const auto embedding = embed::embedPoints(tensor, points);
     for (const std::size_t count : {2u, 4u}) {
         const std::vector<Point3> others(count);
-        EXPECT_THROW(embed::makeBinding(refiner, 1, Rules::Siggraph96, embedding, others), Error);
+        EXPECT_THROW(embed::makeBinding(tensor, embedding, others), Error);
     }
 }
 

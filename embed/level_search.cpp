@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "level_search.h"
+
+#include <espalier/embed/place_points.h>
+#include <espalier/stencils/composition.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace espalier::embed {
+namespace {
+
+using Eigen::Vector3d;
+using Extent = far::TopologyRefiner::Extent;
+
+LocatedPart partOf(std::size_t pointCount) {
+    LocatedPart part;
+    part.points.resize(pointCount);
+    std::iota(part.points.begin(), part.points.end(), Index{0});
+    return part;
+}
+
+}  // namespace
+
+WholeLevel::WholeLevel(const RestLattice& lattice, int level, double tolerance) {
+    far::TopologyRefiner refiner = lattice.base;
+    refiner.refineUniform(level);
+    complex = refiner.level(level).complex;
+    locator = std::make_unique<PointLocator>(
+        complex, stencils::refinePositions(refiner, level, lattice.rules, lattice.positions),
+        CellSolver::scaleOf(lattice.positions, tolerance));
+    stencilTable = stencils::buildStencils(refiner, level, lattice.rules);
+    const stencils::BaseEntities origins = stencils::baseEntities(refiner, level).back();
+    baseCells.assign(origins.of(3).begin(), origins.of(3).end());
+    baseCellCount = origins.count();
+}
+
+Embedding WholeLevel::locate(std::span<const Point3> points, bool seekNearest) const {
+    Embedding embedding{{}, complex.count(0)};
+    for (const Point3& point : points)
+        embedding.points.push_back(locator->locate(point, seekNearest));
+    return embedding;
+}
+
+stencils::StencilTable<double> buildDeformationTable(const WholeLevel& level,
+                                                     const Embedding& embedding) {
+    return stencils::multiply(buildEmbeddingTable(level.complex, embedding), level.stencilTable,
+                              orderByBaseCell(embedding, level.baseCells, level.baseCellCount));
+}
+
+stencils::FactoredTable<double> buildFactoredTable(const WholeLevel& level,
+                                                   const Embedding& embedding) {
+    stencils::CompactTable weights =
+        stencils::compactColumns(buildEmbeddingTable(level.complex, embedding));
+    return {stencils::selectRows(level.stencilTable, weights.columns), std::move(weights.table)};
+}
+
+LevelSearch::LevelSearch(const RestLattice& lattice, int level, const EmbeddingOptions& options,
+                         Scope scope)
+    : level_(level),
+      seekNearest_(options.outside == OutsidePolicy::Nearest),
+      scale_(CellSolver::scaleOf(lattice.positions, options.tolerance)) {
+    if (scope == Scope::Whole)
+        whole_.emplace(lattice, level, options.tolerance);
+    else
+        descent_.emplace(lattice, scale_);
+}
+
+void LevelSearch::locate(std::span<const Point3> points, Extent extent,
+                         FunctionRef<void(LocatedPart)> use) const {
+    if (whole_) {
+        LocatedPart part = partOf(points.size());
+        part.embedding = whole_->locate(points, seekNearest_);
+        use(std::move(part));
+        return;
+    }
+    std::vector<Index> unsettled;
+    use(locateInside(points, extent, unsettled));
+    if (unsettled.empty()) return;
+    LocatedPart beside = locateBeside(chosenPoints(points, unsettled));
+    beside.points = std::move(unsettled);
+    use(std::move(beside));
+}
+
+/// Locates the points that are in a cell. Those that may be in a gap between cells, and those
+/// outside that are to be carried, come out as `unsettled`.
+LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent extent,
+                                      std::vector<Index>& unsettled) const {
+    LocatedPart part = partOf(points.size());
+    auto found = descent_->descend(points, level_, Sought::Containing, extent);
+    std::optional<CellSolver> solver;
+    CellsOfPoints cells;
+    if (found) {
+        const far::CellComplex& complex = found->levels.finestLevel().complex;
+        part.embedding.vertexCount = complex.count(0);
+        solver.emplace(complex, found->levels.finestPositions(), scale_);
+        cells = found->candidates.cellsOfPoints(points.size(), [&](Index cell, Index point) {
+            return solver->boxOf(CellId(cell)).contains(Vector3d(points[point].data()));
+        });
+    }
+    for (const Index i : part.points) {
+        const Vector3d point(points[i].data());
+        const auto near = found ? cells.of(i) : std::span<const Index>();
+        auto located = CellSolver::beyondReach(point, seekNearest_);
+        if (!located && found) located = solver->locateIn(point, near);
+        // A gap lies in the boxes of the cells beside it: a point in no box is outside.
+        if (!located && (seekNearest_ || !near.empty())) unsettled.push_back(i);
+        part.embedding.points.push_back(
+            located.value_or(LocatedPoint{PointStatus::Outside, {}, 0, 0}));
+    }
+    if (found) part.levels = std::move(found->levels);
+    return part;
+}
+
+/// Locates points that are in no cell by the nearest one.
+LocatedPart LevelSearch::locateBeside(std::span<const Point3> points) const {
+    LocatedPart part = partOf(points.size());
+    // Whether a place beside a cell is on the boundary, its neighbours know.
+    auto found = descent_->descend(points, level_, Sought::Nearest, Extent::Ring);
+    const far::CellComplex& complex = found->levels.finestLevel().complex;
+    part.embedding.vertexCount = complex.count(0);
+    const CellSolver solver(complex, found->levels.finestPositions(), scale_);
+    const auto cells =
+        found->candidates.cellsOfPoints(points.size(), [](Index, Index) { return true; });
+    for (const Index i : part.points) {
+        const Vector3d point(points[i].data());
+        std::pair nearest(std::numeric_limits<double>::infinity(), kMaxIndex);
+        for (const Index cell : cells.of(i))
+            nearest = std::min(nearest, {solver.distance(point, CellId(cell)), cell});
+        part.embedding.points.push_back(
+            solver.locateBeside(point, CellId(nearest.second), seekNearest_));
+    }
+    part.levels = std::move(found->levels);
+    return part;
+}
+
+}  // namespace espalier::embed
