@@ -22,17 +22,16 @@ TEST(ByteInput, TakesNumbersInTheirOrder) {
 
 TEST(ByteInput, RefusesMoreThanIsLeft) {
     ByteInput in("12345678", std::endian::little);
-    const auto refused = [](auto call, const std::string& why) {
-        EXPECT_THAT(call, ThrowsMessage<CodingError>(HasSubstr(why)));
-    };
-    refused([&] { in.bytes(9); }, "9 bytes are expected, 8 bytes are there");
-    refused([&] { in.numbersAs<std::int32_t, double>(3); }, "3 numbers of 4 bytes are expected");
+    EXPECT_REFUSED(CodingError, "9 bytes are expected, 8 bytes are there", in.bytes(9));
+    EXPECT_REFUSED(CodingError, "3 numbers of 4 bytes are expected",
+                   in.numbersAs<std::int32_t, double>(3));
     // 2^62 of 4 bytes are 2^64, which is 0 of 64 bits.
-    refused([&] { in.numbersAs<std::int32_t, double>(std::uint64_t{1} << 62); },
-            "4611686018427387904 numbers of 4 bytes");
+    EXPECT_REFUSED(CodingError, "4611686018427387904 numbers of 4 bytes",
+                   in.numbersAs<std::int32_t, double>(std::uint64_t{1} << 62));
     // What is refused is not taken.
     EXPECT_EQ(in.bytes(8), "12345678");
-    refused([&] { in.number<std::int8_t>(); }, "1 bytes are expected, 0 bytes are there");
+    EXPECT_REFUSED(CodingError, "1 bytes are expected, 0 bytes are there",
+                   in.number<std::int8_t>());
 }
 
 }  // namespace

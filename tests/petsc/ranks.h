@@ -11,6 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "support/tables.h"
+
 namespace espalier::test {
 
 using petsc::OwnedRange;
