@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace espalier {
 
@@ -20,5 +21,19 @@ public:
 /// A word or a name from outside as messages show it: printable (printable.h), in quotes. One of
 /// more than 40 bytes keeps its beginning and its end.
 ESPALIER_API std::string inQuotes(std::string_view text);
+
+/// Texts and numbers in one text, for messages.
+template <class... Parts>
+std::string concat(const Parts&... parts) {
+    std::string text;
+    const auto append = [&]<class Part>(const Part& part) {
+        if constexpr (std::is_arithmetic_v<Part>)
+            text += std::to_string(part);
+        else
+            text += part;
+    };
+    (append(parts), ...);
+    return text;
+}
 
 }  // namespace espalier

@@ -2,11 +2,46 @@
 #pragma once
 
 #include <espalier/base/executor.h>
-#include <espalier/base/progress_state.h>
+#include <espalier/base/progress.h>
 
+#include <atomic>
+#include <exception>
 #include <utility>
 
 namespace espalier {
+
+/// What the threads that work within a ProgressScope share.
+class ProgressState {
+public:
+    ProgressState(ProgressScope::Callback callback, std::chrono::milliseconds interval);
+
+    /// \throws what ended the work, if it is to end
+    void check() const;
+
+    /// A stage begins, and ends: on the scope's thread, while no other works for it.
+    void beginStage(Offset count);
+    void endStage();
+
+    /// So many items of the stage at hand are done.
+    void add(Offset items) { done_.fetch_add(items, std::memory_order_relaxed); }
+
+    /// Calls the callback, unless another thread does so, or it is not yet time.
+    void report();
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    ProgressScope::Callback callback_;
+    std::chrono::milliseconds interval_;
+    Offset stage_ = 0;
+    Offset count_ = 0;
+    std::atomic<Offset> done_ = 0;
+
+    std::atomic_flag isReporting_ = ATOMIC_FLAG_INIT;
+    Clock::time_point lastCall_;  ///< of the thread that reports
+    std::atomic<bool> isEnded_ = false;
+    std::exception_ptr end_;  ///< once isEnded_
+};
 
 /// What scopes have said to this thread, or to that which began the loop that it works for.
 struct LoopContext {

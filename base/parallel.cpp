@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/executor.h>
 #include <espalier/base/loop_context.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
+
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -10,10 +16,6 @@
 #include <utility>
 
 #ifdef ESPALIER_WITH_TBB
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 #endif
 
 namespace espalier {
@@ -182,5 +184,18 @@ ThreadLimit::ThreadLimit(int) {}
 #endif
 
 ThreadLimit::~ThreadLimit() = default;
+
+Executor::~Executor() = default;
+
+void SerialExecutor::run(Offset count, FunctionRef<void(Offset)> task) {
+    for (Offset i = 0; i < count; ++i) task(i);
+}
+
+ExecutorScope::ExecutorScope(Executor& executor)
+    : outer_(std::exchange(loopContext().executor, &executor)) {}
+
+ExecutorScope::~ExecutorScope() {
+    loopContext().executor = outer_;
+}
 
 }  // namespace espalier

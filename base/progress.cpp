@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/loop_context.h>
 #include <espalier/base/progress.h>
-#include <espalier/base/progress_state.h>
 
 #include <utility>
 

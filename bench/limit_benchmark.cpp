@@ -32,8 +32,8 @@ struct Scene {
         if (level > 0)
             return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
                 .binding;
-        return limit::withoutGradients(
-            limit::bindLimit({base, lattice.positions, kRules}, points).binding);
+        return limit::withoutGradients(limit::bindLimit({base, lattice.positions, kRules}, points))
+            .binding;
     }
 
     /// The vertices where no two go the same way: by sines of places.

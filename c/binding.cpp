@@ -22,35 +22,36 @@ static_assert(sizeof(embed::PointStatus) == sizeof(std::uint8_t));
 namespace espalier::c {
 namespace {
 
-espalier_binding::Data bind(const espalier_refiner& refiner, std::span<const Point3> positions,
-                            std::span<const Point3> points, const espalier_bind_options& chosen) {
+embed::BindingResult bind(const espalier_refiner& refiner, std::span<const Point3> positions,
+                          std::span<const Point3> points, const espalier_bind_options& chosen) {
     const auto options = embeddingOptions(chosen);
     const far::TopologyRefiner base = baseOf(refiner.refiner);
-    if (chosen.limit_tolerance != 0) {
-        auto bound = limit::bindLimit({base, positions, refiner.rules}, points,
-                                      {.embedding = options, .tolerance = chosen.limit_tolerance});
-        return {{limit::withoutGradients(std::move(bound.binding)), {}, {}},
-                espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
-    }
-    auto bound = embed::bindPoints({base, positions, refiner.rules}, points,
-                                   {.level = chosen.level, .embedding = options});
-    return {{std::move(bound.binding), {}, {}},
-            espalier_binding::Placement{std::move(bound.statuses), bound.largestResidual}};
+    if (chosen.limit_tolerance == 0)
+        return embed::bindPoints({base, positions, refiner.rules}, points,
+                                 {.level = chosen.level, .embedding = options});
+    return limit::withoutGradients(
+        limit::bindLimit({base, positions, refiner.rules}, points,
+                         {.embedding = options, .tolerance = chosen.limit_tolerance}));
 }
 
 espalier_binding* newBinding(espalier_binding::Data data) {
     return new espalier_binding{std::make_shared<const espalier_binding::Data>(std::move(data))};
 }
 
+espalier_binding* newBinding(embed::BindingResult result) {
+    return newBinding(
+        {{std::move(result.binding), {}, {}}, std::move(result.statuses), result.largestResidual});
+}
+
 const espalier_binding::Data& dataOf(const espalier_binding* binding) {
     return *deref(binding, "binding").data;
 }
 
-const espalier_binding::Placement& placementOf(const espalier_binding* binding) {
-    const auto& placement = dataOf(binding).placement;
-    if (!placement)
+const espalier_binding::Data& placedDataOf(const espalier_binding* binding) {
+    const auto& own = dataOf(binding);
+    if (!own.largestResidual)
         throw Error("the binding was loaded from a file, which does not say how points were found");
-    return *placement;
+    return own;
 }
 
 template <class Real>
@@ -91,11 +92,7 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
         if (!own.marks.empty())
             throw Error("the lattice has marks, which only subdivision heeds; clear them");
         const embed::TensorLattice tensor(own.complex, own.positions, chosenBasis);
-        const auto embedding = embed::embedPoints(tensor, model, c::embeddingOptions(chosen));
-        espalier_binding::Placement placement{{}, embedding.largestResidual()};
-        for (const auto& place : embedding.points) placement.statuses.push_back(place.status);
-        auto bound = embed::makeBinding(tensor, embedding, model);
-        return c::newBinding({{std::move(bound), {}, {}}, std::move(placement)});
+        return c::newBinding(embed::bindPoints(tensor, model, c::embeddingOptions(chosen)));
     });
 }
 
@@ -109,8 +106,9 @@ espalier_status espalier_binding_save(const espalier_binding* binding, const cha
 }
 
 espalier_status espalier_binding_load(const char* path, espalier_binding** binding) {
-    return c::result(binding, "binding",
-                     [&] { return c::newBinding({io::readBoundModel(&c::deref(path, "path"))}); });
+    return c::result(binding, "binding", [&] {
+        return c::newBinding(espalier_binding::Data{io::readBoundModel(&c::deref(path, "path"))});
+    });
 }
 
 espalier_status espalier_binding_table(const espalier_binding* binding, espalier_table** table) {
@@ -127,7 +125,7 @@ espalier_status espalier_binding_topology_hash(const espalier_binding* binding, 
 espalier_status espalier_binding_statuses(const espalier_binding* binding, int32_t* point_count,
                                           const uint8_t** statuses) {
     return c::guarded([&] {
-        const auto& own = c::placementOf(binding).statuses;
+        const auto& own = c::placedDataOf(binding).statuses;
         auto& count = c::deref(point_count, "point_count");
         // An enumeration over that very type.
         c::deref(statuses, "statuses") = reinterpret_cast<const std::uint8_t*>(own.data());
@@ -137,7 +135,8 @@ espalier_status espalier_binding_statuses(const espalier_binding* binding, int32
 
 espalier_status espalier_binding_largest_residual(const espalier_binding* binding,
                                                   double* residual) {
-    return c::result(residual, "residual", [&] { return c::placementOf(binding).largestResidual; });
+    return c::result(residual, "residual",
+                     [&] { return *c::placedDataOf(binding).largestResidual; });
 }
 
 espalier_status espalier_binding_kept(const espalier_binding* binding, int32_t* count,

@@ -268,7 +268,7 @@ enum {
     ESPALIER_SHARP_EDGES_LITERAL = 1       ///< those between vertices of at most two cells each
 };
 
-/// How semi-sharp edges lose their sharpness (far/sharpness.h).
+/// How semi-sharp edges lose their sharpness (far/marks.h).
 enum { ESPALIER_CREASING_UNIFORM = 0, ESPALIER_CREASING_CHAIKIN = 1 };
 
 /// The weights of triangles on the surface (far/topology_refiner.h).
@@ -597,7 +597,7 @@ ESPALIER_C_API espalier_status espalier_table_create_nested(
 // ---- Evaluators -----------------------------------------------------------------------------
 
 /// How the values of an entry lie in a buffer: component c of entry i is at
-/// offset + i · stride + c (osd/buffer_descriptor.h).
+/// offset + i · stride + c (osd/evaluation.h).
 typedef struct espalier_buffer_layout {
     int64_t offset;  ///< of the first component of entry 0: 0 or more
     int64_t length;  ///< components an entry: 1 or more

@@ -56,8 +56,7 @@ template <class T>
 std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t each = 1) {
     const std::int64_t most = PTRDIFF_MAX / static_cast<std::int64_t>(sizeof(T)) / each;
     if (count < 0 || count > most)
-        throw Error(std::string(name) + ": the count is " + std::to_string(count) +
-                    "; expected 0 to " + std::to_string(most));
+        throw Error(concat(name, ": the count is ", count, "; expected 0 to ", most));
     if (count > 0) deref(values, name);
     return {values, static_cast<std::size_t>(count * each)};
 }
@@ -77,9 +76,7 @@ inline const double* numbers(const std::vector<Point3>& positions) {
 
 /// \throws Error if they are not the same
 inline void checkCount(std::int64_t got, std::int64_t expected, const char* what) {
-    if (got != expected)
-        throw Error("got " + std::to_string(got) + " " + what + "; expected " +
-                    std::to_string(expected));
+    if (got != expected) throw Error(concat("got ", got, " ", what, "; expected ", expected));
 }
 
 /// A constant of an enumeration whose C++ values are those of C.
@@ -88,8 +85,8 @@ inline void checkCount(std::int64_t got, std::int64_t expected, const char* what
 template <class Enum>
 Enum choice(std::int32_t value, Enum last, const char* name) {
     if (value < 0 || value > static_cast<std::int32_t>(last))
-        throw Error(std::string(name) + " is " + std::to_string(value) + "; expected 0 to " +
-                    std::to_string(static_cast<std::int32_t>(last)));
+        throw Error(
+            concat(name, " is ", value, "; expected 0 to ", static_cast<std::int32_t>(last)));
     return static_cast<Enum>(value);
 }
 
@@ -104,8 +101,8 @@ Options optionsOr(const Options* given, const Options& defaults, const char* mak
                   std::size_t firstSize = sizeof(Options)) {
     if (given == nullptr) return defaults;
     if (given->size < firstSize || given->size > sizeof(Options))
-        throw Error("options of size " + std::to_string(given->size) + "; expected " +
-                    std::to_string(sizeof(Options)) + ", as " + maker + "() makes them");
+        throw Error(concat("options of size ", given->size, "; expected ", sizeof(Options), ", as ",
+                           maker, "() makes them"));
     Options options = defaults;
     std::memcpy(&options, given, given->size);
     return options;

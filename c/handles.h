@@ -47,14 +47,12 @@ struct espalier_table {
 };
 
 struct espalier_binding {
-    /// How points were placed, which a file does not say.
-    struct Placement {
-        std::vector<espalier::embed::PointStatus> statuses;
-        double largestResidual = 0;
-    };
     struct Data {
         espalier::io::BoundModel model;
-        std::optional<Placement> placement = {};
+
+        // How points were placed, which a file does not say.
+        std::vector<espalier::embed::PointStatus> statuses = {};
+        std::optional<double> largestResidual = {};
     };
     std::shared_ptr<const Data> data;  ///< shared with its tables
 };
@@ -73,8 +71,8 @@ inline espalier_bind_options levelOptionsOr(const espalier_bind_options* options
                                             const char* reason) {
     const espalier_bind_options chosen = bindOptionsOr(options);
     if (chosen.limit_tolerance != 0)
-        throw Error("limit_tolerance is " + std::to_string(chosen.limit_tolerance) +
-                    "; expected 0, since " + reason);
+        throw Error(
+            concat("limit_tolerance is ", chosen.limit_tolerance, "; expected 0, since ", reason));
     return chosen;
 }
 
@@ -105,8 +103,7 @@ auto withRows(const stencils::StencilTable<double>& table, std::int32_t count,
     const auto some = array(rows, count, "rows");
     for (const std::int32_t row : some)
         if (row < 0 || row >= table.rowCount())
-            throw Error("rows: there is no row " + std::to_string(row) + " among " +
-                        std::to_string(table.rowCount()));
+            throw Error(concat("rows: there is no row ", row, " among ", table.rowCount()));
     return use(stencils::selectRows(table, some));
 }
 

@@ -22,17 +22,13 @@ std::span<const Index> row(std::span<const std::int64_t> offsets, const Index* v
 /// \throws Error if they do not begin with 0, or do not ascend
 std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, Index count,
                                              const char* name) {
-    if (count < 0)
-        throw Error(std::string(name) + ": the count is " + std::to_string(count) +
-                    "; expected 0 or more");
+    if (count < 0) throw Error(concat(name, ": the count is ", count, "; expected 0 or more"));
     const auto checked = array(offsets, std::int64_t{count} + 1, name);
-    if (checked[0] != 0)
-        throw Error(std::string(name) + "[0] is " + std::to_string(checked[0]) + "; expected 0");
+    if (checked[0] != 0) throw Error(concat(name, "[0] is ", checked[0], "; expected 0"));
     for (std::size_t i = 1; i < checked.size(); ++i)
         if (checked[i] < checked[i - 1])
-            throw Error(std::string(name) + "[" + std::to_string(i) + "] is " +
-                        std::to_string(checked[i]) + ", below the " +
-                        std::to_string(checked[i - 1]) + " before it");
+            throw Error(concat(name, "[", i, "] is ", checked[i], ", below the ", checked[i - 1],
+                               " before it"));
     return checked;
 }
 
@@ -40,11 +36,10 @@ std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, Index 
 /// \param named vertices that the cells name, with repetitions
 void checkVertexCount(Index vertexCount, std::int64_t named) {
     if (vertexCount < 0)
-        throw Error("the count of vertices is " + std::to_string(vertexCount) +
-                    "; expected 0 or more");
+        throw Error(concat("the count of vertices is ", vertexCount, "; expected 0 or more"));
     if (vertexCount > named)
-        throw Error("there are " + std::to_string(vertexCount) + " vertices, and the cells name " +
-                    std::to_string(named) + " at most; expected each vertex to be in a cell");
+        throw Error(concat("there are ", vertexCount, " vertices, and the cells name ", named,
+                           " at most; expected each vertex to be in a cell"));
 }
 
 far::CellComplex buildCells(const espalier_cells& cells) {
@@ -53,9 +48,8 @@ far::CellComplex buildCells(const espalier_cells& cells) {
     // A face is in two cells at most: an offset beyond is wrong, and is not followed.
     if (const auto most = 2 * std::int64_t{cells.face_count};
         cells.cell_faces != nullptr && cellOffsets.back() > most)
-        throw Error("cell_offsets[" + std::to_string(cells.cell_count) + "] is " +
-                    std::to_string(cellOffsets.back()) + "; expected " + std::to_string(most) +
-                    " at most, since a face is in two cells at most");
+        throw Error(concat("cell_offsets[", cells.cell_count, "] is ", cellOffsets.back(),
+                           "; expected ", most, " at most, since a face is in two cells at most"));
     array(cells.face_vertices, faceOffsets.back(), "face_vertices");
     checkVertexCount(cells.vertex_count, faceOffsets.back());
 
@@ -67,19 +61,19 @@ far::CellComplex buildCells(const espalier_cells& cells) {
         for (std::int64_t i = cellOffsets[cell]; i < cellOffsets[cell + 1]; ++i) {
             const std::int64_t face = cells.cell_faces != nullptr ? cells.cell_faces[i] : i;
             if (face < 0 || face >= cells.face_count)
-                throw Error("cell " + std::to_string(cell) + " names face " + std::to_string(face) +
-                            "; there are " + std::to_string(cells.face_count));
+                throw Error(
+                    concat("cell ", cell, " names face ", face, "; there are ", cells.face_count));
             isUsed[face] = true;
             const auto loop = row(faceOffsets, cells.face_vertices, face);
             if (std::ssize(loop) > cells.vertex_count)
-                throw Error("face " + std::to_string(face) + " has " + std::to_string(loop.size()) +
-                            " vertices; there are " + std::to_string(cells.vertex_count));
+                throw Error(concat("face ", face, " has ", loop.size(), " vertices; there are ",
+                                   cells.vertex_count));
             loops.emplace_back(loop.begin(), loop.end());
         }
         builder.addCell(loops);
     }
     if (const auto unused = std::find(isUsed.begin(), isUsed.end(), false); unused != isUsed.end())
-        throw Error("face " + std::to_string(unused - isUsed.begin()) + " is in no cell");
+        throw Error(concat("face ", unused - isUsed.begin(), " is in no cell"));
     return builder.build();
 }
 

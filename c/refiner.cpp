@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
@@ -23,7 +24,7 @@ namespace {
 
 std::vector<std::int64_t> offsetsOf(const far::Incidence& relation) {
     std::vector<std::int64_t> offsets;
-    offsets.reserve(static_cast<std::size_t>(relation.rowCount()) + 1);
+    offsets.reserve(relation.rowCount() + 1);
     for (Index row = 0; row <= relation.rowCount(); ++row) offsets.push_back(relation.offset(row));
     return offsets;
 }
@@ -41,13 +42,12 @@ const espalier_refiner::LevelOffsets& offsetsOf(const espalier_refiner& refiner,
 }
 
 far::RefinerOptions refinerOptions(const espalier_refine_options& chosen, const Lattice& lattice) {
-    far::RefinerOptions options;
-    options.boundary = choice(chosen.boundary, far::Boundary::Open, "boundary");
-    options.sharpEdges = choice(chosen.sharp_edges, far::SharpEdges::Literal, "sharp_edges");
-    options.creasing = choice(chosen.creasing, far::Creasing::Chaikin, "creasing");
-    options.triangles = choice(chosen.triangles, far::TriangleSubdivision::Smooth, "triangles");
-    options.marks = lattice.marks;
-    return options;
+    return espalier::refinerOptions(
+        lattice,
+        {choice(chosen.boundary, far::Boundary::Open, "boundary"),
+         choice(chosen.creasing, far::Creasing::Chaikin, "creasing"),
+         choice(chosen.triangles, far::TriangleSubdivision::Smooth, "triangles")},
+        choice(chosen.sharp_edges, far::SharpEdges::Literal, "sharp_edges"));
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ void espalier_refiner_destroy(espalier_refiner* refiner) {
 espalier_status espalier_refiner_refine(espalier_refiner* refiner, int32_t level) {
     return c::guarded([&] {
         auto& own = c::deref(refiner, "refiner").refiner;
-        if (level < 0) throw Error("level is " + std::to_string(level) + "; expected 0 or more");
+        if (level < 0) throw Error(concat("level is ", level, "; expected 0 or more"));
         own.refineUniform(level);
     });
 }
@@ -128,7 +128,7 @@ espalier_status espalier_refiner_carry_values(const espalier_refiner* refiner, i
             return own.refiner.level(each).complex.count(0);
         };
         if (components < 1)
-            throw Error("components is " + std::to_string(components) + "; expected 1 or more");
+            throw Error(concat("components is ", components, "; expected 1 or more"));
         c::checkCount(size, countOf(0) * components, "numbers on the vertices of the lattice");
         c::checkCount(result_size, countOf(level) * components, "numbers of room for the result");
         const auto carried =

@@ -76,7 +76,7 @@ espalier_validity* newValidity(const espalier_refiner& refiner, const double* po
                                std::int32_t count, const espalier_validity_options& chosen) {
     const bool isLimit = choice(chosen.of_limit, 1, "of_limit") != 0;
     if (!isLimit && chosen.level < 1)
-        throw Error("level is " + std::to_string(chosen.level) + "; expected 1 or more");
+        throw Error(concat("level is ", chosen.level, "; expected 1 or more"));
     far::TopologyRefiner levels = baseOf(refiner.refiner);
     const int level = isLimit ? 0 : chosen.level;
     // Checks the number of positions before anything is refined.
@@ -203,8 +203,7 @@ espalier_status espalier_validity_base_cell(const espalier_validity* validity, i
         auto& out = c::deref(base_cell, "base_cell");
         const Index count = c::cellCount(own);
         if (cell < 0 || cell >= count)
-            throw Error("there is no cell " + std::to_string(cell) + " among " +
-                        std::to_string(count));
+            throw Error(concat("there is no cell ", cell, " among ", count));
         out = solve::baseCellOf(own.levels, own.level, cell);
     });
 }

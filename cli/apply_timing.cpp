@@ -64,61 +64,44 @@ struct Form {
     std::function<Evaluate> evaluate;
 };
 
-template <class Real>
-Form<Real> plainForm(const BenchTables& tables, const stencils::StencilTable<Real>& table) {
-    return {.evaluator = Evaluator::Csr,
-            .rowCount = table.rowCount(),
-            .tableBytes = bytesOf(table),
-            .sums = {tables.inDouble, plainUlpBound},
-            .evaluate = [&table](auto source, auto result, const BufferDescriptor& layout) {
-                osd::CpuEvaluator::evaluate(table, source, layout, result, layout,
-                                            {0, table.rowCount()});
+/// \param compiled a table, or a chain
+template <class Real, class Compiled>
+Form<Real> compiledForm(Evaluator evaluator, const Compiled& compiled, ExpectedSums sums,
+                        Index betweenCount = 0) {
+    return {.evaluator = evaluator,
+            .rowCount = compiled.rowCount(),
+            .tableBytes = compiled.byteCount(),
+            .betweenCount = betweenCount,
+            .sums = std::move(sums),
+            .evaluate = [&compiled](auto source, auto result, const BufferDescriptor& layout) {
+                compiled.evaluate(source, layout, result, layout, {0, compiled.rowCount()});
             }};
 }
 
-/// \param compiled a table, or a chain
-template <class Compiled>
-auto evaluatorOf(const Compiled& compiled) {
-    return [&compiled](auto source, auto result, const BufferDescriptor& layout) {
-        compiled.evaluate(source, layout, result, layout, {0, compiled.rowCount()});
-    };
-}
-
+/// All that is timed in one precision, the plain form first.
+/// \param chain of tables.factors; null if there are none
 template <class Real>
-Form<Real> compiledForm(const BenchTables& tables, const osd::CompiledTable<Real>& compiled) {
-    return {.evaluator = Evaluator::Compiled,
-            .rowCount = compiled.rowCount(),
-            .tableBytes = compiled.byteCount(),
-            .sums = {tables.inDouble, compiledUlpBound},
-            .evaluate = evaluatorOf(compiled)};
-}
-
-/// \param compiled tables.factors, in this precision
-template <class Real>
-Form<Real> factoredForm(const BenchTables& tables, const osd::CompiledChain<Real>& compiled) {
+std::vector<Form<Real>> formsOf(const BenchTables& tables,
+                                const stencils::StencilTable<Real>& table,
+                                const osd::CompiledTable<Real>& compiled,
+                                const osd::CompiledChain<Real>* chain) {
+    std::vector<Form<Real>> forms;
+    forms.push_back(
+        {.evaluator = Evaluator::Csr,
+         .rowCount = table.rowCount(),
+         .tableBytes = bytesOf(table),
+         .sums = {tables.inDouble, plainUlpBound},
+         .evaluate = [&table](auto source, auto result, const BufferDescriptor& layout) {
+             osd::CpuEvaluator::evaluate(table, source, layout, result, layout,
+                                         {0, table.rowCount()});
+         }});
+    forms.push_back(
+        compiledForm<Real>(Evaluator::Compiled, compiled, {tables.inDouble, compiledUlpBound}));
+    if (chain == nullptr) return forms;
     const stencils::FactoredTable<double>& factors = tables.factors->inDouble;
-    return {.evaluator = Evaluator::Factors,
-            .rowCount = compiled.rowCount(),
-            .tableBytes = compiled.byteCount(),
-            .betweenCount = factors.vertices.rowCount(),
-            .sums = {tables.inDouble, factors, compiledUlpBound},
-            .evaluate = evaluatorOf(compiled)};
-}
-
-/// All that is timed, of each precision the plain form first.
-struct Forms {
-    std::vector<Form<float>> inFloat;
-    std::vector<Form<double>> inDouble;
-};
-
-Forms formsOf(const BenchTables& tables) {
-    Forms forms = {
-        {plainForm(tables, tables.inFloat), compiledForm(tables, tables.compiledFloat)},
-        {plainForm(tables, tables.inDouble), compiledForm(tables, tables.compiledDouble)}};
-    if (tables.factors) {
-        forms.inFloat.push_back(factoredForm(tables, tables.factors->compiledFloat));
-        forms.inDouble.push_back(factoredForm(tables, tables.factors->compiledDouble));
-    }
+    forms.push_back(compiledForm<Real>(Evaluator::Factors, *chain,
+                                       {tables.inDouble, factors, compiledUlpBound},
+                                       factors.vertices.rowCount()));
     return forms;
 }
 
@@ -144,8 +127,7 @@ ApplyTiming timeForm(const Form<Real>& form, const Poses& poses, int threads, do
                            describe(form, poses, threads));
     const ThreadLimit limit(threads);
     const double least = quickest(seconds, [&] { form.evaluate(source, result, layout); });
-    const std::size_t between =
-        static_cast<std::size_t>(form.betweenCount * layout.length) * sizeof(Real);
+    const std::size_t between = form.betweenCount * layout.length * sizeof(Real);
     const std::size_t bytes = form.tableBytes + 2 * between + std::span(result).size_bytes();
     return {.evaluator = form.evaluator,
             .precision = kPrecision<Real>,
@@ -196,7 +178,7 @@ std::vector<double> bentPoses(std::span<const Point3> rest, int count) {
     const double length = std::hypot(size[0], size[1], size[2]);
     const double diagonal = length > 0 ? length : 1;
     std::vector<double> values;
-    values.reserve(rest.size() * 3 * static_cast<std::size_t>(count));
+    values.reserve(rest.size() * 3 * count);
     for (const Point3& position : rest)
         for (int pose = 0; pose < count; ++pose)
             for (std::size_t axis = 0; axis < 3; ++axis)
@@ -220,11 +202,15 @@ std::vector<ApplyTiming> timeApplying(const BenchTables& tables, std::span<const
                 return timeForm(form, poses, threads, seconds);
             }));
     };
-    const Forms forms = formsOf(tables);
-    for (const auto& form : forms.inFloat) addTimings(form, one);
-    for (const auto& form : forms.inFloat)
+    const auto& factors = tables.factors;
+    const auto inFloat = formsOf(tables, tables.inFloat, tables.compiledFloat,
+                                 factors ? &factors->compiledFloat : nullptr);
+    const auto inDouble = formsOf(tables, tables.inDouble, tables.compiledDouble,
+                                  factors ? &factors->compiledDouble : nullptr);
+    for (const auto& form : inFloat) addTimings(form, one);
+    for (const auto& form : inFloat)
         if (form.evaluator != Evaluator::Csr) addTimings(form, several);
-    for (const auto& form : forms.inDouble) addTimings(form, one);
+    for (const auto& form : inDouble) addTimings(form, one);
     // The first timing of a precision is that of the plain evaluator with one thread.
     for (ApplyTiming& timing : timings) {
         const auto plain = std::find_if(

@@ -25,11 +25,7 @@ BoundPoints bindByOptions(const BindOptions& options, std::span<const Point3> po
         const auto tensor = ofFile(options.rest, [&] {
             return embed::TensorLattice(lattice.complex, lattice.positions, *options.basis);
         });
-        const auto placed = embed::embedPoints(tensor, points, embedding, progress);
-        embed::BindingResult bound{
-            embed::makeBinding(tensor, placed, points), {}, placed.largestResidual()};
-        for (const auto& point : placed.points) bound.statuses.push_back(point.status);
-        return {std::move(bound)};
+        return {embed::bindPoints(tensor, points, embedding, progress)};
     }
     const auto base = refineLattice(options.rest, lattice, options.common, 0);
     const auto& rules = options.common.rules;
@@ -45,8 +41,7 @@ BoundPoints bindByOptions(const BindOptions& options, std::span<const Point3> po
     BoundPoints result;
     if (hasGradients)
         result.gradients = {std::move(bound.binding.table.gradients), lattice.positions};
-    result.points = {limit::withoutGradients(std::move(bound.binding)), std::move(bound.statuses),
-                     bound.largestResidual};
+    result.points = limit::withoutGradients(std::move(bound));
     return result;
 }
 

@@ -24,9 +24,8 @@ namespace espalier::cli {
 far::TopologyRefiner refineLattice(const std::filesystem::path& path, const Lattice& lattice,
                                    const CommonOptions& options, int level) {
     return ofFile(path, [&] {
-        far::RefinerOptions refinerOptions = espalier::refinerOptions(lattice, options.refinement);
-        refinerOptions.sharpEdges = options.sharpEdges;
-        far::TopologyRefiner refiner(lattice.complex, refinerOptions);
+        far::TopologyRefiner refiner(
+            lattice.complex, refinerOptions(lattice, options.refinement, options.sharpEdges));
         stencils::checkRules(refiner, options.rules);
         refiner.refineUniform(level);
         return refiner;

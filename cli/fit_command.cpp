@@ -167,10 +167,9 @@ struct Wishes {
     Wishes select(std::span<const Index> rows) const {
         Wishes selected;
         for (const Index row : rows) {
-            const auto at = static_cast<std::size_t>(row);
-            selected.points.push_back(points[at]);
-            selected.misses.push_back(misses[at]);
-            selected.targets.push_back(targets[at]);
+            selected.points.push_back(points[row]);
+            selected.misses.push_back(misses[row]);
+            selected.targets.push_back(targets[row]);
         }
         return selected;
     }
@@ -254,8 +253,7 @@ solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRo
     try {
         return solve::fitLattice(rows.ofTargets, wishes.misses, lattice.complex, fitOptions);
     } catch (const solve::TargetError& error) {
-        const auto row = static_cast<std::size_t>(error.row());
-        const io::Target& target = wishes.targets[row];
+        const io::Target& target = wishes.targets[error.row()];
         const std::string cause = fmt::format(
             "the target of point {} is too far from the point for the square of the distance to "
             "be a number",

@@ -33,35 +33,12 @@ struct InfoOptions : LatticeOptions {
     bool smoothness = false;
 };
 
+using SortedJson = nlohmann::json;
+
 /// How many there are of each value.
 using Histogram = std::map<Index, Index>;
 
-/// One level of a lattice.
-struct LevelReport {
-    std::array<Index, 4> counts;  ///< vertices, edges, faces, cells
-    Index eulerCharacteristic;
-    std::array<std::array<Index, 4>, 4> strata;  ///< [dimension][stratum]
-    Histogram vertexValences;                    ///< edges at a vertex
-    Histogram edgeValences;                      ///< faces at an interior edge
-    Histogram cellTypes;                   ///< level 0: edges of its cell at a vertex, for each
-                                           ///< pair of vertex and cell; above: n of a type-n cell
-    double smallestVolume, largestVolume;  ///< of a cell, signed
-    Index invertedCells;                   ///< of a volume that is not positive
-    double smallestScaledJacobian;         ///< at the corners of hexahedra: 1 for a cube, 0 for a
-                                           ///< flat corner, below for a folded one; 1 without any
-};
-
-struct LatticeReport {
-    Point3 boundsMin, boundsMax;
-    std::size_t marks;
-    std::vector<std::string> attributes;
-    std::vector<LevelReport> levels;
-
-    /// Interior edges of two faces: by the rules `siggraph96` their midpoint has a negative weight,
-    /// and the refined lattice may leave the convex hull of the lattice near them (MacCracken & Joy
-    /// 1996, section 2.2, n = 2).
-    Index edgesOfTwoFaces;
-};
+constexpr const char* kStrata[] = {"corner", "sharp", "boundary", "interior"};
 
 using Eigen::Vector3d;
 using far::CellComplex;
@@ -126,57 +103,94 @@ Histogram cellTypes(const CellComplex& complex, bool isBase) {
     return types;
 }
 
-LevelReport reportLevel(const far::Level& level, const std::vector<Point3>& positions,
-                        bool isBase) {
-    const CellComplex& complex = level.complex;
-    LevelReport report{};
-    for (int d = 0; d <= 3; ++d) {
-        report.counts[d] = complex.count(d);
-        for (int s = 0; s <= 3; ++s) report.strata[d][s] = level.strata.count(d, s);
-    }
-    report.eulerCharacteristic = complex.eulerCharacteristic();
-    for (Index vertex = 0; vertex < complex.count(0); ++vertex)
-        ++report.vertexValences[static_cast<Index>(complex.relation(0, 1)[vertex].size())];
-    for (Index edge = 0; edge < complex.count(1); ++edge)
-        if (level.strata.of({1, edge}) == 3)
-            ++report.edgeValences[static_cast<Index>(complex.relation(1, 2)[edge].size())];
-    report.cellTypes = cellTypes(complex, isBase);
-
-    report.smallestVolume = std::numeric_limits<double>::infinity();
-    report.largestVolume = -report.smallestVolume;
-    report.smallestScaledJacobian = 1;
-    for (Index cell = 0; cell < complex.count(3); ++cell) {
-        const double volume = cellVolume(complex, positions, cell);
-        report.smallestVolume = std::min(report.smallestVolume, volume);
-        report.largestVolume = std::max(report.largestVolume, volume);
-        report.invertedCells += !(volume > 0);
-        if (const auto corners = far::hexahedronVertices(complex, CellId(cell)))
-            report.smallestScaledJacobian =
-                std::min(report.smallestScaledJacobian, scaledJacobian(*corners, positions));
-    }
-    return report;
+/// Keys are texts in JSON.
+SortedJson toJson(const Histogram& histogram) {
+    SortedJson object = SortedJson::object();
+    for (const auto& [value, count] : histogram) object[std::to_string(value)] = count;
+    return object;
 }
 
-/// \param positions one list a level of `refiner`
-LatticeReport reportLattice(const Lattice& lattice, const far::TopologyRefiner& refiner,
-                            const std::vector<std::vector<Point3>>& positions) {
-    LatticeReport report{};
-    report.boundsMin = report.boundsMax = lattice.positions.front();
+/// One level of a lattice:
+///
+///     counts                    by dimension
+///     euler_characteristic
+///     strata                    the counts by stratum
+///     vertex_valences           edges at a vertex
+///     interior_edge_valences    faces at an interior edge
+///     cell_types                level 0: edges of its cell at a vertex, for each pair of vertex
+///     and
+///                               cell; above: n of a type-n cell
+///     smallest_cell_volume, largest_cell_volume
+///                               signed
+///     inverted_cells            cells whose volume is not positive
+///     smallest_scaled_jacobian  at the corners of hexahedra: 1 for a cube, 0 for a flat corner,
+///                               below for a folded one; 1 without any
+SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& positions, bool isBase) {
+    const CellComplex& complex = level.complex;
+    // Null is left broken if there is no memory to make it an object.
+    SortedJson counts = SortedJson::object(), strata = SortedJson::object();
+    for (int d = 0; d <= 3; ++d) {
+        counts[kNamesOfParts[d]] = complex.count(d);
+        SortedJson& own = strata[kNamesOfParts[d]] = SortedJson::object();
+        for (int s = 0; s <= 3; ++s) own[kStrata[s]] = level.strata.count(d, s);
+    }
+    Histogram vertexValences, edgeValences;
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex)
+        ++vertexValences[static_cast<Index>(complex.relation(0, 1)[vertex].size())];
+    for (Index edge = 0; edge < complex.count(1); ++edge)
+        if (level.strata.of({1, edge}) == 3)
+            ++edgeValences[static_cast<Index>(complex.relation(1, 2)[edge].size())];
+    double smallestVolume = std::numeric_limits<double>::infinity();
+    double largestVolume = -smallestVolume;
+    double smallestJacobian = 1;
+    Index invertedCells = 0;
+    for (Index cell = 0; cell < complex.count(3); ++cell) {
+        const double volume = cellVolume(complex, positions, cell);
+        smallestVolume = std::min(smallestVolume, volume);
+        largestVolume = std::max(largestVolume, volume);
+        invertedCells += !(volume > 0);
+        if (const auto corners = far::hexahedronVertices(complex, CellId(cell)))
+            smallestJacobian = std::min(smallestJacobian, scaledJacobian(*corners, positions));
+    }
+    return {{"counts", counts},
+            {"euler_characteristic", complex.eulerCharacteristic()},
+            {"strata", strata},
+            {"vertex_valences", toJson(vertexValences)},
+            {"interior_edge_valences", toJson(edgeValences)},
+            {"cell_types", toJson(cellTypes(complex, isBase))},
+            {"smallest_cell_volume", smallestVolume},
+            {"largest_cell_volume", largestVolume},
+            {"inverted_cells", invertedCells},
+            {"smallest_scaled_jacobian", smallestJacobian}};
+}
+
+/// A lattice that was read from `path`. Interior edges of two faces are counted, since by the rules
+/// `siggraph96` their midpoint has a negative weight, and the refined lattice may leave the convex
+/// hull of the lattice near them (MacCracken & Joy 1996, section 2.2, n = 2).
+SortedJson reportLattice(const std::string& path, const Lattice& lattice,
+                         const far::TopologyRefiner& refiner, stencils::Rules rules) {
+    Point3 least = lattice.positions.front(), most = least;
     for (const Point3& position : lattice.positions)
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            report.boundsMin[axis] = std::min(report.boundsMin[axis], position[axis]);
-            report.boundsMax[axis] = std::max(report.boundsMax[axis], position[axis]);
+            least[axis] = std::min(least[axis], position[axis]);
+            most[axis] = std::max(most[axis], position[axis]);
         }
-    report.marks = lattice.marks.edges.size() + lattice.marks.vertices.size();
+    std::vector<std::string> attributes;
     for (const VertexAttribute& attribute : lattice.attributes)
-        report.attributes.push_back(attribute.name);
-    for (const VertexIntegers& integers : lattice.integers)
-        report.attributes.push_back(integers.name);
-    for (int level = 0; level <= refiner.maxLevel(); ++level)
-        report.levels.push_back(reportLevel(refiner.level(level), positions[level], level == 0));
-    const auto& valences = report.levels.front().edgeValences;
-    report.edgesOfTwoFaces = valences.count(2) > 0 ? valences.at(2) : 0;
-    return report;
+        attributes.push_back(attribute.name);
+    for (const VertexIntegers& integers : lattice.integers) attributes.push_back(integers.name);
+    SortedJson levels = SortedJson::array();
+    for (int level = 0; level <= refiner.maxLevel(); ++level) {
+        const auto positions = stencils::refinePositions(refiner, level, rules, lattice.positions);
+        levels.push_back(reportLevel(refiner.level(level), positions, level == 0));
+    }
+    const auto edgesOfTwoFaces = levels[0]["interior_edge_valences"].value("2", 0);
+    return {{"lattice", path},
+            {"bounds", {least, most}},
+            {"marks", lattice.marks.edges.size() + lattice.marks.vertices.size()},
+            {"attributes", attributes},
+            {"interior_edges_of_two_faces", edgesOfTwoFaces},
+            {"levels", levels}};
 }
 
 /// What refining does around an irregular vertex or edge of a lattice, for ever.
@@ -206,10 +220,10 @@ Index ringPointsAt(const far::CellComplex& complex, Index vertex) {
 }
 
 /// The number of vertices of the cells at a vertex, all of which its ring is refined with.
-std::size_t cornersAt(const far::CellComplex& complex, Index vertex) {
-    std::size_t count = 0;
+Offset cornersAt(const far::CellComplex& complex, Index vertex) {
+    Offset count = 0;
     for (const Index cell : complex.relation(0, 3)[vertex])
-        count += complex.relation(3, 0)[cell].size();
+        count += std::ssize(complex.relation(3, 0)[cell]);
     return count;
 }
 
@@ -217,8 +231,7 @@ Smoothness smoothnessOf(const Entity& entity, const far::Level& level, Index ver
                         const far::RefinerOptions& options, stencils::Rules rules) {
     constexpr std::size_t kMaxEigenvalues = 6;
     Smoothness result{entity, level.strata.of({0, vertex}), ringPointsAt(level.complex, vertex)};
-    if (result.ringPoints > kMaxRingPoints ||
-        cornersAt(level.complex, vertex) > static_cast<std::size_t>(kMaxRingPoints))
+    if (result.ringPoints > kMaxRingPoints || cornersAt(level.complex, vertex) > kMaxRingPoints)
         return result;
     const auto ring = limit::ringOf(level, options, rules, vertex);
     auto values = limit::eigenvalues(ring);
@@ -259,45 +272,6 @@ std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
     return result;
 }
 
-constexpr const char* kStrata[] = {"corner", "sharp", "boundary", "interior"};
-
-nlohmann::json toJson(const Histogram& histogram) {
-    nlohmann::json object = nlohmann::json::object();
-    for (const auto& [value, count] : histogram) object[std::to_string(value)] = count;
-    return object;
-}
-
-nlohmann::json toJson(const LevelReport& level) {
-    // Null is left broken if there is no memory to make it an object.
-    nlohmann::json counts = nlohmann::json::object(), strata = nlohmann::json::object();
-    for (std::size_t d = 0; d < 4; ++d) {
-        counts[kNamesOfParts[d]] = level.counts[d];
-        nlohmann::json& own = strata[kNamesOfParts[d]] = nlohmann::json::object();
-        for (std::size_t s = 0; s < 4; ++s) own[kStrata[s]] = level.strata[d][s];
-    }
-    return {{"counts", counts},
-            {"euler_characteristic", level.eulerCharacteristic},
-            {"strata", strata},
-            {"vertex_valences", toJson(level.vertexValences)},
-            {"interior_edge_valences", toJson(level.edgeValences)},
-            {"cell_types", toJson(level.cellTypes)},
-            {"smallest_cell_volume", level.smallestVolume},
-            {"largest_cell_volume", level.largestVolume},
-            {"inverted_cells", level.invertedCells},
-            {"smallest_scaled_jacobian", level.smallestScaledJacobian}};
-}
-
-nlohmann::json toJson(const LatticeReport& report, const std::string& name) {
-    nlohmann::json levels = nlohmann::json::array();
-    for (const LevelReport& level : report.levels) levels.push_back(toJson(level));
-    return {{"lattice", name},
-            {"bounds", {report.boundsMin, report.boundsMax}},
-            {"marks", report.marks},
-            {"attributes", report.attributes},
-            {"interior_edges_of_two_faces", report.edgesOfTwoFaces},
-            {"levels", levels}};
-}
-
 /// The line of a ring that is too large for its eigenvalues.
 std::string noteOf(const Smoothness& entry) {
     return fmt::format(
@@ -305,16 +279,16 @@ std::string noteOf(const Smoothness& entry) {
         entry.ringPoints, kMaxRingPoints);
 }
 
-nlohmann::json toJson(const std::vector<Smoothness>& entries) {
-    nlohmann::json list = nlohmann::json::array();
+SortedJson toJson(const std::vector<Smoothness>& entries) {
+    SortedJson list = SortedJson::array();
     for (const Smoothness& entry : entries) {
-        nlohmann::json values = nlohmann::json::array();
+        SortedJson values = SortedJson::array();
         for (const auto& value : entry.eigenvalues) values.push_back({value.real(), value.imag()});
-        nlohmann::json object = {{dimensionName(entry.entity.dimension), entry.entity.index},
-                                 {"stratum", kStrata[entry.stratum]},
-                                 {"ring_points", entry.ringPoints},
-                                 {"eigenvalues", values},
-                                 {"limit_mask", entry.mask}};
+        SortedJson object = {{dimensionName(entry.entity.dimension), entry.entity.index},
+                             {"stratum", kStrata[entry.stratum]},
+                             {"ring_points", entry.ringPoints},
+                             {"eigenvalues", values},
+                             {"limit_mask", entry.mask}};
         if (!entry.isKnown) {
             object["eigenvalues"] = nullptr;
             object["limit_mask"] = nullptr;
@@ -326,46 +300,54 @@ nlohmann::json toJson(const std::vector<Smoothness>& entries) {
 }
 
 /// "3: 8, 4: 12": values and how many there are of each.
-std::string toText(const Histogram& histogram, const char* prefix = "") {
+std::string toText(const SortedJson& histogram, const char* prefix = "") {
+    Histogram counts;
+    for (const auto& [value, count] : histogram.items()) counts[std::stoi(value)] = count;
     std::string text;
-    for (const auto& [value, count] : histogram)
+    for (const auto& [value, count] : counts)
         text += fmt::format("{}{}{}: {}", text.empty() ? "" : ", ", prefix, value, count);
     return text.empty() ? "none" : text;
 }
 
-void printLevel(std::size_t number, const LevelReport& level) {
+void printLevel(std::size_t number, const SortedJson& level) {
+    const auto real = [&](const char* key) { return level[key].get<double>(); };
     fmt::print("\nlevel {}\n", number);
     for (std::size_t d = 0; d < 4; ++d) {
-        fmt::print("  {:<9} {:>9}   ", kNamesOfParts[d], level.counts[d]);
-        for (std::size_t s = d; s < 4; ++s) fmt::print(" {} {:<8}", kStrata[s], level.strata[d][s]);
+        const char* const name = kNamesOfParts[d];
+        fmt::print("  {:<9} {:>9}   ", name, level["counts"][name].get<Index>());
+        for (std::size_t s = d; s < 4; ++s)
+            fmt::print(" {} {:<8}", kStrata[s], level["strata"][name][kStrata[s]].get<Index>());
         fmt::print("\n");
     }
-    fmt::print("  Euler characteristic      {}\n", level.eulerCharacteristic);
-    fmt::print("  edges at a vertex         {}\n", toText(level.vertexValences));
-    fmt::print("  faces at an interior edge {}\n", toText(level.edgeValences));
+    fmt::print("  Euler characteristic      {}\n", level["euler_characteristic"].get<Index>());
+    fmt::print("  edges at a vertex         {}\n", toText(level["vertex_valences"]));
+    fmt::print("  faces at an interior edge {}\n", toText(level["interior_edge_valences"]));
     fmt::print("  {} {}\n", number == 0 ? "valences within cells    " : "cell types               ",
-               toText(level.cellTypes, number == 0 ? "" : "type-"));
+               toText(level["cell_types"], number == 0 ? "" : "type-"));
     fmt::print("  cell volumes              {:.4g} to {:.4g}, {} not positive\n",
-               level.smallestVolume, level.largestVolume, level.invertedCells);
-    fmt::print("  least scaled Jacobian     {:.3f}\n", level.smallestScaledJacobian);
+               real("smallest_cell_volume"), real("largest_cell_volume"),
+               level["inverted_cells"].get<Index>());
+    fmt::print("  least scaled Jacobian     {:.3f}\n", real("smallest_scaled_jacobian"));
 }
 
-void printText(const LatticeReport& report, const InfoOptions& options) {
+void printText(const SortedJson& report, const InfoOptions& options) {
     fmt::print("{}\n", printable(options.lattice));
-    fmt::print("bounds      ({:.4g}) to ({:.4g})\n", fmt::join(report.boundsMin, ", "),
-               fmt::join(report.boundsMax, ", "));
-    fmt::print("marks       {}\n", report.marks);
+    fmt::print("bounds      ({:.4g}) to ({:.4g})\n",
+               fmt::join(report["bounds"][0].get<Point3>(), ", "),
+               fmt::join(report["bounds"][1].get<Point3>(), ", "));
+    fmt::print("marks       {}\n", report["marks"].get<std::size_t>());
     std::string attributes;
-    for (const std::string& name : report.attributes)
-        attributes += (attributes.empty() ? "" : ", ") + printable(name);
+    for (const auto& name : report["attributes"])
+        attributes += (attributes.empty() ? "" : ", ") + printable(name.get<std::string>());
     fmt::print("attributes  {}\n", attributes.empty() ? "none" : attributes);
-    if (report.edgesOfTwoFaces > 0 && options.common.rules == stencils::Rules::Siggraph96)
+    const auto edgesOfTwoFaces = report["interior_edges_of_two_faces"].get<Index>();
+    if (edgesOfTwoFaces > 0 && options.common.rules == stencils::Rules::Siggraph96)
         fmt::print(
             "note        {} interior edges have two faces: their midpoint has a negative "
             "weight, and the region may leave the convex hull there\n",
-            report.edgesOfTwoFaces);
-    for (std::size_t level = 0; level < report.levels.size(); ++level)
-        printLevel(level, report.levels[level]);
+            edgesOfTwoFaces);
+    for (std::size_t level = 0; level < report["levels"].size(); ++level)
+        printLevel(level, report["levels"][level]);
 }
 
 std::string toText(const std::complex<double>& value) {
@@ -399,25 +381,19 @@ void runInfo(const InfoOptions& options) {
     const ThreadLimit limit(options.common.threads);
     Stages stages(options.common.quiet);
     const auto [lattice, refiner] = readAndRefine(options, FileKind::Lattice, stages);
-    const LatticeReport report =
-        stages.run("measuring", [&, &lattice = lattice, &refiner = refiner] {
-            std::vector<std::vector<Point3>> positions;
-            for (int level = 0; level <= options.level; ++level)
-                positions.push_back(stencils::refinePositions(refiner, level, options.common.rules,
-                                                              lattice.positions));
-            return reportLattice(lattice, refiner, positions);
-        });
+    SortedJson report = stages.run("measuring", [&, &lattice = lattice, &refiner = refiner] {
+        return reportLattice(options.lattice, lattice, refiner, options.common.rules);
+    });
     std::vector<Smoothness> smoothness;
     if (options.smoothness)
         smoothness = stages.run("finding eigenvalues", [&, &refiner = refiner] {
             return reportSmoothness(refiner, options.common.rules);
         });
     if (options.json) {
-        nlohmann::json object = toJson(report, options.lattice);
-        if (options.smoothness) object["smoothness"] = toJson(smoothness);
+        if (options.smoothness) report["smoothness"] = toJson(smoothness);
         // Only ASCII, since the names in it come from outside; a byte that is not UTF-8 is U+FFFD.
-        using Handler = nlohmann::json::error_handler_t;
-        fmt::print("{}\n", object.dump(2, ' ', true, Handler::replace));
+        using Handler = SortedJson::error_handler_t;
+        fmt::print("{}\n", report.dump(2, ' ', true, Handler::replace));
     } else if (!options.common.quiet) {
         printText(report, options);
         if (options.smoothness) printSmoothness(smoothness);

@@ -3,7 +3,7 @@
 
 #include <espalier/base/error.h>
 #include <espalier/base/parallel.h>
-#include <espalier/osd/reference_evaluator.h>
+#include <espalier/osd/cpu_evaluator.h>
 #include <fmt/format.h>
 
 #include <cmath>

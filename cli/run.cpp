@@ -44,14 +44,6 @@ void exchangeHandlers(void (*from)(int), void (*to)(int)) {
 
 }  // namespace
 
-LineOnTerminal::LineOnTerminal() {
-    exchangeHandlers(SIG_DFL, clearLineAndEnd);
-}
-
-LineOnTerminal::~LineOnTerminal() {
-    exchangeHandlers(clearLineAndEnd, SIG_DFL);
-}
-
 OutOfMemory::OutOfMemory(std::string_view stage) noexcept {
     std::snprintf(text_.data(), text_.size(), "out of memory while %.*s",
                   static_cast<int>(stage.size()), stage.data());
@@ -60,17 +52,18 @@ OutOfMemory::OutOfMemory(std::string_view stage) noexcept {
 // What is shown goes to the terminal by functions that throw nothing: stages end in destructors.
 
 Stages::Stages(bool quiet) : isShown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
-    if (isShown_) line_.emplace();
+    if (isShown_) exchangeHandlers(SIG_DFL, clearLineAndEnd);
 }
 
 Stages::~Stages() {
     clearLine();
+    if (isShown_) exchangeHandlers(clearLineAndEnd, SIG_DFL);
 }
 
 void Stages::begin(std::string_view name) {
     const auto same = std::find_if(finished_.begin(), finished_.end(),
                                    [&](const Finished& stage) { return stage.name == name; });
-    current_ = static_cast<std::size_t>(same - finished_.begin());
+    current_ = same - finished_.begin();
     if (same == finished_.end()) finished_.push_back({std::string(name), 0, 0});
     bytes_.reset();
     start_ = std::chrono::steady_clock::now();

@@ -18,15 +18,6 @@
 
 namespace espalier::cli {
 
-/// While this lives, a signal that ends the program clears the last line of the terminal first.
-class LineOnTerminal {
-public:
-    LineOnTerminal();
-    ~LineOnTerminal();
-    LineOnTerminal(const LineOnTerminal&) = delete;
-    LineOnTerminal& operator=(const LineOnTerminal&) = delete;
-};
-
 /// No memory was left in a stage of the run. what() is "out of memory while binding". An object
 /// takes no memory of its own.
 class OutOfMemory : public std::bad_alloc {
@@ -40,7 +31,7 @@ private:
 
 /// The stages of a run: times each, and shows on a terminal which one is at work and how far it is.
 /// Nothing is shown if the run is quiet or standard error is not a terminal, and the line is empty
-/// in the end, though it be a signal's. That it cannot be shown is no error.
+/// in the end, also if a signal ends the program. That it cannot be shown is no error.
 class Stages {
 public:
     explicit Stages(bool quiet);
@@ -111,7 +102,6 @@ private:
     std::chrono::steady_clock::time_point start_;
     std::optional<std::size_t> bytes_;  ///< of the current stage
     std::vector<Finished> finished_;
-    std::optional<LineOnTerminal> line_;
 };
 
 /// A table's offsets, columns and weights.

@@ -121,7 +121,7 @@ std::vector<Export> exports(const StencilsOptions& options, Stages& stages) {
         "building", [&] { return stencils::buildLevelTables(file.refiner, options.level, rules); });
     for (int k = 1; k <= options.level; ++k)
         result.push_back(
-            {levelPath(options, k), std::move(tables[static_cast<std::size_t>(k) - 1]),
+            {levelPath(options, k), std::move(tables[k - 1]),
              fmt::format("R_{} of {}: rows are the vertices of level {}, columns those "
                          "of level {}, in the order of espalier refine",
                          k, printable(options.lattice), k, k - 1)});

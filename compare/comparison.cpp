@@ -1,18 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
+#include <espalier/base/point.h>
+#include <espalier/compare/agreement.h>
 #include <espalier/compare/comparison.h>
 #include <espalier/compare/open_subdiv_tables.h>
-#include <espalier/osd/reference_evaluator.h>
+#include <espalier/osd/cpu_evaluator.h>
+#include <espalier/osd/evaluation.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/stencil_table.h>
+
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/stencilTableFactory.h>
+#include <opensubdiv/osd/cpuEvaluator.h>
+#include <opensubdiv/version.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <span>
+#include <vector>
 
-#include "differences.h"
 #include "level_match.h"
 #include "memory_needs.h"
 #include "open_subdiv_refiner.h"
@@ -23,7 +33,111 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 using stencils::StencilTable;
 
+/// A point in single precision.
+using PointF = std::array<float, 3>;
+
+/// Side of the cube that randomPositions() fill.
+constexpr double kRandomSide = 2;
+
+/// A table times positions.
+template <class Evaluator, class Real>
+std::vector<std::array<Real, 3>> evaluate(const StencilTable<Real>& table,
+                                          std::span<const std::array<Real, 3>> positions) {
+    std::vector<std::array<Real, 3>> result(table.rowCount());
+    const auto layout = osd::BufferDescriptor::packed(3);
+    Evaluator::evaluate(table, std::span(positions.data()->data(), 3 * positions.size()), layout,
+                        std::span(result.data()->data(), 3 * result.size()), layout,
+                        {0, table.rowCount()});
+    return result;
+}
+
+/// The larger of two; not a number if one is none.
+double larger(double a, double b) {
+    return b > a || std::isnan(b) ? b : a;
+}
+
+/// The largest difference of a coordinate between as many points; not a number if there is one.
+template <class Point>
+double largestDifference(const std::vector<Point>& a, const std::vector<Point>& b) {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            largest = larger(largest, std::abs(a[i][axis] - b[i][axis]));
+    return largest;
+}
+
+/// The largest difference of a weight between two tables of the same rows and columns.
+double largestDifference(const StencilTable<double>& a, const StencilTable<double>& b) {
+    double largest = 0;
+    for (Index row = 0; row < a.rowCount(); ++row) {
+        const auto aColumns = a.columns(row), bColumns = b.columns(row);
+        const auto aWeights = a.weights(row), bWeights = b.weights(row);
+        for (std::size_t i = 0, j = 0; i < aColumns.size() || j < bColumns.size();) {
+            const bool useA =
+                j == bColumns.size() || (i < aColumns.size() && aColumns[i] <= bColumns[j]);
+            const bool useB =
+                i == aColumns.size() || (j < bColumns.size() && bColumns[j] <= aColumns[i]);
+            const double difference = (useA ? aWeights[i++] : 0) - (useB ? bWeights[j++] : 0);
+            largest = larger(largest, std::abs(difference));
+        }
+    }
+    return largest;
+}
+
+/// A table times positions, by our evaluator and by OpenSubdiv's.
+std::vector<PointF> evaluateOurs(const StencilTable<double>& table,
+                                 std::span<const PointF> positions) {
+    return evaluate<osd::CpuEvaluator, float>(stencils::convertTable<float>(table), positions);
+}
+
+std::vector<PointF> evaluateTheirs(const OpenSubdivTable<float>& table,
+                                   std::span<const PointF> positions) {
+    std::vector<PointF> result(table.GetNumStencils());
+    const OpenSubdiv::Osd::BufferDescriptor layout(0, 3, 3);
+    OpenSubdiv::Osd::CpuEvaluator::EvalStencils(
+        positions.data()->data(), layout, result.data()->data(), layout, table.GetSizes().data(),
+        table.GetOffsets().data(), table.GetControlIndices().data(), table.GetWeights().data(), 0,
+        table.GetNumStencils());
+    return result;
+}
+
+/// Positions from −1 to 1; the same on every platform.
+std::vector<Point3> randomPositions(Index count) {
+    std::mt19937 random(1);
+    std::vector<Point3> positions(count);
+    for (Point3& position : positions)
+        for (double& coordinate : position)
+            coordinate = 2 * (static_cast<double>(random()) / 4294967295.0) - 1;
+    return positions;
+}
+
+std::vector<PointF> toSingle(std::span<const Point3> positions) {
+    std::vector<PointF> single;
+    single.reserve(positions.size());
+    for (const Point3& p : positions)
+        single.push_back(
+            {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+    return single;
+}
+
 }  // namespace
+
+bool LevelAgreement::isWithin(const Bounds& bounds) const {
+    return counts == openSubdivCounts && topologyDifference.empty() &&
+           positionDifference <= bounds.position && weightDifference <= bounds.weight &&
+           evaluatorDifference <= bounds.evaluator;
+}
+
+bool Agreement::isWithin(const Bounds& bounds) const {
+    return !levels.empty() &&
+           std::all_of(levels.begin(), levels.end(),
+                       [&](const LevelAgreement& level) { return level.isWithin(bounds); });
+}
+
+std::string openSubdivVersion() {
+    return concat(OPENSUBDIV_VERSION_MAJOR, ".", OPENSUBDIV_VERSION_MINOR, ".",
+                  OPENSUBDIV_VERSION_PATCH);
+}
 
 struct Comparison::Data {
     const far::TopologyRefiner& ours;
@@ -39,16 +153,16 @@ struct Comparison::Data {
 
     const Surface& region(int level) const {
         if (level < 0 || level > maxLevel())
-            throw Error("level " + std::to_string(level) + " was not compared; levels 0 to " +
-                        std::to_string(maxLevel()) + " were");
+            throw Error(
+                concat("level ", level, " was not compared; levels 0 to ", maxLevel(), " were"));
         return regions[level];
     }
 
     /// Their vertex for one of ours on the surface.
     Index theirVertex(int level, Index vertex) const {
         if (const auto match = matches[level].of({0, vertex})) return *match;
-        throw Error("vertex " + std::to_string(vertex) + " of level " + std::to_string(level) +
-                    " has no match in OpenSubdiv's refinement");
+        throw Error(concat("vertex ", vertex, " of level ", level,
+                           " has no match in OpenSubdiv's refinement"));
     }
 
     /// Row of the first vertex of a level in the table.
@@ -135,8 +249,7 @@ std::vector<Point3> Comparison::openSubdivPoints(int level,
                                                  std::span<const Point3> positions) const {
     const Index baseCount = data_->ours.level(0).complex.count(0);
     if (std::ssize(positions) != baseCount)
-        throw Error("got " + std::to_string(positions.size()) + " positions for " +
-                    std::to_string(baseCount) + " vertices");
+        throw Error(concat("got ", positions.size(), " positions for ", baseCount, " vertices"));
     const std::vector<Index>& ours = vertices(level);
     std::vector<Primvar> points;
     for (const Index vertex : data_->base.vertices) points.push_back({positions[vertex]});
@@ -170,10 +283,9 @@ std::vector<PointF> Comparison::evaluateTheirTable(int level,
 LevelAgreement Comparison::compare(int level, const StencilTable<double>& table) const {
     const Index baseCount = data_->ours.level(0).complex.count(0);
     if (table.rowCount() != std::ssize(vertices(level)) || table.columnCount() != baseCount)
-        throw Error("got a table of " + std::to_string(table.rowCount()) + " × " +
-                    std::to_string(table.columnCount()) + "; level " + std::to_string(level) +
-                    " takes one of " + std::to_string(vertices(level).size()) + " × " +
-                    std::to_string(baseCount));
+        throw Error(concat("got a table of ", table.rowCount(), " × ", table.columnCount(),
+                           "; level ", level, " takes one of ", vertices(level).size(), " × ",
+                           baseCount));
     const Surface& region = data_->region(level);
     const LevelMatch& match = data_->matches[level];
     LevelAgreement agreement;
@@ -253,11 +365,11 @@ SurfaceError drawError(const far::TopologyRefiner& refiner, int level, const Sur
 std::string Comparison::noteOn(const Agreement& agreement) const {
     std::string note;
     if (const Index count = correctedCorners(); count > 0)
-        note =
-            "OpenSubdiv " + openSubdivVersion() + " takes " + std::to_string(count) +
-            (count == 1 ? " non-manifold vertex" : " non-manifold vertices") +
+        note = concat(
+            "OpenSubdiv ", openSubdivVersion(), " takes ", count,
+            count == 1 ? " non-manifold vertex" : " non-manifold vertices",
             " for creases that form none (corrected in its release 3.6.1); marked as corners for "
-            "it. ";
+            "it. ");
     // Differences of the size of single precision, in the tables.
     const bool isRounded =
         std::any_of(agreement.levels.begin(), agreement.levels.end(), [](const auto& level) {

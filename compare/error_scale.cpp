@@ -50,7 +50,7 @@ ErrorScale::ErrorScale(double bound)
 
 double ErrorScale::place(double error) const {
     const double size = std::abs(error);
-    if (!(size < kMost)) return 1;
+    if (!(size < kMax)) return 1;
     if (size <= kLeast) return 0;
     const double log = std::log10(size);
     // The bracket makes it kBoundPlace, to the last bit, at the bound.

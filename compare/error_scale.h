@@ -27,7 +27,7 @@ Colour shaded(const Colour& colour, double shade);
 class ErrorScale {
 public:
     static constexpr double kLeast = 1e-18;
-    static constexpr double kMost = 1e-6;
+    static constexpr double kMax = 1e-6;
 
     /// A grey: of no error at all.
     static constexpr Colour kExact = {214, 212, 207};
@@ -36,7 +36,7 @@ public:
     ///        decade counts as the next that does not
     explicit ErrorScale(double bound);
 
-    /// The place on the scale, 0 to 1. Errors below kLeast are at 0; those above kMost, and what is
+    /// The place on the scale, 0 to 1. Errors below kLeast are at 0; those above kMax, and what is
     /// not a number, at 1.
     double place(double error) const;
 
@@ -51,7 +51,7 @@ public:
         std::string label = {};  ///< "1e-15"; empty where it would run into another
     };
 
-    /// Powers of ten, ascending, from kLeast to kMost, which both have labels.
+    /// Powers of ten, ascending, from kLeast to kMax, which both have labels.
     /// \param spacing least distance of two labels, as a part of the scale
     std::vector<Tick> ticks(double spacing) const;
 

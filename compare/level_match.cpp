@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "level_match.h"
+#include <espalier/base/error.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,43 @@
 #include <string>
 #include <utility>
 
+#include "level_match.h"
+
 namespace espalier::compare {
+
+Surface surfaceOf(const far::CellComplex& complex) {
+    if (complex.dimension() < 2) throw Error("a curve has no surface that OpenSubdiv could refine");
+    Surface surface;
+    std::vector<char> hasVertex(complex.count(0), 0);
+    std::vector<char> hasEdge(complex.count(1), 0);
+    for (Index face = 0; face < complex.count(2); ++face) {
+        if (complex.dimension() == 3 && complex.relation(2, 3)[face].size() != 1) continue;
+        surface.faces.push_back(face);
+        for (const Index vertex : complex.relation(2, 0)[face]) hasVertex[vertex] = 1;
+        for (const Index edge : complex.relation(2, 1)[face]) hasEdge[edge] = 1;
+    }
+    for (Index vertex = 0; vertex < complex.count(0); ++vertex)
+        if (hasVertex[vertex]) surface.vertices.push_back(vertex);
+    for (Index edge = 0; edge < complex.count(1); ++edge)
+        if (hasEdge[edge]) surface.edges.push_back(edge);
+    return surface;
+}
+
+bool isWoundInward(const far::CellComplex& complex, Index face) {
+    if (complex.dimension() == 2) return false;
+    const Index cell = complex.relation(2, 3)[face].front();
+    const auto faces = complex.boundary(3)[cell];
+    const auto at = std::find(faces.begin(), faces.end(), face) - faces.begin();
+    return complex.boundary(3).signs(cell)[at] < 0;
+}
+
+std::vector<Index> surfaceLoop(const far::CellComplex& complex, Index face) {
+    const auto row = complex.relation(2, 0)[face];
+    std::vector<Index> loop(row.begin(), row.end());
+    if (isWoundInward(complex, face)) std::reverse(loop.begin(), loop.end());
+    return loop;
+}
+
 namespace {
 
 namespace Far = OpenSubdiv::Far;
@@ -176,8 +212,7 @@ public:
                 const std::optional<Index> theirs = match_.of({d, index});
                 if (!theirs) return name({d, index}) + " has no match";
                 if (isTaken[*theirs]++)
-                    return name({d, index}) + " has the match of another, " +
-                           std::to_string(*theirs);
+                    return concat(name({d, index}), " has the match of another, ", *theirs);
             }
         }
         // OpenSubdiv's holes without boundary control are not in the region; ours must be among
@@ -195,15 +230,15 @@ public:
                                          : d == 1 ? inspectEdge(index)
                                                   : inspectFace(index);
                 if (!text.empty())
-                    return name({d, index}) +
-                           " (theirs: " + std::to_string(*match_.of({d, index})) + ") " + text;
+                    return concat(name({d, index}), " (theirs: ", *match_.of({d, index}), ") ",
+                                  text);
             }
         return {};
     }
 
 private:
     static std::string name(Entity entity) {
-        return std::string(dimensionName(entity.dimension)) + " " + std::to_string(entity.index);
+        return concat(dimensionName(entity.dimension), " ", entity.index);
     }
 
     /// Sharpness as OpenSubdiv has it, where infinite is 10.
@@ -211,7 +246,7 @@ private:
         return std::min(level_.strata.sharpness(entity), static_cast<float>(far::kLeastInfinite));
     }
 
-    /// Sums of three or more semi-sharp values are rounded as their order has it (sharpness.h):
+    /// Sums of three or more semi-sharp values are rounded as their order has it (marks.h):
     /// that is not a difference of features.
     static bool isSameSharpness(float ours, float theirs) {
         constexpr float kRounding = 8 * std::numeric_limits<float>::epsilon();
@@ -235,8 +270,7 @@ private:
         const Rule rule = theirs_.GetVertexRule(theirs);
         const int stratum = rule == Rule::RULE_CORNER ? 0 : rule == Rule::RULE_CREASE ? 1 : 2;
         if (level_.strata.of(entity) != stratum)
-            return "lies on stratum " + std::to_string(level_.strata.of(entity)) + "; theirs on " +
-                   std::to_string(stratum);
+            return concat("lies on stratum ", level_.strata.of(entity), "; theirs on ", stratum);
         return {};
     }
 
@@ -245,7 +279,7 @@ private:
         const Index theirs = *match_.of(entity);
         for (const Index end : level_.complex.relation(1, 0)[edge])
             if (!contains(theirs_.GetEdgeVertices(theirs), *match_.of({0, end})))
-                return "ends in vertex " + std::to_string(end) + "; theirs does not";
+                return concat("ends in vertex ", end, "; theirs does not");
         if (!level_.strata.isOpen(entity) &&
             !isSameSharpness(sharpness(entity), theirs_.GetEdgeSharpness(theirs)))
             return differ(sharpness(entity), theirs_.GetEdgeSharpness(theirs));

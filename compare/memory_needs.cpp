@@ -13,7 +13,7 @@ namespace espalier::compare {
 namespace {
 
 std::string levelsTo(int level) {
-    return level == 1 ? "level 1" : "levels 1 to " + std::to_string(level);
+    return level == 1 ? "level 1" : concat("levels 1 to ", level);
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ void requireForMatch(const far::TopologyRefiner& refiner, int level) {
     bytes += offsets + 2 * valuesOf(2);
     // Face → cells: offsets and values, held meanwhile.
     if (complex.dimension() == 3) bytes += offsets + valuesOf(3);
-    requireMemory(bytes, "matching level " + std::to_string(level) + " with OpenSubdiv's");
+    requireMemory(bytes, concat("matching level ", level, " with OpenSubdiv's"));
 }
 
 void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surface> regions) {
@@ -76,7 +76,7 @@ void requireForComparison(int level, Offset entryCount) {
         sizeof(Index) + sizeof(double) +
         std::max(sizeof(Index) + sizeof(double), 2 * (sizeof(int) + sizeof(float)));
     requireMemory(kEntryBytes * static_cast<std::uint64_t>(entryCount),
-                  "comparing the stencil tables of level " + std::to_string(level));
+                  concat("comparing the stencil tables of level ", level));
 }
 
 }  // namespace espalier::compare

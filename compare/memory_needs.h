@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <span>
 
-#include "surface.h"
+#include "level_match.h"
 
 // Checks of the memory limit before each step of a comparison. OpenSubdiv does not check a
 // MemoryLimit while it works, nor do the relations of a large level while they grow. Each function

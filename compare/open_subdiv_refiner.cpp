@@ -124,8 +124,8 @@ std::unique_ptr<Far::TopologyRefiner> create(const Description& description,
     std::unique_ptr<Far::TopologyRefiner> refiner(Factory::Create(
         description.view(vertexCount), Factory::Options(Sdc::SCHEME_CATMARK, options)));
     if (refiner == nullptr)
-        throw Error("OpenSubdiv refuses the surface of " + std::to_string(vertexCount) +
-                    " vertices and " + std::to_string(description.faceSizes.size()) + " faces");
+        throw Error(concat("OpenSubdiv refuses the surface of ", vertexCount, " vertices and ",
+                           description.faceSizes.size(), " faces"));
     return refiner;
 }
 
@@ -183,13 +183,12 @@ void checkValences(const far::CellComplex& complex, const Surface& surface) {
     const auto check = [&](Entity entity, int around) {
         const std::size_t count = complex.relation(entity.dimension, around)[entity.index].size();
         if (count > static_cast<std::size_t>(Far::VALENCE_LIMIT))
-            throw Error(std::string(dimensionName(entity.dimension)) + " " +
-                        std::to_string(entity.index) + " meets " + std::to_string(count) + " " +
-                        (around == 0   ? "vertices"
-                         : around == 1 ? "edges"
-                                       : "faces") +
-                        ", more than OpenSubdiv can count (" + std::to_string(Far::VALENCE_LIMIT) +
-                        ")");
+            throw Error(concat(dimensionName(entity.dimension), " ", entity.index, " meets ", count,
+                               " ",
+                               around == 0   ? "vertices"
+                               : around == 1 ? "edges"
+                                             : "faces",
+                               ", more than OpenSubdiv can count (", Far::VALENCE_LIMIT, ")"));
     };
     for (const Index face : surface.faces) check({2, face}, 0);
     for (const Index edge : surface.edges) check({1, edge}, 2);

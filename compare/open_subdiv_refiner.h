@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "surface.h"
+#include "level_match.h"
 
 namespace espalier::compare {
 

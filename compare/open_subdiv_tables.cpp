@@ -15,8 +15,8 @@ OpenSubdivTable<Real>::OpenSubdivTable(const stencils::StencilTable<Real>& table
       indices_(table.columns().begin(), table.columns().end()),
       weights_(table.weights().begin(), table.weights().end()) {
     if (table.entryCount() > std::numeric_limits<int>::max())
-        throw Error("a table of " + std::to_string(table.entryCount()) +
-                    " entries is too large for OpenSubdiv, whose offsets are of 32 bits");
+        throw Error(concat("a table of ", table.entryCount(),
+                           " entries is too large for OpenSubdiv, whose offsets are of 32 bits"));
     for (Index row = 0; row < table.rowCount(); ++row) {
         sizes_.push_back(static_cast<int>(table.columns(row).size()));
         offsets_.push_back(static_cast<int>(table.offsets()[row]));
@@ -30,9 +30,8 @@ namespace {
 template <class Real>
 Offset firstEntry(const OpenSubdiv::Far::StencilTableReal<Real>& table, Index first, Index count) {
     if (first < 0 || count < 0 || first > table.GetNumStencils() - count)
-        throw Error("there are no rows " + std::to_string(first) + " to " +
-                    std::to_string(first + count - 1) + " in a table of " +
-                    std::to_string(table.GetNumStencils()));
+        throw Error(concat("there are no rows ", first, " to ", first + count - 1,
+                           " in a table of ", table.GetNumStencils()));
     const std::vector<int>& sizes = table.GetSizes();
     return std::accumulate(sizes.begin(), sizes.begin() + first, Offset{0});
 }

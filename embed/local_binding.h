@@ -68,8 +68,15 @@ struct BindingOptions {
 ESPALIER_API BindingResult bindPoints(const RestLattice& lattice, std::span<const Point3> points,
                                       const BindingOptions& options = {});
 
-/// The same with D left in its factors. Their product is the D of bindPoints(), but for rounding. A
-/// vertex of the level may be there more than once, for points of different groups.
+/// Binds points to a box lattice with Bézier or B-spline weights: embedPoints() and makeBinding().
+/// \throws Error as embedPoints()
+ESPALIER_API BindingResult bindPoints(const TensorLattice& lattice, std::span<const Point3> points,
+                                      const EmbeddingOptions& options = {},
+                                      const std::function<void(Offset)>& progress = {});
+
+/// The same as binding to a level, with D left in its factors. Their product is the D of
+/// bindPoints(), but for rounding. A vertex of the level may be there more than once, for points of
+/// different groups.
 ///
 /// \cost less, by the product
 ESPALIER_API BindingResultOf<stencils::FactoredTable<double>> bindFactored(

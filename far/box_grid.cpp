@@ -27,13 +27,13 @@ constexpr std::array<std::size_t, 3> kAxisBits = {1, 2, 4};
 
 std::string inBrackets(const GridPoint& point) {
     std::string text = "(";
-    text += std::to_string(point[0]) + ", " + std::to_string(point[1]);
-    return text + ", " + std::to_string(point[2]) + ")";
+    text += concat(point[0], ", ", point[1]);
+    return concat(text, ", ", point[2], ")");
 }
 
 Corners cornersOf(const CellComplex& complex, CellId cell) {
     const auto vertices = hexahedronVertices(complex, cell);
-    if (!vertices) refuse(cell, "cell " + std::to_string(cell.value) + " is not a hexahedron");
+    if (!vertices) refuse(cell, concat("cell ", cell.value, " is not a hexahedron"));
     // VTK's order goes round the square.
     constexpr std::array<std::size_t, 8> kPosition = {0, 1, 3, 2, 4, 5, 7, 6};
     Corners corners;
@@ -79,7 +79,7 @@ FaceId farFace(const CellComplex& complex, const PlacedCell& placed, std::size_t
             isFar = isFar && (!(i & kAxisBits[axis]) || contains(loop, placed.corners[i]));
         if (isFar) return face;
     }
-    refuse(placed.cell, "cell " + std::to_string(placed.cell.value) + " lacks a face");
+    refuse(placed.cell, concat("cell ", placed.cell.value, " lacks a face"));
 }
 
 /// The cell that comes next along an axis; nothing on the boundary.
@@ -169,9 +169,9 @@ private:
                 if (i & kAxisBits[axis]) ++point[axis];
             auto& known = points_[placed.corners[i]];
             if (known && *known != point)
-                refuse(VertexId(placed.corners[i]), "vertex " + std::to_string(placed.corners[i]) +
-                                                        " would be both at " + inBrackets(*known) +
-                                                        " and " + inBrackets(point));
+                refuse(VertexId(placed.corners[i]),
+                       concat("vertex ", placed.corners[i], " would be both at ",
+                              inBrackets(*known), " and ", inBrackets(point)));
             known = point;
         }
     }
@@ -180,17 +180,15 @@ private:
         const auto next = nextCell(complex_, placed, axis);
         if (next) return *next;
         const FaceId face = farFace(complex_, placed, axis);
-        refuse(face, "face " + std::to_string(face.value) + " of cell " +
-                         std::to_string(placed.cell.value) + " is on the boundary, where " +
-                         sizes() + " cells would go on");
+        refuse(face, concat("face ", face.value, " of cell ", placed.cell.value,
+                            " is on the boundary, where ", sizes(), " cells would go on"));
     }
 
     void checkCells() const {
         for (Index cell = 0; cell < complex_.count(3); ++cell)
             if (!isPlaced_[cell])
-                refuse(CellId(cell), "cell " + std::to_string(cell) + " is not one of the " +
-                                         sizes() + " from vertex " +
-                                         std::to_string(first_.corners[0]) + " on");
+                refuse(CellId(cell), concat("cell ", cell, " is not one of the ", sizes(),
+                                            " from vertex ", first_.corners[0], " on"));
     }
 
     /// Every grid point got a vertex of some cell; two got there where cells meet that have no
@@ -199,13 +197,11 @@ private:
         std::vector<std::optional<Index>> vertices(grid_.indexOf(grid_.cells) + 1);
         for (Index vertex = 0; vertex < complex_.count(0); ++vertex) {
             const auto& point = points_[vertex];
-            if (!point)
-                refuse(VertexId(vertex), "vertex " + std::to_string(vertex) + " is in no cell");
+            if (!point) refuse(VertexId(vertex), concat("vertex ", vertex, " is in no cell"));
             auto& there = vertices[grid_.indexOf(*point)];
             if (there)
-                refuse(VertexId(vertex), "vertices " + std::to_string(*there) + " and " +
-                                             std::to_string(vertex) + " would both be at " +
-                                             inBrackets(*point));
+                refuse(VertexId(vertex), concat("vertices ", *there, " and ", vertex,
+                                                " would both be at ", inBrackets(*point)));
             there = vertex;
         }
         for (const auto& vertex : vertices) grid_.vertices.push_back(vertex.value());
@@ -227,14 +223,12 @@ private:
             for (std::size_t axis = 0; axis < 3; ++axis)
                 isOutside = isOutside || high[axis] == 0 || low[axis] == grid_.cells[axis];
             if (!isOutside)
-                refuse(FaceId(face),
-                       "face " + std::to_string(face) + " is on the boundary, inside the box");
+                refuse(FaceId(face), concat("face ", face, " is on the boundary, inside the box"));
         }
     }
 
     std::string sizes() const {
-        return std::to_string(grid_.cells[0]) + " × " + std::to_string(grid_.cells[1]) + " × " +
-               std::to_string(grid_.cells[2]);
+        return concat(grid_.cells[0], " × ", grid_.cells[1], " × ", grid_.cells[2]);
     }
 
     const CellComplex& complex_;
@@ -249,8 +243,8 @@ private:
 BoxGrid asBoxGrid(const CellComplex& complex) {
     if (complex.dimension() != 3)
         throw TopologyError(TopologyCause::WrongDimension, {complex.dimension(), 0},
-                            "a box of hexahedra is a lattice, not a complex of dimension " +
-                                std::to_string(complex.dimension()));
+                            concat("a box of hexahedra is a lattice, not a complex of dimension ",
+                                   complex.dimension()));
     // Before anything else, so that the first such cell is named.
     for (Index cell = 0; cell < complex.count(3); ++cell) cornersOf(complex, CellId(cell));
     return Placing(complex).takeGrid();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/far/fading.h>
 #include <espalier/far/refinement.h>
 #include <espalier/far/strata.h>
 #include <espalier/far/topology_error.h>
@@ -86,8 +85,8 @@ void force(const MarkedSharpness& marked, Entity entity, const std::string& why,
     const auto mark = marks.find(entity.index);
     if (mark != marks.end() && mark->second == kSmooth)
         throw TopologyError(TopologyCause::BadMark, entity,
-                            std::string(dimensionName(entity.dimension)) + " " +
-                                std::to_string(entity.index) + " is marked smooth, but " + why);
+                            concat(dimensionName(entity.dimension), " ", entity.index,
+                                   " is marked smooth, but ", why));
     (entity.dimension == 0 ? sharpness.vertices : sharpness.edges)[entity.index] = kInfinitelySharp;
 }
 
@@ -101,8 +100,8 @@ void sharpenEdges(const CellComplex& complex, const SurfaceFans& fans, Boundary 
             force(marked, {1, edge},
                   faces == 2
                       ? std::string("its two faces do not run along it once each, in opposite ways")
-                      : "it lies in " + std::to_string(faces) + (faces == 1 ? " face" : " faces") +
-                            " of the surface; a smooth edge has 2",
+                      : concat("it lies in ", faces, faces == 1 ? " face" : " faces",
+                               " of the surface; a smooth edge has 2"),
                   sharpness);
         } else if (complex.dimension() == 3 && boundary != Boundary::Open &&
                    marked.edges.count(edge) == 0 && isSharpByRule(complex, rule, edge)) {

@@ -19,26 +19,24 @@ void ComplexBuilder::checkLoop(std::span<const Index> loop, std::size_t least,
     const auto refuse = [&](TopologyCause cause, const std::string& why) {
         std::string text = "(";
         for (const Index vertex : loop.first(std::min<std::size_t>(loop.size(), 32)))
-            text += (text.size() > 1 ? ", " : "") + std::to_string(vertex);
+            text += concat(text.size() > 1 ? ", " : "", vertex);
         text += loop.size() > 32 ? ", ...)" : ")";
-        throw TopologyError(cause, entity,
-                            std::string(dimensionName(entity.dimension)) + " " +
-                                std::to_string(entity.index) + ": loop " + text + why);
+        throw TopologyError(
+            cause, entity,
+            concat(dimensionName(entity.dimension), " ", entity.index, ": loop ", text, why));
     };
     if (loop.size() < least)
-        refuse(TopologyCause::TooFewVertices,
-               " has fewer than " + std::to_string(least) + " vertices");
+        refuse(TopologyCause::TooFewVertices, concat(" has fewer than ", least, " vertices"));
     for (const Index vertex : loop)
         if (vertex < 0 || vertex >= vertexCount_)
-            refuse(TopologyCause::VertexOutOfRange, " names vertex " + std::to_string(vertex) +
-                                                        "; there are " +
-                                                        std::to_string(vertexCount_));
+            refuse(TopologyCause::VertexOutOfRange,
+                   concat(" names vertex ", vertex, "; there are ", vertexCount_));
     if (dimension_ == 2) return;
     std::vector<Index> sorted(loop.begin(), loop.end());
     std::sort(sorted.begin(), sorted.end());
     const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
     if (twice != sorted.end())
-        refuse(TopologyCause::RepeatedVertex, " names vertex " + std::to_string(*twice) + " twice");
+        refuse(TopologyCause::RepeatedVertex, concat(" names vertex ", *twice, " twice"));
 }
 
 void ComplexBuilder::appendLoop(std::span<const Index> loop) {
@@ -48,10 +46,10 @@ void ComplexBuilder::appendLoop(std::span<const Index> loop) {
 
 void ComplexBuilder::checkDimension(int dimension) const {
     if (dimension != dimension_)
-        throw TopologyError(TopologyCause::WrongDimension, {dimension, 0},
-                            std::string("a complex of dimension ") + std::to_string(dimension_) +
-                                " is made of " + dimensionName(dimension_) + "s; got a" +
-                                (dimension == 1 ? "n " : " ") + dimensionName(dimension));
+        throw TopologyError(
+            TopologyCause::WrongDimension, {dimension, 0},
+            concat("a complex of dimension ", dimension_, " is made of ", dimensionName(dimension_),
+                   "s; got a", dimension == 1 ? "n " : " ", dimensionName(dimension)));
 }
 
 Index ComplexBuilder::addCell(std::span<const std::vector<Index>> loops) {
@@ -67,9 +65,8 @@ Index ComplexBuilder::addCell(StandardCell cell, std::span<const Index> vertices
     if (vertices.size() != static_cast<std::size_t>(vertexCount(cell)))
         throw TopologyError(TopologyCause::TooFewVertices,
                             {3, static_cast<Index>(cellOffsets_.size() - 1)},
-                            "cell " + std::to_string(cellOffsets_.size() - 1) + " has " +
-                                std::to_string(vertices.size()) + " vertices; expected " +
-                                std::to_string(vertexCount(cell)));
+                            concat("cell ", cellOffsets_.size() - 1, " has ", vertices.size(),
+                                   " vertices; expected ", vertexCount(cell)));
     std::vector<std::vector<Index>> loops = faceLoops(cell);
     for (auto& loop : loops)
         for (Index& vertex : loop) vertex = vertices[vertex];
@@ -341,8 +338,8 @@ CellComplex curveOf(Index vertexCount, const Incidence& edges) {
 CellComplex ComplexBuilder::build() const {
     if (loops_.values.size() > static_cast<std::size_t>(kMaxIndex))
         throw TopologyError(TopologyCause::TooManyEntities, {dimension_, kMaxIndex},
-                            "the loops name " + std::to_string(loops_.values.size()) +
-                                " vertices in all; the most is " + std::to_string(kMaxIndex));
+                            concat("the loops name ", loops_.values.size(),
+                                   " vertices in all; the most is ", kMaxIndex));
     const Incidence loops(loops_);
     CellComplex complex = dimension_ == 3   ? latticeOf(vertexCount_, loops, cellOffsets_)
                           : dimension_ == 2 ? meshOf(vertexCount_, loops)

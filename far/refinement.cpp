@@ -1,15 +1,145 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
+#include <espalier/far/cell_complex.h>
 #include <espalier/far/refinement.h>
 #include <espalier/far/topology_error.h>
 
-#include "cell_corners.h"
-
+#include <algorithm>
+#include <array>
+#include <limits>
 #include <numeric>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace espalier::far {
+namespace {
+
+/// What meets at the edges and the vertices of one cell of a lattice after the other. Pairs of
+/// incident entities are named by their positions in the values of the relations.
+class CellCorners {
+public:
+    /// \param lattice must outlive this
+    explicit CellCorners(const CellComplex& lattice);
+
+    /// One of the two faces at an edge.
+    struct EdgeFace {
+        Offset edgeInFace = 0;       ///< in face → edges
+        Offset inCell = 0;           ///< of the face, in cell → faces
+        std::int8_t edgeSign = 0;    ///< of the edge in the boundary of the face
+        std::int8_t inCellSign = 0;  ///< of the face in that of the cell
+    };
+    struct Edge {
+        Offset inCell = 0;  ///< in cell → edges
+        std::array<EdgeFace, 2> faces;
+        std::array<std::size_t, 2> ends = {};  ///< tail and head among the vertices of the cell
+    };
+    struct VertexFace {
+        Offset vertexInFace = 0;  ///< in face → vertices
+        std::int8_t inCellSign = 0;
+    };
+    struct VertexEdge {
+        Offset inCell = 0;           ///< in cell → edges
+        std::int8_t vertexSign = 0;  ///< −1 where the vertex is the tail
+    };
+
+    /// Goes to a cell. \cost O(n log n) in its faces
+    void visit(Index cell);
+
+    /// In the order of cell → edges.
+    std::span<const Edge> edges() const { return edges_; }
+
+    std::size_t vertexCount() const { return vertexCount_; }
+
+    /// Position of vertex `v` of the cell in cell → vertices.
+    Offset vertexInCell(std::size_t v) const { return firstVertex_ + static_cast<Offset>(v); }
+
+    /// The faces at it, in the order of cell → faces, and the edges, in that of cell → edges.
+    std::span<const VertexFace> facesAt(std::size_t v) const { return corners_[v].faces; }
+    std::span<const VertexEdge> edgesAt(std::size_t v) const { return corners_[v].edges; }
+
+private:
+    struct Corner {
+        std::vector<VertexFace> faces;
+        std::vector<VertexEdge> edges;
+    };
+
+    const SignedIncidence& cellFaces_;
+    const SignedIncidence& faceEdges_;
+    const Incidence& faceVertices_;
+    const Incidence& cellVertices_;
+    const Incidence& cellEdges_;
+
+    std::vector<Edge> edges_;
+    std::vector<std::uint8_t> facesSeen_;  ///< of each edge
+    std::size_t vertexCount_ = 0;
+    Offset firstVertex_ = 0;
+    std::vector<Corner> corners_;  ///< as many as any cell so far has had vertices
+    std::vector<std::size_t> loop_;
+};
+
+/// Where an ascending row has a value that is in it.
+std::size_t placeInRow(std::span<const Index> row, Index value) {
+    // Short rows are counted through without a branch: 12 edges and 8 vertices in a hexahedron.
+    constexpr std::size_t kShort = 16;
+    if (row.size() > kShort)
+        return static_cast<std::size_t>(std::lower_bound(row.begin(), row.end(), value) -
+                                        row.begin());
+    std::size_t less = 0;
+    for (const Index other : row) less += other < value;
+    return less;
+}
+
+CellCorners::CellCorners(const CellComplex& lattice)
+    : cellFaces_(lattice.boundary(3)),
+      faceEdges_(lattice.boundary(2)),
+      faceVertices_(lattice.relation(2, 0)),
+      cellVertices_(lattice.relation(3, 0)),
+      cellEdges_(lattice.relation(3, 1)) {}
+
+void CellCorners::visit(Index cell) {
+    const auto vertices = cellVertices_[cell], edges = cellEdges_[cell], faces = cellFaces_[cell];
+    const auto faceSigns = cellFaces_.signs(cell);
+    const Offset firstFace = cellFaces_.unsignedRows().offset(cell);
+    const Offset firstEdge = cellEdges_.offset(cell);
+    firstVertex_ = cellVertices_.offset(cell);
+    vertexCount_ = vertices.size();
+    edges_.resize(edges.size());
+    facesSeen_.assign(edges.size(), 0);
+    if (corners_.size() < vertexCount_) corners_.resize(vertexCount_);
+    for (std::size_t v = 0; v < vertexCount_; ++v) {
+        corners_[v].faces.clear();
+        corners_[v].edges.clear();
+    }
+
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const auto loopEdges = faceEdges_[faces[f]], loop = faceVertices_[faces[f]];
+        const auto signs = faceEdges_.signs(faces[f]);
+        const Offset first = faceVertices_.offset(faces[f]);
+        loop_.clear();
+        for (const Index vertex : loop) loop_.push_back(placeInRow(vertices, vertex));
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const Offset position = first + static_cast<Offset>(i);
+            corners_[loop_[i]].faces.push_back({position, faceSigns[f]});
+            const std::size_t e = placeInRow(edges, loopEdges[i]);
+            Edge& edge = edges_[e];
+            // A cell of a valid lattice has each of its edges in two of its faces.
+            if (facesSeen_[e] == 2) continue;
+            edge.faces[facesSeen_[e]++] = {position, firstFace + static_cast<Offset>(f), signs[i],
+                                           faceSigns[f]};
+            const std::size_t next = loop_[i + 1 < loop.size() ? i + 1 : 0];
+            edge.ends = {signs[i] > 0 ? loop_[i] : next, signs[i] > 0 ? next : loop_[i]};
+        }
+    }
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        edges_[e].inCell = firstEdge + static_cast<Offset>(e);
+        corners_[edges_[e].ends[0]].edges.push_back({edges_[e].inCell, -1});
+        corners_[edges_[e].ends[1]].edges.push_back({edges_[e].inCell, 1});
+    }
+}
+
+}  // namespace
 
 // With σ(x, y) the incidence number of y in the boundary of x, and d = dim b − dim a,
 //
@@ -112,8 +242,8 @@ void Refinement::numberChildren(const Kept* kept) {
             // Numbered before they are made.
             if (count + familyCount > kMaxIndex)
                 throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
-                                    "the refined complex has more than " +
-                                        std::to_string(kMaxIndex) + " entities of one dimension");
+                                    concat("the refined complex has more than ", kMaxIndex,
+                                           " entities of one dimension"));
             family.firstChild = static_cast<Index>(count);
             family.childCount = static_cast<Index>(familyCount);
             count += familyCount;
@@ -269,6 +399,49 @@ std::optional<Entity> Refinement::childOf(const Interval& interval) const {
     const Offset entry = f.parts->offset(upper.index) + at;
     if (at == std::ssize(row) || !f.isKept(entry)) return std::nullopt;
     return Entity{upper.dimension - lower.dimension, f.child(entry)};
+}
+
+namespace {
+
+double pairCount(const CellComplex& complex, int from, int to) {
+    if (from > complex.dimension()) return 0;
+    return static_cast<double>(complex.relation(from, to).values().size());
+}
+
+/// Children are intervals [a, b]. Those with a of one dimension less than b are edges, and so on.
+/// Faces are quadrilaterals; a cell [v, c], with n edges of c at v, has 2n faces, 4n edges and
+/// 2n + 2 vertices, and the n of all vertices of c add up to twice the edges of c.
+LevelSize next(const LevelSize& size) {
+    const auto [vertices, edges, faces, cells] = size.counts;
+    LevelSize result;
+    result.counts = {vertices + edges + faces + cells, 2 * edges + size.faceEdges + size.cellFaces,
+                     size.faceEdges + size.cellEdges, size.cellVertices};
+    result.faceEdges = 4 * result.counts[2];
+    result.cellFaces = 4 * size.cellEdges;
+    result.cellEdges = 8 * size.cellEdges;
+    result.cellVertices = 4 * size.cellEdges + 2 * size.cellVertices;
+    return result;
+}
+
+}  // namespace
+
+double LevelSize::bytes() const {
+    constexpr double kSignedEntry = sizeof(Index) + sizeof(Signed::sign);
+    return kSignedEntry * (2 * counts[1] + faceEdges + cellFaces);
+}
+
+LevelSize levelSize(const CellComplex& complex, int levels) {
+    LevelSize size;
+    for (int d = 0; d <= complex.dimension(); ++d) size.counts[d] = complex.count(d);
+    size.faceEdges = pairCount(complex, 2, 1);
+    size.cellFaces = pairCount(complex, 3, 2);
+    size.cellEdges = pairCount(complex, 3, 1);
+    size.cellVertices = pairCount(complex, 3, 0);
+    // Sizes that are not 0 double at least: long before this level they are infinite, and remain
+    // so.
+    constexpr int kAllInfinite = 2 * std::numeric_limits<double>::max_exponent;
+    for (int level = 0; level < std::min(levels, kAllInfinite); ++level) size = next(size);
+    return size;
 }
 
 }  // namespace espalier::far

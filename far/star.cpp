@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/sort_unique.h>
 #include <espalier/far/star.h>
 
 #include <algorithm>
@@ -7,11 +8,6 @@
 
 namespace espalier::far {
 namespace {
-
-void sortUnique(std::vector<Index>& values) {
-    std::sort(values.begin(), values.end());
-    values.erase(std::unique(values.begin(), values.end()), values.end());
-}
 
 /// What contains one of some vertices, and all that this contains; ascending.
 ByEntity<Index> entitiesAround(const CellComplex& complex, std::span<const Index> vertices) {
@@ -28,11 +24,6 @@ ByEntity<Index> entitiesAround(const CellComplex& complex, std::span<const Index
     return entities;
 }
 
-Index placeOf(const std::vector<Index>& ascending, Index entity) {
-    return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), entity) -
-                              ascending.begin());
-}
-
 CellComplex complexOf(const CellComplex& complex, const ByEntity<Index>& entities) {
     CellComplex::Boundaries boundaries;
     for (int d = 1; d <= complex.dimension(); ++d) {
@@ -42,7 +33,7 @@ CellComplex complexOf(const CellComplex& complex, const ByEntity<Index>& entitie
         for (const Index entity : entities[d]) {
             for (std::size_t i = 0; i < boundary[entity].size(); ++i)
                 rows.values.push_back(
-                    {placeOf(parts, boundary[entity][i]), boundary.signs(entity)[i]});
+                    {placeIn(parts, boundary[entity][i]), boundary.signs(entity)[i]});
             rows.offsets.push_back(static_cast<Offset>(rows.values.size()));
         }
         boundaries[d - 1] = SignedIncidence(rows);
@@ -68,11 +59,11 @@ Strata strataOf(const CellComplex& complex, const Strata& strata, const ByEntity
 
 Star starOf(const Level& level, Index vertex, int rings) {
     if (vertex < 0 || vertex >= level.complex.count(0))
-        throw Error("there is no vertex " + std::to_string(vertex) + " to take a star of");
+        throw Error(concat("there is no vertex ", vertex, " to take a star of"));
     Star star;
     star.entities = entitiesAround(level.complex, {&vertex, 1});
     if (rings > 1) star.entities = entitiesAround(level.complex, star.entities[0]);
-    star.vertex = placeOf(star.entities[0], vertex);
+    star.vertex = placeIn(star.entities[0], vertex);
     star.level.complex = complexOf(level.complex, star.entities);
     star.level.strata = strataOf(star.level.complex, level.strata, star.entities);
     return star;

@@ -59,25 +59,23 @@ private:
 
 std::optional<std::string> topologyDifference(const CellComplex& first, const CellComplex& second) {
     if (first.dimension() != second.dimension())
-        return "the first is of dimension " + std::to_string(first.dimension()) +
-               ", the second of " + std::to_string(second.dimension());
+        return concat("the first is of dimension ", first.dimension(), ", the second of ",
+                      second.dimension());
     const int dimension = first.dimension();
     for (const int d : {0, dimension})
         if (first.count(d) != second.count(d))
-            return std::string("the number of ") + (d == 0 ? "vertices" : "cells") +
-                   ": the first has " + std::to_string(first.count(d)) + ", the second " +
-                   std::to_string(second.count(d));
+            return concat("the number of ", d == 0 ? "vertices" : "cells", ": the first has ",
+                          first.count(d), ", the second ", second.count(d));
     const auto firstCells = sortedCells(first), secondCells = sortedCells(second);
     for (std::size_t i = 0; i < firstCells.size(); ++i) {
         const auto& [firstKey, firstCell] = firstCells[i];
         const auto& [secondKey, secondCell] = secondCells[i];
         if (firstKey == secondKey) continue;
         const bool isInFirst = firstKey < secondKey;
-        return std::string(dimensionName(dimension)) + " " +
-               std::to_string(isInFirst ? firstCell : secondCell) + " of the " +
-               (isInFirst ? "first" : "second") +
-               " has no counterpart on the same vertices in the " +
-               (isInFirst ? "second" : "first");
+        return concat(dimensionName(dimension), " ", isInFirst ? firstCell : secondCell, " of the ",
+                      isInFirst ? "first" : "second",
+                      " has no counterpart on the same vertices in the ",
+                      isInFirst ? "second" : "first");
     }
     return std::nullopt;
 }

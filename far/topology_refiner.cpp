@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
 #include <espalier/base/memory.h>
-#include <espalier/far/level_size.h>
+#include <espalier/far/refinement.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 
@@ -71,12 +71,12 @@ namespace {
 /// Refuses a level that cannot be, before those below it are made.
 void checkSize(const CellComplex& complex, int levels, int level) {
     const LevelSize size = levelSize(complex, levels);
-    const std::string name = "level " + std::to_string(level);
+    const std::string name = concat("level ", level);
     for (int d = 0; d <= complex.dimension(); ++d)
         if (size.counts[d] > kMaxIndex)
-            throw TopologyError(TopologyCause::TooManyEntities, {d, kMaxIndex},
-                                name + " would have more than " + std::to_string(kMaxIndex) +
-                                    " entities of one dimension");
+            throw TopologyError(
+                TopologyCause::TooManyEntities, {d, kMaxIndex},
+                concat(name, " would have more than ", kMaxIndex, " entities of one dimension"));
     requireMemory(static_cast<std::uint64_t>(size.bytes()), name);
 }
 
@@ -88,9 +88,9 @@ void TopologyRefiner::refineUniform(int level) {
         checkSize(levels_.back().complex, level - maxLevel(), level);
     while (maxLevel() < level) {
         if (!isUniform())
-            throw Error("level " + std::to_string(maxLevel()) +
-                        " is refined around some cells only: there is no whole level " +
-                        std::to_string(level));
+            throw Error(concat("level ", maxLevel(),
+                               " is refined around some cells only: there is no whole level ",
+                               level));
         const Level& parent = levels_.back();
         if (boundary() == Boundary::Open) {
             const Refinement::Kept kept{closedEntities(parent), marksOf(parent.complex, 1)};
@@ -149,8 +149,7 @@ ByEntity<std::uint8_t> marksIn(const CellComplex& complex, std::span<const Index
 void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) {
     const Level& parent = levels_.back();
     const auto refuse = [&](Index cell, const char* why) {
-        throw Error("cannot refine around cell " + std::to_string(cell) + " of level " +
-                    std::to_string(maxLevel()) + why);
+        throw Error(concat("cannot refine around cell ", cell, " of level ", maxLevel(), why));
     };
     if (cells.empty()) throw Error("there is no cell to refine around");
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -182,8 +181,8 @@ namespace {
 
 void checkLevel(int level, int least, int most) {
     if (level < least || level > most)
-        throw Error("there is no level " + std::to_string(level) + " here: levels " +
-                    std::to_string(least) + " to " + std::to_string(most) + " have been refined");
+        throw Error(concat("there is no level ", level, " here: levels ", least, " to ", most,
+                           " have been refined"));
 }
 
 }  // namespace

@@ -11,14 +11,13 @@ namespace espalier::far {
 namespace {
 
 [[noreturn]] void refuse(TopologyCause cause, Entity entity, const std::string& why) {
-    throw TopologyError(
-        cause, entity,
-        std::string(dimensionName(entity.dimension)) + " " + std::to_string(entity.index) + why);
+    throw TopologyError(cause, entity,
+                        concat(dimensionName(entity.dimension), " ", entity.index, why));
 }
 
 std::string edgeName(const CellComplex& complex, Index edge) {
     const auto ends = complex.relation(1, 0)[edge];
-    return "edge (" + std::to_string(ends[0]) + ", " + std::to_string(ends[1]) + ")";
+    return concat("edge (", ends[0], ", ", ends[1], ")");
 }
 
 /// Disjoint sets of the numbers 0 to n − 1.
@@ -71,7 +70,7 @@ void checkFace(const CellComplex& complex, Index face) {
     const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
     if (twice != sorted.end())
         refuse(TopologyCause::RepeatedVertex, {2, face},
-               " names vertex " + std::to_string(*twice) + " twice");
+               concat(" names vertex ", *twice, " twice"));
 }
 
 /// One edge of one face of a cell, seen from the cell.
@@ -92,8 +91,7 @@ void checkCell(const CellComplex& complex, Index cell) {
     std::sort(sortedFaces.begin(), sortedFaces.end());
     const auto twice = std::adjacent_find(sortedFaces.begin(), sortedFaces.end());
     if (twice != sortedFaces.end())
-        refuse(TopologyCause::RepeatedFace, entity,
-               " lists face " + std::to_string(*twice) + " twice");
+        refuse(TopologyCause::RepeatedFace, entity, concat(" lists face ", *twice, " twice"));
 
     // The corners of all faces, numbered through; firstCorner[f] is the first of face f.
     std::vector<std::size_t> firstCorner(faces.size() + 1, 0);
@@ -124,11 +122,11 @@ void checkCell(const CellComplex& complex, Index cell) {
         const auto name = [&] { return edgeName(complex, sides[i].edge); };
         if (end - i == 1)
             refuse(TopologyCause::OpenCell, entity,
-                   " is open: its " + name() + " lies in one of its faces, face " +
-                       std::to_string(faces[sides[i].face]) + ", only");
+                   concat(" is open: its ", name(), " lies in one of its faces, face ",
+                          faces[sides[i].face], ", only"));
         if (end - i > 2)
             refuse(TopologyCause::CrowdedEdge, entity,
-                   " has " + std::to_string(end - i) + " faces at its " + name() + "; expected 2");
+                   concat(" has ", end - i, " faces at its ", name(), "; expected 2"));
         if (sides[i].sign == sides[i + 1].sign)
             refuse(TopologyCause::NotOrientable, entity,
                    " has faces whose directions disagree at its " + name());
@@ -139,7 +137,7 @@ void checkCell(const CellComplex& complex, Index cell) {
     }
     if (pieces.setCount() != 1)
         refuse(TopologyCause::NotASphere, entity,
-               " has a surface of " + std::to_string(pieces.setCount()) + " pieces; expected 1");
+               concat(" has a surface of ", pieces.setCount(), " pieces; expected 1"));
 
     const auto vertices = complex.relation(3, 0)[cell];
     if (fans.setCount() != vertices.size()) {
@@ -155,17 +153,16 @@ void checkCell(const CellComplex& complex, Index cell) {
             std::adjacent_find(fanOf.begin(), fanOf.end(), [](const auto& a, const auto& b) {
                 return a.first == b.first && a.second != b.second;
             });
-        refuse(TopologyCause::PinchedCell, entity,
-               " is pinched: its faces at vertex " + std::to_string(pinch->first) +
-                   " form more than one fan");
+        refuse(
+            TopologyCause::PinchedCell, entity,
+            concat(" is pinched: its faces at vertex ", pinch->first, " form more than one fan"));
     }
     const auto edgeCount = static_cast<std::ptrdiff_t>(sides.size() / 2);
     const std::ptrdiff_t euler = static_cast<std::ptrdiff_t>(vertices.size()) - edgeCount +
                                  static_cast<std::ptrdiff_t>(faces.size());
     if (euler != 2)
-        refuse(
-            TopologyCause::NotASphere, entity,
-            " has a surface of Euler characteristic " + std::to_string(euler) + "; a sphere has 2");
+        refuse(TopologyCause::NotASphere, entity,
+               concat(" has a surface of Euler characteristic ", euler, "; a sphere has 2"));
 }
 
 /// Checks that one or two cells meet in a face, from opposite sides.
@@ -173,9 +170,8 @@ void checkCellsOfFace(const CellComplex& complex, Index face) {
     const auto cells = complex.relation(2, 3)[face];
     if (cells.size() > 2)
         refuse(TopologyCause::CrowdedFace, {2, face},
-               " bounds " + std::to_string(cells.size()) + " cells (" + std::to_string(cells[0]) +
-                   ", " + std::to_string(cells[1]) + ", " + std::to_string(cells[2]) +
-                   (cells.size() > 3 ? ", ...)" : ")") + "; expected 1 or 2");
+               concat(" bounds ", cells.size(), " cells (", cells[0], ", ", cells[1], ", ",
+                      cells[2], cells.size() > 3 ? ", ...)" : ")", "; expected 1 or 2"));
     if (cells.size() < 2) return;
     const auto signIn = [&](Index cell) {
         const auto faces = complex.relation(3, 2)[cell];
@@ -184,8 +180,8 @@ void checkCellsOfFace(const CellComplex& complex, Index face) {
     };
     if (signIn(cells[0]) == signIn(cells[1]))
         refuse(TopologyCause::NotOrientable, {2, face},
-               " has cells " + std::to_string(cells[0]) + " and " + std::to_string(cells[1]) +
-                   " on the same side: the lattice cannot be oriented");
+               concat(" has cells ", cells[0], " and ", cells[1],
+                      " on the same side: the lattice cannot be oriented"));
 }
 
 /// Checks that no two cells have the same faces.
@@ -196,7 +192,7 @@ void checkRepeatedCell(const CellComplex& complex, Index cell) {
         const auto otherFaces = complex.relation(3, 2)[other];
         if (std::is_permutation(faces.begin(), faces.end(), otherFaces.begin(), otherFaces.end()))
             refuse(TopologyCause::RepeatedCell, {3, cell},
-                   " has the same faces as cell " + std::to_string(other));
+                   concat(" has the same faces as cell ", other));
     }
 }
 
@@ -207,8 +203,8 @@ void checkRange(const CellComplex& complex, Entity entity) {
         if (index < 0 || index >= complex.count(side))
             refuse(side == 0 ? TopologyCause::VertexOutOfRange : TopologyCause::EntityOutOfRange,
                    entity,
-                   std::string(" names ") + dimensionName(side) + " " + std::to_string(index) +
-                       "; there are " + std::to_string(complex.count(side)));
+                   concat(" names ", dimensionName(side), " ", index, "; there are ",
+                          complex.count(side)));
 }
 
 template <class Check>

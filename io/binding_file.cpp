@@ -36,8 +36,8 @@ Array<double> readWeights(ByteInput& in, std::int64_t count) {
     auto result = readNumbers<double>(in, count);
     for (std::size_t i = 0; i < result.size(); ++i)
         if (!std::isfinite(result[i]))
-            throw CodingError("has a weight that is not finite: number " + std::to_string(i) +
-                              " of its table");
+            throw CodingError(
+                concat("has a weight that is not finite: number ", i, " of its table"));
     return result;
 }
 
@@ -48,8 +48,7 @@ std::vector<Point3> readPoints(ByteInput& in, std::int64_t count, const char* na
         for (double& coordinate : result[i]) {
             coordinate = in.number<double>();
             if (!std::isfinite(coordinate))
-                throw CodingError("has a position that is not finite: " + std::string(name) + " " +
-                                  std::to_string(i));
+                throw CodingError(concat("has a position that is not finite: ", name, " ", i));
         }
     return result;
 }
@@ -83,7 +82,7 @@ Sizes readHeader(ByteInput& in, std::uint64_t& hash) {
     if (in.left() + kBindingMagic.size() < kHeaderSize) throw CodingError("is truncated");
     const auto version = in.number<std::uint32_t>();
     if (version != kWithoutGradients && version != kWithGradients)
-        throw CodingError("has version " + std::to_string(version) + "; expected 1 or 2");
+        throw CodingError(concat("has version ", version, "; expected 1 or 2"));
     in.number<std::uint32_t>();
     hash = in.number<std::uint64_t>();
     Sizes sizes{};
@@ -128,16 +127,15 @@ BoundGradients readGradients(const Sizes& sizes, ByteInput& in) {
 /// \throws Error if gradients are not those of the binding's points by its lattice
 void checkShape(const BoundGradients& gradients, const StencilTable<double>& table) {
     const auto refuse = [&](const std::string& what, const std::string& got) {
-        throw Error("a bound model of " + std::to_string(table.rowCount()) + " points and " +
-                    std::to_string(table.columnCount()) + " lattice vertices has " + what + " of " +
-                    got);
+        throw Error(concat("a bound model of ", table.rowCount(), " points and ",
+                           table.columnCount(), " lattice vertices has ", what, " of ", got));
     };
     for (const auto& each : gradients.tables)
         if (each.rowCount() != table.rowCount() || each.columnCount() != table.columnCount())
-            refuse("gradients", std::to_string(each.rowCount()) + " points and " +
-                                    std::to_string(each.columnCount()) + " vertices");
+            refuse("gradients",
+                   concat(each.rowCount(), " points and ", each.columnCount(), " vertices"));
     if (gradients.rest.size() != static_cast<std::size_t>(table.columnCount()))
-        refuse("a lattice at rest", std::to_string(gradients.rest.size()) + " vertices");
+        refuse("a lattice at rest", concat(gradients.rest.size(), " vertices"));
 }
 
 void write(ByteOutput& out, const std::vector<Point3>& points) {
@@ -166,7 +164,7 @@ BoundModel decodeBoundModel(std::string_view bytes) {
 
     // The checks below find nothing wrong in a file of ours, but in one that was made to mislead.
     if (sizes.columns < 0 || sizes.columns > kMaxIndex)
-        throw CodingError("claims " + std::to_string(sizes.columns) + " lattice vertices");
+        throw CodingError(concat("claims ", sizes.columns, " lattice vertices"));
     auto offsets = readNumbers<Offset>(in, sizes.rows + 1);
     auto weights = readWeights(in, sizes.entries);
     model.binding.keptAt = readPoints(in, sizes.kept, "kept point");
@@ -175,8 +173,7 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     model.binding.kept.assign(keptPoints.begin(), keptPoints.end());
     for (const Index kept : model.binding.kept)
         if (kept < 0 || kept >= sizes.rows)
-            throw CodingError("keeps point " + std::to_string(kept) + " of " +
-                              std::to_string(sizes.rows));
+            throw CodingError(concat("keeps point ", kept, " of ", sizes.rows));
     model.binding.table =
         makeTable(sizes.columns, std::move(offsets), std::move(columns), std::move(weights));
     if (sizes.gradientEntries) model.gradients = readGradients(sizes, in);

@@ -120,9 +120,9 @@ void checkRefinableTarget(const Path& path, int dimension) {
         throw FileError(
             path, "a lattice cannot be written in this format; expected " + latticeExtensions());
     if (dimension < 1 || dimension > 3)
-        throw FileError(path, "what is of dimension " + std::to_string(dimension) +
-                                  " cannot be written; expected a curve (1), a mesh (2) or a "
-                                  "lattice (3)");
+        throw FileError(path, concat("what is of dimension ", dimension,
+                                     " cannot be written; expected a curve (1), a mesh (2) or a "
+                                     "lattice (3)"));
 }
 
 }  // namespace espalier::io

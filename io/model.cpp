@@ -42,13 +42,12 @@ template <class Numbers>
 void checkAll(std::span<const Numbers> values, std::size_t pointCount, const std::string& plural,
               const std::string& singular) {
     if (values.size() != pointCount)
-        throw Error("got " + std::to_string(values.size()) + " " + plural + " for a model of " +
-                    std::to_string(pointCount) + " points");
+        throw Error(
+            concat("got ", values.size(), " ", plural, " for a model of ", pointCount, " points"));
     for (std::size_t point = 0; point < values.size(); ++point)
         for (const double number : values[point])
             if (!std::isfinite(number))
-                throw Error("the " + singular + " of point " + std::to_string(point) +
-                            " is not finite");
+                throw Error(concat("the ", singular, " of point ", point, " is not finite"));
 }
 
 }  // namespace

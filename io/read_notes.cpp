@@ -11,10 +11,10 @@ std::string describe(const std::filesystem::path& path, const ReadNotes& notes) 
     const std::vector<Index>& dropped = notes.droppedVertices;
     if (dropped.empty()) return "";
     const bool isOne = dropped.size() == 1;
-    std::string text = shownPath(path) + ": dropped " + std::to_string(dropped.size()) +
-                       (isOne ? " unused vertex (vertex " : " unused vertices (vertices ");
+    std::string text = concat(shownPath(path), ": dropped ", dropped.size(),
+                              isOne ? " unused vertex (vertex " : " unused vertices (vertices ");
     for (std::size_t i = 0; i < std::min(dropped.size(), kMaxNamed); ++i)
-        text += (i == 0 ? "" : ", ") + std::to_string(dropped[i]);
+        text += concat(i == 0 ? "" : ", ", dropped[i]);
     return text + (dropped.size() > kMaxNamed ? ", ...)" : ")");
 }
 

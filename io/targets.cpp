@@ -25,12 +25,11 @@ std::vector<Target> readTargets(const std::filesystem::path& path, Index pointCo
         if (targets.size() > 0 && targets.back().line == target.line)
             reader.fail("expected one target a line");
         if (target.point < 0 || target.point >= pointCount)
-            reader.fail("there is no point " + std::to_string(target.point) + "; the model has " +
-                        std::to_string(pointCount) + ", from 0 on");
+            reader.fail(concat("there is no point ", target.point, "; the model has ", pointCount,
+                               ", from 0 on"));
         std::size_t& before = lines[target.point];
         if (before != 0)
-            reader.fail("point " + std::to_string(target.point) +
-                        " has a target already, on line " + std::to_string(before));
+            reader.fail(concat("point ", target.point, " has a target already, on line ", before));
         before = target.line;
         for (double& coordinate : target.position) {
             coordinate = reader.number<double>("a coordinate");

@@ -84,10 +84,12 @@ ESPALIER_API embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLatti
                                                           std::span<const Point3> points,
                                                           const LimitOptions& options = {});
 
-/// The same without gradients: what a binding to a level is, for all that takes such.
-inline embed::Binding withoutGradients(embed::BindingOf<LimitTable> binding) {
-    return {std::move(binding.table.points), std::move(binding.kept), std::move(binding.keptAt),
-            binding.topologyHash};
+/// The same without gradients: the result of binding to a level, for all that takes such.
+inline embed::BindingResult withoutGradients(embed::BindingResultOf<LimitTable> result) {
+    auto& [table, kept, keptAt, topologyHash] = result.binding;
+    return {{std::move(table.points), std::move(kept), std::move(keptAt), topologyHash},
+            std::move(result.statuses),
+            result.largestResidual};
 }
 
 }  // namespace espalier::limit

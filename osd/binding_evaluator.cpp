@@ -30,9 +30,9 @@ std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
                                     std::span<const Point3> pose) {
     using Real = typename Table::Weight;
     if (pose.size() != static_cast<std::size_t>(binding.table.columnCount()))
-        throw Error("the pose has " + std::to_string(pose.size()) +
-                    " vertices; the model is bound to a lattice of " +
-                    std::to_string(binding.table.columnCount()));
+        throw Error(concat("the pose has ", pose.size(),
+                           " vertices; the model is bound to a lattice of ",
+                           binding.table.columnCount()));
     std::vector<Real> source;
     source.reserve(3 * pose.size());
     for (const Point3& position : pose)

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "compile/compiled_table_data.h"
-#include "compile/places_of_columns.h"
+#include "compile/table_compiler.h"
 #include "kernels/room.h"
 
 namespace espalier::osd {
@@ -122,8 +122,8 @@ struct ChangeEvaluator<Real>::Data {
     void checkColumns(std::span<const Index> changed) const {
         for (const Index column : changed)
             if (column < 0 || column >= table->columnCount)
-                throw Error("column " + std::to_string(column) + " is not in a table of " +
-                            std::to_string(table->columnCount) + " columns");
+                throw Error(concat("column ", column, " is not in a table of ", table->columnCount,
+                                   " columns"));
     }
 
     /// What some columns change.
@@ -217,16 +217,6 @@ template <class Real>
 Workspace ChangeEvaluator<Real>::workspace(Offset length) const {
     checkLength(length);
     return Workspace(data_->roomFor(length));
-}
-
-template <class Real>
-void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
-                                            const BufferDescriptor& sourceLayout,
-                                            MutableValues<Real> destination,
-                                            const BufferDescriptor& destinationLayout,
-                                            std::span<const Index> changed) const {
-    Workspace workspace;
-    evaluateChanged(source, sourceLayout, destination, destinationLayout, changed, workspace);
 }
 
 template <class Real>

@@ -53,7 +53,10 @@ public:
     /// \cost O(entries of these rows × components), in parallel, and O(rows / 64)
     void evaluateChanged(Values<Real> source, const BufferDescriptor& sourceLayout,
                          MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                         std::span<const Index> changed) const;
+                         std::span<const Index> changed) const {
+        Workspace own;
+        evaluateChanged(source, sourceLayout, destination, destinationLayout, changed, own);
+    }
 
     /// The same in memory that is kept: for real time (workspace.h).
     void evaluateChanged(Values<Real> source, const BufferDescriptor& sourceLayout,

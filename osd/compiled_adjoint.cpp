@@ -6,16 +6,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "compile/places_of_columns.h"
 #include "compile/table_compiler.h"
-#include "kernels/room.h"
+#include "compiled_form.h"
 
 namespace espalier::osd {
-namespace {
 
 using stencils::StencilTable;
-
-}  // namespace
 
 template <class Real>
 struct CompiledAdjoint<Real>::Data {
@@ -106,35 +102,9 @@ std::size_t CompiledAdjoint<Real>::byteCount() const {
 }
 
 template <class Real>
-std::size_t CompiledAdjoint<Real>::roomFor(Offset length) const {
+std::size_t CompiledAdjoint<Real>::roomFor(Offset length, bool) const {
     return data_->taskNumbers().bytes() +
            roomOf<Real>(std::ssize(data_->rows.groupColumns), length);
-}
-
-template <class Real>
-Workspace CompiledAdjoint<Real>::workspace(Offset length) const {
-    checkLength(length);
-    return Workspace(roomFor(length));
-}
-
-template <class Real>
-void CompiledAdjoint<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                                     MutableValues<Real> destination,
-                                     const BufferDescriptor& destinationLayout,
-                                     RowRange rows) const {
-    Workspace workspace;
-    evaluate(source, sourceLayout, destination, destinationLayout, rows, workspace);
-}
-
-template <class Real>
-void CompiledAdjoint<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                                     MutableValues<Real> destination,
-                                     const BufferDescriptor& destinationLayout, RowRange rows,
-                                     Workspace& workspace) const {
-    checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
-                    destinationLayout, rows);
-    evaluateIn(workspace.reserve(roomFor(sourceLayout.length)), source, sourceLayout, destination,
-               destinationLayout, rows);
 }
 
 template <class Real>
@@ -169,6 +139,8 @@ void CompiledAdjoint<Real>::evaluateIn(std::byte* memory, Values<Real> source,
     });
 }
 
+template class CompiledForm<CompiledAdjoint<float>, float>;
+template class CompiledForm<CompiledAdjoint<double>, double>;
 template class CompiledAdjoint<float>;
 template class CompiledAdjoint<double>;
 

@@ -2,16 +2,12 @@
 #pragma once
 
 #include <espalier/base/api.h>
-#include <espalier/osd/evaluation.h>
-#include <espalier/osd/kernels/simd.h>
-#include <espalier/osd/workspace.h>
+#include <espalier/osd/compiled_table.h>
 
 #include <cstddef>
 #include <memory>
 
 namespace espalier::osd {
-
-struct ChainSteps;
 
 /// The adjoint of a table, Dᵀ, in the form that is fastest to evaluate: gradients by the points of
 /// a model become gradients by the vertices of its lattice.
@@ -21,11 +17,17 @@ struct ChainSteps;
 /// columns, and then the sums of these, and of the rows that are in no group, for each column of
 /// the table. No two threads add to the same number.
 ///
+/// Results are off the sums by no more than 4 ulp of Σ |w · x| and one more for each entry; in
+/// practice for each doubling of their number. A source value that is not finite may reach columns
+/// of its group whose weight for it is 0.
+///
 /// Immutable, and so safe to share between threads.
 ///
+/// \cost of an evaluation: O(entries × components), in parallel, whatever the range; memory for the
+///       sums of the groups
 /// \cite MacCracken & Joy 1996, section 5: D is linear, and so Dᵀ is its derivative's adjoint
 template <class Real>
-class ESPALIER_API CompiledAdjoint {
+class ESPALIER_API CompiledAdjoint : public CompiledForm<CompiledAdjoint<Real>, Real> {
 public:
     /// \param table D, not its transpose
     /// \param simd which kernels evaluate it
@@ -42,38 +44,15 @@ public:
     /// Memory that it takes.
     std::size_t byteCount() const;
 
-    /// As checkEvaluation() says of a table with these rows and columns. Results are off the sums
-    /// by no more than 4 ulp of Σ |w · x| and one more for each entry; in practice for each
-    /// doubling of their number. They do not depend on the number of threads, nor on the range, bit
-    /// for bit. A source value that is not finite may reach columns of its group whose weight for
-    /// it is 0.
-    ///
-    /// \cost O(entries × components), in parallel, whatever the range; memory for the sums of the
-    ///       groups
-    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows) const;
-
-    /// The same in memory that is kept: for real time (workspace.h).
-    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows, Workspace& workspace) const;
-
-    /// One that is large enough for entries of so many components, in any layout.
-    /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
-    Workspace workspace(Offset length) const;
-
-private:
-    struct Data;
-
-    std::size_t roomFor(Offset length) const;
+    /// As those of CompiledTable; the source is never copied.
+    std::size_t roomFor(Offset length, bool) const;
     void evaluateIn(std::byte* memory, Values<Real> source, const BufferDescriptor& sourceLayout,
                     MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                     RowRange rows) const;
 
+private:
+    struct Data;
     std::unique_ptr<const Data> data_;
-
-    friend struct ChainSteps;
 };
 
 }  // namespace espalier::osd

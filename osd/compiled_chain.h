@@ -13,21 +13,29 @@
 namespace espalier::osd {
 
 /// Tables that are applied one after the other, T_n · (… · (T_1 · source)), each compiled: the two
-/// factors of a deformation table, or the level tables R_1 to R_n.
+/// factors of a deformation table, or the level tables R_1 to R_n. Or the adjoint of such a chain,
+/// T_1ᵀ · (… · (T_nᵀ · source)): gradients by the points of a model become gradients by the
+/// vertices of its lattice.
+///
+/// An evaluation evaluates all rows of all steps but the last, whatever the range. Results are off
+/// the sums of the product by no more than the bounds of the steps, one after the other.
 ///
 /// Immutable, and so safe to share between threads.
-template <class Real>
-class ESPALIER_API CompiledChain {
+///
+/// \tparam Step CompiledTable<Real>; CompiledAdjoint<Real> for the adjoint
+/// \cost of an evaluation: that of each table; memory for the values between them
+template <class Step, class Real>
+class ESPALIER_API StepChain : public CompiledForm<StepChain<Step, Real>, Real> {
 public:
-    /// \param tables T_1 to T_n, at least one
+    /// \param tables T_1 to T_n, not their transposes, at least one
     /// \throws Error if there are none, if one has not the columns that the one before has rows, or
     ///         if this processor does not have `simd`
     /// \cost that of compiling each
-    explicit CompiledChain(std::span<const stencils::StencilTable<Real>> tables,
-                           Simd simd = bestSimd());
+    explicit StepChain(std::span<const stencils::StencilTable<Real>> tables,
+                       Simd simd = bestSimd());
 
-    /// D, by its factors.
-    explicit CompiledChain(const stencils::FactoredTable<Real>& table, Simd simd = bestSimd());
+    /// D or Dᵀ, by the factors of D.
+    explicit StepChain(const stencils::FactoredTable<Real>& table, Simd simd = bestSimd());
 
     Index rowCount() const { return steps_.back().rowCount(); }
     Index columnCount() const { return steps_.front().columnCount(); }
@@ -35,72 +43,19 @@ public:
     /// Memory that it takes.
     std::size_t byteCount() const;
 
-    /// As checkEvaluation() says, for the product of the tables. All rows of all tables but the
-    /// last are evaluated, whatever the range. Results are off the sums of the product by no more
-    /// than the bounds of CompiledTable::evaluate(), one after the other. They do not depend on the
-    /// number of threads, nor on the range, bit for bit.
-    ///
-    /// \cost that of each table; memory for the values between them
-    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows) const;
-
-    /// The same in memory that is kept: for real time (workspace.h).
-    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows, Workspace& workspace) const;
-
-    /// One that is large enough for entries of so many components, in any layout.
-    /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
-    Workspace workspace(Offset length) const;
+    /// As those of CompiledTable; room is taken for a copy of any source.
+    std::size_t roomFor(Offset length, bool) const;
+    void evaluateIn(std::byte* memory, Values<Real> source, const BufferDescriptor& sourceLayout,
+                    MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                    RowRange rows) const;
 
 private:
-    std::vector<CompiledTable<Real>> steps_;
+    std::vector<Step> steps_;  ///< in the order of their evaluation
 };
 
-/// The adjoint of such a chain, T_1ᵀ · (… · (T_nᵀ · source)): gradients by the points of a model
-/// become gradients by the vertices of its lattice.
-///
-/// Immutable, and so safe to share between threads.
 template <class Real>
-class ESPALIER_API CompiledAdjointChain {
-public:
-    /// \param tables T_1 to T_n, not their transposes, at least one
-    /// \throws Error as CompiledChain
-    /// \cost that of compiling each
-    explicit CompiledAdjointChain(std::span<const stencils::StencilTable<Real>> tables,
-                                  Simd simd = bestSimd());
-
-    /// Dᵀ, by the factors of D.
-    explicit CompiledAdjointChain(const stencils::FactoredTable<Real>& table,
-                                  Simd simd = bestSimd());
-
-    Index rowCount() const { return steps_.back().rowCount(); }         ///< columns of T_1
-    Index columnCount() const { return steps_.front().columnCount(); }  ///< rows of T_n
-
-    /// Memory that it takes.
-    std::size_t byteCount() const;
-
-    /// As checkEvaluation() says, for the transpose of the product. Results are off its sums by no
-    /// more than the bounds of CompiledAdjoint::evaluate(), one after the other. They do not depend
-    /// on the number of threads, nor on the range, bit for bit.
-    ///
-    /// \cost that of each table; memory for the values between them
-    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows) const;
-
-    /// The same in memory that is kept: for real time (workspace.h).
-    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows, Workspace& workspace) const;
-
-    /// One that is large enough for entries of so many components, in any layout.
-    /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
-    Workspace workspace(Offset length) const;
-
-private:
-    std::vector<CompiledAdjoint<Real>> steps_;  ///< T_nᵀ first
-};
+using CompiledChain = StepChain<CompiledTable<Real>, Real>;
+template <class Real>
+using CompiledAdjointChain = StepChain<CompiledAdjoint<Real>, Real>;
 
 }  // namespace espalier::osd

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "compile/compiled_table_data.h"
-#include "kernels/room.h"
+#include "compiled_form.h"
 
 namespace espalier::osd {
 namespace {
@@ -73,32 +73,6 @@ std::size_t CompiledTable<Real>::roomFor(Offset length, bool hasPaddedSource) co
 }
 
 template <class Real>
-Workspace CompiledTable<Real>::workspace(Offset length) const {
-    checkLength(length);
-    return Workspace(roomFor(length, false));
-}
-
-template <class Real>
-void CompiledTable<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                                   MutableValues<Real> destination,
-                                   const BufferDescriptor& destinationLayout, RowRange rows) const {
-    Workspace workspace;
-    evaluate(source, sourceLayout, destination, destinationLayout, rows, workspace);
-}
-
-template <class Real>
-void CompiledTable<Real>::evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                                   MutableValues<Real> destination,
-                                   const BufferDescriptor& destinationLayout, RowRange rows,
-                                   Workspace& workspace) const {
-    checkEvaluation(rowCount(), columnCount(), source.size(), sourceLayout, destination.size(),
-                    destinationLayout, rows);
-    const bool hasPaddedSource = isPadded<Real>(columnCount(), source, sourceLayout);
-    evaluateIn(workspace.reserve(roomFor(sourceLayout.length, hasPaddedSource)), source,
-               sourceLayout, destination, destinationLayout, rows);
-}
-
-template <class Real>
 void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
                                      const BufferDescriptor& sourceLayout,
                                      MutableValues<Real> destination,
@@ -142,6 +116,8 @@ void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
     });
 }
 
+template class CompiledForm<CompiledTable<float>, float>;
+template class CompiledForm<CompiledTable<double>, double>;
 template class CompiledTable<float>;
 template class CompiledTable<double>;
 

@@ -11,9 +11,37 @@
 
 namespace espalier::osd {
 
-struct ChainSteps;
 template <class Real>
 class ChangeEvaluator;
+
+/// How all compiled forms of tables are evaluated: CompiledTable, CompiledAdjoint, and their
+/// chains. What results are, and how exact, is said in Form.
+///
+/// \tparam Form has rowCount(), columnCount(), roomFor() and evaluateIn()
+template <class Form, class Real>
+class ESPALIER_API CompiledForm {
+public:
+    /// As checkEvaluation() says. Results do not depend on the number of threads, nor on the range,
+    /// bit for bit.
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows) const {
+        Workspace own;
+        evaluate(source, sourceLayout, destination, destinationLayout, rows, own);
+    }
+
+    /// The same in memory that is kept: for real time (workspace.h).
+    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
+                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
+                  RowRange rows, Workspace& workspace) const;
+
+    /// One that is large enough for entries of so many components, in any layout.
+    /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
+    Workspace workspace(Offset length) const;
+
+private:
+    const Form& form() const { return static_cast<const Form&>(*this); }
+};
 
 /// A stencil table in the form that is fastest to evaluate. The table itself stays the truth; this
 /// holds all of its weights, and does not refer to it.
@@ -26,11 +54,21 @@ class ChangeEvaluator;
 /// faces of a regular surface, whose panels are alike, and those of rows of one mask. Results come
 /// out in the order of the table.
 ///
+/// Results are within 4 ulp of Σ |w · x| in rows of up to 64 entries, and of longer ones within one
+/// more for each 32: sums are made in another order than that of the columns, and weights of outer
+/// products are a little off. A source value that is not finite may reach rows beside its own,
+/// whose weight for it is 0.
+///
 /// Immutable, and so safe to share between threads.
 ///
+/// \cost of an evaluation: O(entries of the range × components), in parallel, and a look at each
+///       group of rows; a copy of the source, unless its stride is its length rounded up to a
+///       multiple of 4, and the first entry is at a multiple of 4 numbers in memory. What lies
+///       between such entries makes no difference. The copy is allocated, and what rows of very
+///       many columns need (more than 1024 of xyz in float)
 /// \cite MacCracken & Joy 1996, section 5: the deformation is evaluated again for each pose
 template <class Real>
-class ESPALIER_API CompiledTable {
+class ESPALIER_API CompiledTable : public CompiledForm<CompiledTable<Real>, Real> {
 public:
     /// \param simd which kernels evaluate it
     /// \throws Error if this processor does not have `simd`
@@ -50,41 +88,19 @@ public:
     /// Memory that it takes.
     std::size_t byteCount() const;
 
-    /// As checkEvaluation() says. Results are within 4 ulp of Σ |w · x| in rows of up to 64
-    /// entries, and of longer ones within one more for each 32: sums are made in another order than
-    /// that of the columns, and weights of outer products are a little off. A source value that is
-    /// not finite may reach rows beside its own, whose weight for it is 0. Results do not depend on
-    /// the number of threads, nor on the range, bit for bit.
-    ///
-    /// \cost O(entries of the range × components), in parallel, and a look at each group of rows; a
-    ///       copy of the source, unless its stride is its length rounded up to a multiple of 4, and
-    ///       the first entry is at a multiple of 4 numbers in memory. What lies between such
-    ///       entries makes no difference. The copy is allocated, and what rows of very many columns
-    ///       need (more than 1024 of xyz in float)
-    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows) const;
-
-    /// The same in memory that is kept: for real time (workspace.h).
-    void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
-                  MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
-                  RowRange rows, Workspace& workspace) const;
-
-    /// One that is large enough for entries of so many components, in any layout.
-    /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
-    Workspace workspace(Offset length) const;
-
-private:
-    struct Data;
-
+    /// Memory of the caller's that an evaluation takes: bytes, for entries of so many components.
+    /// \param hasPaddedSource whether the source lies so that it is not copied
     std::size_t roomFor(Offset length, bool hasPaddedSource) const;
+
+    /// evaluate() of arguments that are checked, in such memory, aligned to 64 bytes.
     void evaluateIn(std::byte* memory, Values<Real> source, const BufferDescriptor& sourceLayout,
                     MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                     RowRange rows) const;
 
+private:
+    struct Data;
     std::shared_ptr<const Data> data_;
 
-    friend struct ChainSteps;
     friend class ChangeEvaluator<Real>;
 };
 

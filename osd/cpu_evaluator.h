@@ -16,4 +16,14 @@ struct ESPALIER_API CpuEvaluator {
                          const BufferDescriptor& destinationLayout, RowRange rows);
 };
 
+/// The contract in the fewest words, on one thread: what every other evaluator is tested against.
+struct ESPALIER_API ReferenceEvaluator {
+    /// Evaluates rows of a table; see checkEvaluation() for the contract.
+    /// \cost O(entries × components)
+    template <class Real>
+    static void evaluate(const stencils::StencilTable<Real>& table, Values<Real> source,
+                         const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
+                         const BufferDescriptor& destinationLayout, RowRange rows);
+};
+
 }  // namespace espalier::osd

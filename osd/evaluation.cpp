@@ -28,14 +28,12 @@ void checkLayout(const BufferDescriptor& layout, std::size_t size, Offset entrie
         throw Error(std::string("the ") + name + " buffer " + what);
     };
     if (layout.offset < 0 || layout.length < 1 || layout.stride < layout.length)
-        refuse("has offset " + std::to_string(layout.offset) + ", length " +
-               std::to_string(layout.length) + " and stride " + std::to_string(layout.stride) +
-               "; expected offset ≥ 0 and stride ≥ length ≥ 1");
+        refuse(concat("has offset ", layout.offset, ", length ", layout.length, " and stride ",
+                      layout.stride, "; expected offset ≥ 0 and stride ≥ length ≥ 1"));
     checkLength(layout.length);
     if (!holds(layout, size, entries))
-        refuse("holds " + std::to_string(size) + " numbers: too few for " +
-               std::to_string(entries) + " entries at offset " + std::to_string(layout.offset) +
-               " and stride " + std::to_string(layout.stride));
+        refuse(concat("holds ", size, " numbers: too few for ", entries, " entries at offset ",
+                      layout.offset, " and stride ", layout.stride));
 }
 
 }  // namespace
@@ -43,21 +41,21 @@ void checkLayout(const BufferDescriptor& layout, std::size_t size, Offset entrie
 void checkLength(Offset length) {
     constexpr Offset kMaxLength = std::numeric_limits<Index>::max();
     if (length < 1 || length > kMaxLength)
-        throw Error("an entry cannot have " + std::to_string(length) +
-                    " components; expected 1 to " + std::to_string(kMaxLength));
+        throw Error(
+            concat("an entry cannot have ", length, " components; expected 1 to ", kMaxLength));
 }
 
 void checkEvaluation(Index rowCount, Index columnCount, std::size_t sourceSize,
                      const BufferDescriptor& sourceLayout, std::size_t destinationSize,
                      const BufferDescriptor& destinationLayout, RowRange rows) {
     if (rows.first < 0 || rows.last < rows.first || rows.last > rowCount)
-        throw Error("rows " + std::to_string(rows.first) + " to " + std::to_string(rows.last) +
-                    " are not in a table of " + std::to_string(rowCount) + " rows");
+        throw Error(concat("rows ", rows.first, " to ", rows.last, " are not in a table of ",
+                           rowCount, " rows"));
     checkLayout(sourceLayout, sourceSize, columnCount, "source");
     checkLayout(destinationLayout, destinationSize, rows.last, "destination");
     if (sourceLayout.length != destinationLayout.length)
-        throw Error("source entries have " + std::to_string(sourceLayout.length) +
-                    " components, destination entries " + std::to_string(destinationLayout.length));
+        throw Error(concat("source entries have ", sourceLayout.length,
+                           " components, destination entries ", destinationLayout.length));
 }
 
 }  // namespace espalier::osd

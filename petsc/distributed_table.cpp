@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/petsc/distributed_table.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -9,10 +10,18 @@
 #include <optional>
 #include <string>
 
-#include "agreement.h"
-#include "error_capture.h"
+#include "errors.h"
 
 namespace espalier::petsc {
+
+OwnedRange evenRange(Offset total, int rank, int size) {
+    if (total < 0 || rank < 0 || rank >= size)
+        throw Error(concat("cannot split ", total, " for rank ", rank, " of ", size));
+    const Offset each = total / size, more = total % size;
+    const Offset first = each * rank + std::min<Offset>(rank, more);
+    return {first, first + each + (rank < more ? 1 : 0)};
+}
+
 namespace {
 
 using stencils::StencilTable;
@@ -27,8 +36,8 @@ PetscInt toPetscInt(Offset value) {
 
 void checkPetscInt(Offset value, const std::string& what) {
     if (value > kMaxPetscInt)
-        throw Error(std::to_string(value) + " " + what + "; PETSc's integers have " +
-                    std::to_string(8 * sizeof(PetscInt)) + " bits");
+        throw Error(
+            concat(value, " ", what, "; PETSc's integers have ", 8 * sizeof(PetscInt), " bits"));
 }
 
 void checkInitialised() {
@@ -41,17 +50,15 @@ void checkInitialised() {
 /// What a rank sees without the others.
 void checkOwn(const StencilTable<double>& rows, Offset ownVertexCount, int components,
               int componentsOfRank0) {
-    if (components < 1) throw Error("got " + std::to_string(components) + " components");
+    if (components < 1) throw Error(concat("got ", components, " components"));
     if (components != componentsOfRank0)
-        throw Error("got " + std::to_string(components) + " components, rank 0 has " +
-                    std::to_string(componentsOfRank0));
-    if (ownVertexCount < 0) throw Error("got " + std::to_string(ownVertexCount) + " own vertices");
+        throw Error(concat("got ", components, " components, rank 0 has ", componentsOfRank0));
+    if (ownVertexCount < 0) throw Error(concat("got ", ownVertexCount, " own vertices"));
     checkPetscInt(rows.entryCount(), "entries on one rank");
     for (Index row = 0; row < rows.rowCount(); ++row)
         for (const double weight : rows.weights(row))
             if (!std::isfinite(weight))
-                throw Error("row " + std::to_string(row) + " has a weight of " +
-                            std::to_string(weight));
+                throw Error(concat("row ", row, " has a weight of ", weight));
 }
 
 /// The range of this rank, where each has so many.
@@ -102,8 +109,8 @@ private:
 
 void checkSize(std::size_t got, Offset count, int components, const char* what) {
     if (got != static_cast<std::size_t>(count) * static_cast<std::size_t>(components))
-        throw Error("got " + std::to_string(got) + " numbers for " + std::to_string(count) + " " +
-                    what + " of " + std::to_string(components) + " components");
+        throw Error(concat("got ", got, " numbers for ", count, " ", what, " of ", components,
+                           " components"));
 }
 
 }  // namespace
@@ -137,8 +144,8 @@ DistributedTable::DistributedTable(MPI_Comm comm, const StencilTable<double>& ow
     std::optional<IntegersOf<PetscInt>> integers;
     checkOnAllRanks(comm, [&] {
         if (ownRows.columnCount() != vertexCount_)
-            throw Error("the rows are over " + std::to_string(ownRows.columnCount()) +
-                        " vertices; the ranks own " + std::to_string(vertexCount_));
+            throw Error(concat("the rows are over ", ownRows.columnCount(),
+                               " vertices; the ranks own ", vertexCount_));
         checkPetscInt(pointCount_ * components, "components of points");
         checkPetscInt(vertexCount_ * components, "components of vertices");
         integers.emplace(ownRows);
@@ -179,12 +186,12 @@ DistributedTable::DistributedTable(MPI_Comm comm, const embed::Binding& own, Off
     : DistributedTable(comm, own.table, ownVertexCount, 3) {
     checkOnAllRanks(comm, [&] {
         if (own.kept.size() != own.keptAt.size())
-            throw Error(std::to_string(own.kept.size()) + " points are kept, at " +
-                        std::to_string(own.keptAt.size()) + " places");
+            throw Error(
+                concat(own.kept.size(), " points are kept, at ", own.keptAt.size(), " places"));
         for (const Index point : own.kept)
             if (point < 0 || point >= own.table.rowCount())
-                throw Error("point " + std::to_string(point) + " cannot be kept; there are " +
-                            std::to_string(own.table.rowCount()));
+                throw Error(
+                    concat("point ", point, " cannot be kept; there are ", own.table.rowCount()));
         kept_ = own.kept;
         keptAt_ = own.keptAt;
     });

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/base/index.h>
 #include <espalier/base/point.h>
 #include <espalier/embed/binding.h>
-#include <espalier/petsc/owned_range.h>
+
 #include <petscmat.h>
 
 #include <memory>
@@ -13,6 +14,21 @@
 #include <vector>
 
 namespace espalier::petsc {
+
+/// The points, or the lattice vertices, of one rank: first to last − 1 of all. Those of rank 0 come
+/// first, then those of rank 1.
+struct OwnedRange {
+    Offset first = 0;
+    Offset last = 0;
+
+    Offset count() const { return last - first; }
+    friend bool operator==(const OwnedRange&, const OwnedRange&) = default;
+};
+
+/// The part of `rank` of an even split, as PetscSplitOwnership makes it: the first ranks have one
+/// more where it does not come out even.
+/// \throws Error unless total ≥ 0 and 0 ≤ rank < size
+ESPALIER_API OwnedRange evenRange(Offset total, int rank, int size);
 
 /// The deformation matrix D of a model that is spread over the ranks of an MPI communicator, as
 /// PETSc's MATMPIAIJ (on one rank MATSEQAIJ), with MATMAIJ over it for the components:

@@ -50,8 +50,8 @@ void checkFinite(const py::array_t<Real>& array, const std::string& name) {
     if (areFinite) return;
     const auto bad = std::find_if(values.begin(), values.end(),
                                   [](Real value) { return !std::isfinite(value); });
-    throw Error(name + placeText(array, bad - values.begin()) + " is " + std::to_string(*bad) +
-                "; expected a finite number");
+    throw Error(concat(name, placeText(array, bad - values.begin()), " is ", *bad,
+                       "; expected a finite number"));
 }
 
 }  // namespace
@@ -101,8 +101,8 @@ py::array_t<Index> indexArray(const py::handle& object, const std::string& name)
         for (py::ssize_t i = 0; i < wide.size(); ++i) {
             const auto value = wide.data()[i];
             if (!std::in_range<Index>(value))
-                throw Error(name + placeText(array, i) + " is " + std::to_string(value) +
-                            "; expected a number of 32 bits");
+                throw Error(concat(name, placeText(array, i), " is ", value,
+                                   "; expected a number of 32 bits"));
             result.mutable_data()[i] = static_cast<Index>(value);
         }
     };

@@ -28,10 +28,16 @@
 // that goes out and comes back has the same bytes.
 namespace espalier::python {
 
-/// Any object, by the name that signatures give it.
-class ArrayLike : public py::object {
-    PYBIND11_OBJECT_DEFAULT(ArrayLike, object, [](PyObject*) { return true; })
+/// Any object, by the name that signatures give it: Kind::kName.
+template <class Kind>
+class Like : public py::object {
+    PYBIND11_OBJECT_DEFAULT(Like, object, [](PyObject*) { return true; })
 };
+
+struct ArrayKind {
+    static constexpr auto kName = py::detail::const_name("ArrayLike");
+};
+using ArrayLike = Like<ArrayKind>;
 
 /// What str() says of an object, and the name of its type.
 std::string textOf(const py::handle& object);
@@ -40,7 +46,7 @@ std::string typeName(const py::handle& object);
 /// "(27, 3)".
 std::string shapeText(std::span<const py::ssize_t> shape);
 inline std::string shapeText(const py::array& array) {
-    return shapeText({array.shape(), static_cast<std::size_t>(array.ndim())});
+    return shapeText(std::span(array.shape(), array.ndim()));
 }
 
 /// Whether numbers are of 32 bits, in any order of their bytes.
@@ -192,9 +198,9 @@ auto getter(Result (T::*method)() const) {
 
 namespace pybind11::detail {
 
-template <>
-struct handle_type_name<espalier::python::ArrayLike> {
-    static constexpr auto name = const_name("ArrayLike");
+template <class Kind>
+struct handle_type_name<espalier::python::Like<Kind>> {
+    static constexpr auto name = Kind::kName;
 };
 
 template <class T>

@@ -18,7 +18,6 @@
 #include <utility>
 
 #include "evaluation.h"
-#include "model.h"
 #include "module.h"
 #include "pickling.h"
 #include "refiner.h"
@@ -31,39 +30,34 @@ namespace {
 
 using Bound = std::shared_ptr<BoundPoints>;
 
-void bindToSubdivision(BoundPoints& result, const Refiner& refiner, int level,
-                       std::span<const Point3> points, const embed::EmbeddingOptions& options) {
-    auto found = embed::bindPoints({refiner.base(), refiner.lattice()->positions, refiner.rules()},
-                                   points, {.level = level, .embedding = options});
-    result.bound.binding = std::move(found.binding);
-    result.placement = {std::move(found.statuses), found.largestResidual};
-}
-
-/// \param gradients whether the binding keeps those, for directions of the model
-void bindToLimit(BoundPoints& result, const Refiner& refiner, std::span<const Point3> points,
-                 const embed::EmbeddingOptions& options, bool gradients) {
-    const auto& rest = refiner.lattice()->positions;
-    auto found = limit::bindLimit(
-        {refiner.base(), rest, refiner.rules()}, points,
-        {.embedding = options, .tolerance = options.tolerance, .gradients = gradients});
-    if (gradients)
-        result.bound.gradients = io::BoundGradients{std::move(found.binding.table.gradients), rest};
-    result.bound.binding = limit::withoutGradients(std::move(found.binding));
-    result.placement = {std::move(found.statuses), found.largestResidual};
-}
-
-void bindToTensorProduct(BoundPoints& result, const Refiner& refiner, embed::Basis basis,
-                         std::span<const Point3> points, const embed::EmbeddingOptions& options) {
+/// \param hasDirections whether the binding to the limit keeps gradients, for directions of the
+/// model
+void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Basis> basis,
+            bool isLimit, int level, const embed::EmbeddingOptions& options, bool hasDirections) {
     const Lattice& lattice = *refiner.lattice();
-    // To go on without them would be another deformation than the lattice asks for.
-    if (!lattice.marks.empty())
-        throw Error("basis: the lattice has marks, which only subdivision heeds");
-    const embed::TensorLattice tensor(lattice.complex, lattice.positions, basis);
-    const auto embedding = embed::embedPoints(tensor, points, options);
-    result.bound.binding = embed::makeBinding(tensor, embedding, points);
-    Placement placement{{}, embedding.largestResidual()};
-    for (const auto& point : embedding.points) placement.statuses.push_back(point.status);
-    result.placement = std::move(placement);
+    const std::vector<Point3>& points = *result.points;
+    embed::BindingResult found;
+    if (basis) {
+        // To go on without them would be another deformation than the lattice asks for.
+        if (!lattice.marks.empty())
+            throw Error("basis: the lattice has marks, which only subdivision heeds");
+        found = embed::bindPoints(embed::TensorLattice(lattice.complex, lattice.positions, *basis),
+                                  points, options);
+    } else if (isLimit) {
+        auto inLimit = limit::bindLimit(
+            {refiner.base(), lattice.positions, refiner.rules()}, points,
+            {.embedding = options, .tolerance = options.tolerance, .gradients = hasDirections});
+        if (hasDirections)
+            result.bound.gradients = {std::move(inLimit.binding.table.gradients),
+                                      lattice.positions};
+        found = limit::withoutGradients(std::move(inLimit));
+    } else {
+        found = embed::bindPoints({refiner.base(), lattice.positions, refiner.rules()}, points,
+                                  {.level = level, .embedding = options});
+    }
+    result.bound.binding = std::move(found.binding);
+    result.statuses = std::move(found.statuses);
+    result.largestResidual = found.largestResidual;
 }
 
 Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
@@ -85,14 +79,7 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
     } else {
         result->points = toPoints(points, "points");
     }
-    withoutGil([&] {
-        if (limit)
-            bindToLimit(*result, *refiner, *result->points, options, hasDirections);
-        else if (!weights)
-            bindToSubdivision(*result, *refiner, level, *result->points, options);
-        else
-            bindToTensorProduct(*result, *refiner, *weights, *result->points, options);
-    });
+    withoutGil([&] { bindTo(*result, *refiner, weights, limit, level, options, hasDirections); });
     return result;
 }
 
@@ -119,36 +106,27 @@ void save(const BoundPoints& self, const std::filesystem::path& path) {
                                self.bound.gradients});
 }
 
-template <class Real>
-BoundPoints::Compiled<Real>& compiledOf(BoundPoints& self) {
-    if constexpr (std::is_same_v<Real, float>)
-        return self.single;
-    else
-        return self.twofold;
-}
-
-/// Calls function(Real) with float for an array of float32, with double for all else.
-template <class Function>
-py::array inPrecisionOf(const py::object& values, Function function) {
+/// Evaluates a form of D, `to` results of `from` values each: in float for an array of float32, in
+/// double for all else.
+/// \param finish called with the result and its layout
+template <template <class> class Form, class Finish>
+py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to,
+                       const ArrayLike& values, const std::optional<ArrayLike>& out,
+                       Finish finish) {
+    const auto inPrecision = [&]<class Real>(Real) {
+        const auto run = [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
+                             std::span<Real> result) {
+            const auto& form = std::get<Lazy<Form<Real>>>(self.forms).get([&] {
+                return compile<Form, Real>(self.bound.binding.table);
+            });
+            form.evaluate(source, layout, result, layout, {0, to});
+            finish(result, layout);
+        };
+        return evaluate<Real>({name, from, to, 3, run}, values, out);
+    };
     const bool isSingle = py::isinstance<py::array>(values) &&
                           isFloat32(py::reinterpret_borrow<py::array>(values).dtype());
-    return isSingle ? function(float{}) : function(double{});
-}
-
-template <class Real>
-py::array deformIn(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
-    const auto& binding = self.bound.binding;
-    const Index rows = binding.table.rowCount();
-    return evaluate<Real>({"pose", binding.table.columnCount(), rows, 3,
-                           [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
-                               std::span<Real> result) {
-                               const auto& compiled = compiledOf<Real>(self).table.get([&] {
-                                   return compile<osd::CompiledTable, Real>(binding.table);
-                               });
-                               compiled.evaluate(source, layout, result, layout, {0, rows});
-                               osd::writeKept<Real>(binding, result, layout);
-                           }},
-                          pose, out);
+    return isSingle ? inPrecision(float{}) : inPrecision(double{});
 }
 
 /// The positions of a pose that is a lattice, which has to be one of this lattice.
@@ -163,38 +141,29 @@ ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
     return viewOf(lattice.positions, pose);
 }
 
-py::array deform(BoundPoints& self, const ArrayLike& like, const std::optional<ArrayLike>& out) {
-    const ArrayLike pose = positionsOf(self, like);
-    return inPrecisionOf(pose,
-                         [&](auto zero) { return deformIn<decltype(zero)>(self, pose, out); });
-}
-
-template <class Real>
-py::array adjointIn(BoundPoints& self, const ArrayLike& gradients,
-                    const std::optional<ArrayLike>& out) {
-    const auto& table = self.bound.binding.table;
-    return evaluate<Real>(
-        {"gradients", table.rowCount(), table.columnCount(), 3,
-         [&](std::span<const Real> source, const osd::BufferDescriptor& layout,
-             std::span<Real> result) {
-             const auto& compiled = compiledOf<Real>(self).adjoint.get(
-                 [&] { return compile<osd::CompiledAdjoint, Real>(table); });
-             compiled.evaluate(source, layout, result, layout, {0, table.columnCount()});
-         }},
-        gradients, out);
+py::array deform(BoundPoints& self, const ArrayLike& pose, const std::optional<ArrayLike>& out) {
+    const auto& binding = self.bound.binding;
+    const auto writeKept = [&]<class Real>(std::span<Real> result,
+                                           const osd::BufferDescriptor& layout) {
+        osd::writeKept<Real>(binding, result, layout);
+    };
+    return evaluateForm<osd::CompiledTable>(self, "pose", binding.table.columnCount(),
+                                            binding.table.rowCount(), positionsOf(self, pose), out,
+                                            writeKept);
 }
 
 py::array adjoint(BoundPoints& self, const ArrayLike& gradients,
                   const std::optional<ArrayLike>& out) {
-    return inPrecisionOf(
-        gradients, [&](auto zero) { return adjointIn<decltype(zero)>(self, gradients, out); });
+    const auto& table = self.bound.binding.table;
+    return evaluateForm<osd::CompiledAdjoint>(self, "gradients", table.rowCount(),
+                                              table.columnCount(), gradients, out,
+                                              [](const auto&, const auto&) {});
 }
 
 py::object statusesOf(const py::object& self) {
-    const auto& placement = self.cast<const BoundPoints&>().placement;
-    if (!placement) return py::none();
-    const auto statuses = bytesOf(placement->statuses);
-    return viewOf(statuses, {static_cast<py::ssize_t>(statuses.size())}, self);
+    const auto& bound = self.cast<const BoundPoints&>();
+    if (!bound.largestResidual) return py::none();
+    return viewOf(bytesOf(bound.statuses), self);
 }
 
 void addPoints(py::class_<BoundPoints, Bound>& type) {
@@ -211,7 +180,7 @@ void addPoints(py::class_<BoundPoints, Bound>& type) {
             "kept",
             [](const py::object& self) {
                 const auto& kept = self.cast<const BoundPoints&>().bound.binding.kept;
-                return viewOf(std::span(kept), {static_cast<py::ssize_t>(kept.size())}, self);
+                return viewOf(std::span(kept), self);
             },
             "The points that stay where they are, since nothing carries them; their rows of D are "
             "empty. Array (K,) of int32, ascending, read-only.")
@@ -219,11 +188,7 @@ void addPoints(py::class_<BoundPoints, Bound>& type) {
                                "How binding went for each point: array (N,) of uint8, of the "
                                "values of PointStatus; None of a binding that was loaded.")
         .def_property_readonly(
-            "largest_residual",
-            [](const BoundPoints& self) {
-                return self.placement ? std::optional(self.placement->largestResidual)
-                                      : std::nullopt;
-            },
+            "largest_residual", [](const BoundPoints& self) { return self.largestResidual; },
             "The largest distance of a point from the position of its place, in the units of the "
             "lattice: float; None of a binding that was loaded.");
 }
@@ -240,13 +205,12 @@ std::span<const std::uint8_t> bytesOf(const std::vector<embed::PointStatus>& sta
 }
 
 std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
-    const auto count = static_cast<std::size_t>(bound.binding.table.rowCount());
+    const Index count = bound.binding.table.rowCount();
     if (count == 0) return std::vector<Point3>();
     if (bound.modelName.empty()) return std::nullopt;
     auto points = pointsOf(modelOfBytes(bound.modelName, bound.modelBytes));
-    if (points.size() != count)
-        throw Error("binds " + std::to_string(count) + " points; its model has " +
-                    std::to_string(points.size()));
+    if (std::ssize(points) != count)
+        throw Error(concat("binds ", count, " points; its model has ", points.size()));
     return points;
 }
 
@@ -298,9 +262,9 @@ Returns the array; float32 and compiling as in deform().
             "known either.")
         .def("__repr__", [](const BoundPoints& self) {
             const auto& table = self.bound.binding.table;
-            return "<espalier.Binding: " + std::to_string(table.rowCount()) + " points x " +
-                   std::to_string(table.columnCount()) + " vertices, " +
-                   std::to_string(self.bound.binding.kept.size()) + " kept in place>";
+            return concat("<espalier.Binding: ", table.rowCount(), " points x ",
+                          table.columnCount(), " vertices, ", self.bound.binding.kept.size(),
+                          " kept in place>");
         });
     addPoints(type);
     addPickling(type, &stateOfBinding, &bindingOfState);

@@ -4,6 +4,7 @@
 #include <espalier/base/point.h>
 #include <espalier/embed/point_location.h>
 #include <espalier/io/binding_file.h>
+#include <espalier/io/model.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 
@@ -12,11 +13,29 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <tuple>
 #include <vector>
 
 #include "tables.h"
 
 namespace espalier::python {
+
+/// The file of a model, and what is read from it.
+struct ModelFile {
+    std::string name;  ///< without folders
+    std::string bytes;
+    std::shared_ptr<const io::Model> model;
+};
+
+/// A copy of the points of a model.
+std::vector<Point3> pointsOf(const ModelFile& file);
+
+/// A model of points alone, as a file that says so: points.obj.
+ModelFile modelOfPoints(std::span<const Point3> points);
+
+/// \param name whose extension is that of the format
+ModelFile modelOfBytes(std::string name, std::string bytes);
 
 /// A value that is made when it is first asked for.
 ///
@@ -44,28 +63,21 @@ private:
     std::atomic<const T*> known_ = nullptr;
 };
 
-/// How binding went for each point.
-struct Placement {
-    std::vector<embed::PointStatus> statuses;
-    double largestResidual = 0;
-};
-
-/// Points that are bound to a lattice; what io::BoundModel has, where they were, and the forms of D
-/// that were asked for.
+/// Points that are bound to a lattice; what io::BoundModel has, where they were, how binding went,
+/// and the forms of D that were asked for.
 struct BoundPoints {
     /// Without a name for the model where the points are those of an array, or of a model that is
     /// not there.
     io::BoundModel bound;
-    std::optional<std::vector<Point3>> points;  ///< as far as they are known
-    std::optional<Placement> placement;         ///< a file does not tell
+    std::optional<std::vector<Point3>> points = {};  ///< as far as they are known
 
-    template <class Real>
-    struct Compiled {
-        Lazy<osd::CompiledTable<Real>> table;
-        Lazy<osd::CompiledAdjoint<Real>> adjoint;
-    };
-    Compiled<float> single;
-    Compiled<double> twofold;
+    // A file tells neither of these.
+    std::vector<embed::PointStatus> statuses = {};
+    std::optional<double> largestResidual = {};
+
+    std::tuple<Lazy<osd::CompiledTable<float>>, Lazy<osd::CompiledTable<double>>,
+               Lazy<osd::CompiledAdjoint<float>>, Lazy<osd::CompiledAdjoint<double>>>
+        forms = {};
 };
 
 /// How binding went, as NumPy has it: PointStatus in espalier/__init__.py.

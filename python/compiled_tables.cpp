@@ -135,8 +135,7 @@ std::vector<Index> columnsOf(const ArrayLike& changed,
     const Index count = evaluator.shape().second;
     for (const Index column : columns)
         if (column < 0 || column >= count)
-            throw Error("changed: there is no column " + std::to_string(column) + " among " +
-                        std::to_string(count));
+            throw Error(concat("changed: there is no column ", column, " among ", count));
     return columns;
 }
 

@@ -76,12 +76,12 @@ py::array evaluate(const Evaluation<Real>& evaluation, const ArrayLike& values,
     shape[source.ndim() == 3 ? 1 : 0] = evaluation.rows;
     auto result = out ? checkedOut<Real>(*out, shape, source) : py::array_t<Real>(shape);
     const auto layout = osd::BufferDescriptor::packed(parts.components);
-    const auto from = static_cast<std::size_t>(evaluation.sourceRows * parts.components);
-    const auto to = static_cast<std::size_t>(evaluation.rows * parts.components);
+    const std::size_t from = evaluation.sourceRows * parts.components;
+    const std::size_t to = evaluation.rows * parts.components;
     const Real* const first = source.data();
     Real* const firstResult = result.mutable_data();
     withoutGil([&] {
-        for (std::size_t set = 0; set < static_cast<std::size_t>(parts.sets); ++set)
+        for (py::ssize_t set = 0; set < parts.sets; ++set)
             evaluation.run({first + set * from, from}, layout, {firstResult + set * to, to});
     });
     return result;

@@ -59,17 +59,17 @@ py::sequence sequenceOf(const py::handle& object, const std::string& name,
 }
 
 [[noreturn]] void refuseCell(const std::string& name, std::size_t vertexCount) {
-    throw Error(name +
-                ": expected the 4, 5, 6 or 8 vertices of a tetrahedron, pyramid, wedge or "
-                "hexahedron, or loops of vertices, got " +
-                std::to_string(vertexCount) + " vertices");
+    throw Error(concat(name,
+                       ": expected the 4, 5, 6 or 8 vertices of a tetrahedron, pyramid, wedge or "
+                       "hexahedron, or loops of vertices, got ",
+                       vertexCount, " vertices"));
 }
 
 /// The rows of a two-dimensional array of integers.
 struct IndexRows {
     py::array_t<Index> array;
-    std::size_t count() const { return static_cast<std::size_t>(array.shape(0)); }
-    std::size_t length() const { return static_cast<std::size_t>(array.shape(1)); }
+    std::size_t count() const { return array.shape(0); }
+    std::size_t length() const { return array.shape(1); }
     std::span<const Index> operator[](std::size_t row) const {
         return {array.data() + row * length(), length()};
     }
@@ -100,7 +100,7 @@ void addCell(far::ComplexBuilder& builder, const py::sequence& cell, const std::
     }
     std::vector<std::vector<Index>> loops;
     for (std::size_t i = 0; i < cell.size(); ++i)
-        loops.push_back(toIndices(cell[i], name + "[" + std::to_string(i) + "]"));
+        loops.push_back(toIndices(cell[i], concat(name, "[", i, "]")));
     builder.addCell(loops);
 }
 
@@ -109,8 +109,8 @@ int componentsOf(const py::array& array, const std::string& name, std::size_t ve
     const bool fits = (array.ndim() == 1 || (array.ndim() == 2 && array.shape(1) > 0)) &&
                       static_cast<std::size_t>(array.shape(0)) == vertexCount;
     if (!fits)
-        throw Error(name + ": expected an array of shape (" + std::to_string(vertexCount) +
-                    ",) or (" + std::to_string(vertexCount) + ", k), got " + shapeText(array));
+        throw Error(concat(name, ": expected an array of shape (", vertexCount, ",) or (",
+                           vertexCount, ", k), got ", shapeText(array)));
     return array.ndim() == 1 ? 1 : static_cast<int>(array.shape(1));
 }
 
@@ -159,7 +159,7 @@ far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
     }
     const auto list = sequenceOf(cells, "cells", "an array or a list of cells");
     for (std::size_t i = 0; i < list.size(); ++i) {
-        const std::string name = "cells[" + std::to_string(i) + "]";
+        const std::string name = concat("cells[", i, "]");
         addCell(builder, sequenceOf(list[i], name, "a list of vertices or of loops"), name);
     }
     return withoutGil([&] { return builder.build(); });
@@ -175,7 +175,7 @@ far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
         });
     const auto list = sequenceOf(faces, "faces", "an array or a list of loops");
     for (std::size_t i = 0; i < list.size(); ++i)
-        builder.addFace(toIndices(list[i], "faces[" + std::to_string(i) + "]"));
+        builder.addFace(toIndices(list[i], concat("faces[", i, "]")));
     return withoutGil([&] { return builder.build(); });
 }
 
@@ -213,8 +213,8 @@ far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
         const auto& [a, b] = ends;
         // Which of them were to count would be chance.
         if (a < b && edges.contains({b, a}))
-            throw Error("edge_sharpness: the edge of vertices " + std::to_string(a) + " and " +
-                        std::to_string(b) + " is there twice, in both directions");
+            throw Error(concat("edge_sharpness: the edge of vertices ", a, " and ", b,
+                               " is there twice, in both directions"));
         marks.edges.push_back({{a, b}, sharpness});
     }
     for (const auto& [vertex, sharpness] : vertices) marks.vertices.push_back({vertex, sharpness});
@@ -297,7 +297,7 @@ LatticePointer transformed(const Lattice& lattice, const ArrayLike& linear,
                            const Point3& translation) {
     const auto rows = toPoints(linear, "linear", 3);
     shapes::Affine map{{rows[0], rows[1], rows[2]}, translation};
-    return withoutGil([&] { return std::make_shared<Lattice>(shapes::transformed(lattice, map)); });
+    return sharedWithoutGil([&] { return shapes::transformed(lattice, map); });
 }
 
 // What may derive a relation does so without the GIL. Whoever derives the same at the moment may
@@ -331,8 +331,8 @@ py::array_t<Index> hexahedra(const Lattice& lattice) {
                for (Index cell = 0; cell < count; ++cell) {
                    const auto corners = far::hexahedronVertices(lattice.complex, CellId(cell));
                    if (!corners)
-                       throw Error("cell " + std::to_string(cell) +
-                                   " is not a hexahedron; cells gives the faces of any");
+                       throw Error(concat("cell ", cell,
+                                          " is not a hexahedron; cells gives the faces of any"));
                    vertices.insert(vertices.end(), corners->begin(), corners->end());
                }
                return vertices;
@@ -374,28 +374,27 @@ VertexSharpness vertexSharpness(const Lattice& lattice) {
     return sharpness;
 }
 
-/// Owned by the lattice, which is `self`.
-py::dict attributesIn(const py::object& self) {
-    const auto& lattice = self.cast<const Lattice&>();
+/// The values of attributes or integers of a lattice, which is `self` and owns them.
+template <class List>
+py::dict arraysOf(const List& list, const py::object& self) {
+    const auto count = static_cast<py::ssize_t>(self.cast<const Lattice&>().positions.size());
     py::dict arrays;
-    for (const VertexAttribute& attribute : lattice.attributes)
-        arrays[strOfName(attribute.name)] = viewOf(
-            std::span<const double>(attribute.values),
-            {static_cast<py::ssize_t>(lattice.positions.size()), attribute.components}, self);
+    for (const auto& each : list)
+        arrays[strOfName(each.name)] =
+            viewOf(std::span(each.values), {count, each.components}, self);
     return arrays;
 }
 
-/// Owned by the lattice, which is `self`.
+py::dict attributesIn(const py::object& self) {
+    return arraysOf(self.cast<const Lattice&>().attributes, self);
+}
+
 py::dict integersIn(const py::object& self) {
-    const auto& lattice = self.cast<const Lattice&>();
-    py::dict arrays;
-    for (const VertexIntegers& integers : lattice.integers) {
-        const auto view =
-            viewOf(std::span<const std::int64_t>(integers.values),
-                   {static_cast<py::ssize_t>(lattice.positions.size()), integers.components}, self);
-        arrays[strOfName(integers.name)] =
-            integers.type == IntegerType::UInt64 ? view.attr("view")("uint64") : py::object(view);
-    }
+    const auto& integers = self.cast<const Lattice&>().integers;
+    const py::dict arrays = arraysOf(integers, self);
+    for (const VertexIntegers& each : integers)
+        if (const py::str name = strOfName(each.name); each.type == IntegerType::UInt64)
+            arrays[name] = arrays[name].attr("view")("uint64");
     return arrays;
 }
 
@@ -410,10 +409,10 @@ py::dict tagsOf(const Lattice& lattice) {
 
 std::string summaryOf(const Lattice& lattice) {
     const auto& complex = lattice.complex;
-    std::string text = "<espalier.Lattice: " + std::to_string(complex.count(0)) + " vertices, " +
-                       std::to_string(complex.count(1)) + " edges";
-    if (complex.dimension() > 1) text += ", " + std::to_string(complex.count(2)) + " faces";
-    if (complex.dimension() > 2) text += ", " + std::to_string(complex.count(3)) + " cells";
+    std::string text =
+        concat("<espalier.Lattice: ", complex.count(0), " vertices, ", complex.count(1), " edges");
+    if (complex.dimension() > 1) text += concat(", ", complex.count(2), " faces");
+    if (complex.dimension() > 2) text += concat(", ", complex.count(3), " cells");
     return text + ">";
 }
 
@@ -544,8 +543,7 @@ linear : array (3, 3); translation : 3 float
         "read",
         [](const std::filesystem::path& path) {
             io::ReadNotes notes;
-            auto lattice = withoutGil(
-                [&] { return std::make_shared<Lattice>(io::readRefinable(path, &notes)); });
+            auto lattice = sharedWithoutGil([&] { return io::readRefinable(path, &notes); });
             const std::string text = io::describe(path, notes);
             if (!text.empty() && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0)
                 throw py::error_already_set();

@@ -40,8 +40,7 @@ void addLimit(py::module_& module, const char* name, const char* parameter, std:
     py::class_<Block>(module, name, doc)
         .def(py::init([parameter, least](std::int64_t value) {
                  if (value < least || !std::in_range<Value>(value))
-                     throw Error(std::string(parameter) + ": expected " + std::to_string(least) +
-                                 " or more, got " + std::to_string(value));
+                     throw Error(concat(parameter, ": expected ", least, " or more, got ", value));
                  return Block(static_cast<Value>(value));
              }),
              py::arg(parameter))

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model.h"
-
 #include <espalier/base/printable.h>
 #include <espalier/io/files/file.h>
 #include <pybind11/stl/filesystem.h>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "arguments.h"
+#include "binding.h"
 
 namespace espalier::python {
 

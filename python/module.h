@@ -4,6 +4,7 @@
 #include <espalier/base/progress.h>
 #include <pybind11/pybind11.h>
 
+#include <memory>
 #include <utility>
 
 namespace espalier::python {
@@ -52,6 +53,13 @@ auto withoutGil(Function&& function) {
     const py::gil_scoped_release release;
     const InterruptScope scope;
     return std::forward<Function>(function)();
+}
+
+/// The same for an object that Python is to hold.
+template <class Function>
+auto sharedWithoutGil(Function&& function) {
+    return withoutGil(
+        [&] { return std::make_shared<decltype(function())>(std::forward<Function>(function)()); });
 }
 
 }  // namespace espalier::python

@@ -164,15 +164,20 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
     requireState(std::in_range<Index>(count));
     lattice.complex = complexOf(static_cast<Index>(count), state[1]);
     lattice.marks = marksOfState(lattice.complex, state[2]);
+    const auto partsOf = [](const py::handle& object, std::size_t size) {
+        requireState(py::isinstance<py::tuple>(object) && py::len(object) == size);
+        return py::reinterpret_borrow<py::tuple>(object);
+    };
+    // \param list of attributes, or of integers
+    const auto add = [&](auto& list, auto each) {
+        requireState(each.components > 0 &&
+                     each.values.size() == count * static_cast<std::size_t>(each.components));
+        list.push_back(std::move(each));
+    };
     for (const py::handle each : py::list(state[3])) {
-        const auto parts = py::reinterpret_borrow<py::tuple>(each);
-        requireState(py::isinstance<py::tuple>(each) && parts.size() == 3);
-        VertexAttribute attribute{nameIn(parts[0]), parts[1].cast<int>(),
-                                  numbersOf<std::vector<double>>(parts[2])};
-        requireState(attribute.components > 0 &&
-                     attribute.values.size() ==
-                         count * static_cast<std::size_t>(attribute.components));
-        lattice.attributes.push_back(std::move(attribute));
+        const auto parts = partsOf(each, 3);
+        add(lattice.attributes, VertexAttribute{nameIn(parts[0]), parts[1].cast<int>(),
+                                                numbersOf<std::vector<double>>(parts[2])});
     }
     using Word = std::optional<std::string>;
     const py::tuple tags = state[4];
@@ -181,18 +186,13 @@ std::shared_ptr<Lattice> latticeOfState(const py::tuple& state) {
                     chosen(far::kCreasingWords, "state", tags[1].cast<Word>()),
                     chosen(far::kTriangleSubdivisionWords, "state", tags[2].cast<Word>())};
     for (const py::handle each : py::list(state[5])) {
-        const auto parts = py::reinterpret_borrow<py::tuple>(each);
-        requireState(py::isinstance<py::tuple>(each) && parts.size() == 4);
+        const auto parts = partsOf(each, 4);
         const int type = parts[2].cast<int>();
         requireState(type >= static_cast<int>(IntegerType::Int8) &&
                      type <= static_cast<int>(IntegerType::UInt64));
-        VertexIntegers integers{nameIn(parts[0]), parts[1].cast<int>(),
-                                static_cast<IntegerType>(type),
-                                numbersOf<std::vector<std::int64_t>>(parts[3])};
-        requireState(integers.components > 0 &&
-                     integers.values.size() ==
-                         count * static_cast<std::size_t>(integers.components));
-        lattice.integers.push_back(std::move(integers));
+        add(lattice.integers,
+            VertexIntegers{nameIn(parts[0]), parts[1].cast<int>(), static_cast<IntegerType>(type),
+                           numbersOf<std::vector<std::int64_t>>(parts[3])});
     }
     return std::make_shared<Lattice>(std::move(lattice));
 }
@@ -209,9 +209,8 @@ std::shared_ptr<Table> tableOfState(const py::tuple& state) {
     auto offsets = numbersOf<Array<Offset>>(state[1]);
     auto columns = numbersOf<Array<Index>>(state[2]);
     auto weights = numbersOf<Array<double>>(state[3]);
-    return withoutGil([&] {
-        return std::make_shared<Table>(columnCount, std::move(offsets), std::move(columns),
-                                       std::move(weights));
+    return sharedWithoutGil([&] {
+        return Table(columnCount, std::move(offsets), std::move(columns), std::move(weights));
     });
 }
 
@@ -246,16 +245,16 @@ std::optional<io::BoundGradients> gradientsOfState(const py::handle& state, cons
 }  // namespace
 
 py::tuple stateOfBinding(const py::object& self) {
-    const auto& [bound, points, placement, single, twofold] = self.cast<const BoundPoints&>();
+    const auto shared = self.cast<std::shared_ptr<BoundPoints>>();
+    const auto& bound = shared->bound;
     const auto& binding = bound.binding;
     py::object at = py::none(), statuses = py::none(), residual = py::none();
     // Of a model they are in its file.
-    if (bound.modelName.empty() && points) at = viewOf(*points, self);
-    if (placement) {
-        statuses = viewOf(bytesOf(placement->statuses), self);
-        residual = py::float_(placement->largestResidual);
+    if (bound.modelName.empty() && shared->points) at = viewOf(*shared->points, self);
+    if (shared->largestResidual) {
+        statuses = viewOf(bytesOf(shared->statuses), self);
+        residual = py::float_(*shared->largestResidual);
     }
-    const auto shared = self.cast<std::shared_ptr<BoundPoints>>();
     return py::make_tuple(
         stateOfTable(py::cast(tableIn(shared))), viewOf(std::span<const Index>(binding.kept), self),
         viewOf(binding.keptAt, self), binding.topologyHash, py::bytes(bound.modelName),
@@ -277,13 +276,12 @@ std::shared_ptr<BoundPoints> bindingOfState(const py::tuple& state) {
     result->points = state[6].is_none() ? withoutGil([&] { return pointsIn(result->bound); })
                                         : std::optional(toPoints(state[6], "points", rows));
     if (!state[7].is_none()) {
-        Placement placement{{}, state[8].cast<double>()};
+        result->largestResidual = state[8].cast<double>();
         for (const std::uint8_t status : numbersOf<std::vector<std::uint8_t>>(state[7])) {
             requireState(status <= static_cast<std::uint8_t>(embed::PointStatus::NotConverged));
-            placement.statuses.push_back(static_cast<embed::PointStatus>(status));
+            result->statuses.push_back(static_cast<embed::PointStatus>(status));
         }
-        requireState(placement.statuses.size() == static_cast<std::size_t>(rows));
-        result->placement = std::move(placement);
+        requireState(std::ssize(result->statuses) == rows);
     }
     result->bound.gradients = gradientsOfState(state[9], binding.table);
     return result;

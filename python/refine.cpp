@@ -27,19 +27,20 @@ using Word = std::optional<std::string>;
 std::shared_ptr<Refiner> makeRefiner(const Shared<Lattice>& lattice, const std::string& rules,
                                      const Word& boundary, const std::string& sharpEdges,
                                      const Word& creasing, const Word& triangles) {
-    auto options =
-        refinerOptions(*lattice, {chosen(far::kBoundaryWords, "boundary", boundary),
-                                  chosen(far::kCreasingWords, "creasing", creasing),
-                                  chosen(far::kTriangleSubdivisionWords, "triangles", triangles)});
-    options.sharpEdges = chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges);
+    const auto options =
+        refinerOptions(*lattice,
+                       {chosen(far::kBoundaryWords, "boundary", boundary),
+                        chosen(far::kCreasingWords, "creasing", creasing),
+                        chosen(far::kTriangleSubdivisionWords, "triangles", triangles)},
+                       chosen(far::kSharpEdgesWords, "sharp_edges", sharpEdges));
     const auto rule = chosen(stencils::kRulesWords, "rules", rules);
     return withoutGil([&] { return std::make_shared<Refiner>(lattice, options, rule); });
 }
 
 std::shared_ptr<Lattice> refined(const Refiner& refiner, int level) {
-    return withoutGil([&] {
-        return std::make_shared<Lattice>(stencils::refinedLattice(
-            *refiner.upTo(level), level, refiner.rules(), *refiner.lattice()));
+    return sharedWithoutGil([&] {
+        return stencils::refinedLattice(*refiner.upTo(level), level, refiner.rules(),
+                                        *refiner.lattice());
     });
 }
 
@@ -54,24 +55,18 @@ py::array_t<double> refinedPositions(const Refiner& refiner, int level,
 
 std::shared_ptr<Table> stencilsOf(const Refiner& refiner, int level,
                                   const std::optional<ArrayLike>& vertices) {
-    if (!vertices)
-        return withoutGil([&] {
-            return std::make_shared<Table>(
-                stencils::buildStencils(*refiner.upTo(level), level, refiner.rules()));
-        });
-    const auto rows = toIndices(*vertices, "vertices");
-    return withoutGil([&] {
-        return std::make_shared<Table>(
-            stencils::buildStencils(*refiner.upTo(level), level, refiner.rules(), rows));
+    const auto rows = vertices ? toIndices(*vertices, "vertices") : std::vector<Index>();
+    return sharedWithoutGil([&] {
+        const auto levels = refiner.upTo(level);
+        return vertices ? stencils::buildStencils(*levels, level, refiner.rules(), rows)
+                        : stencils::buildStencils(*levels, level, refiner.rules());
     });
 }
 
 std::shared_ptr<Table> levelTable(const Refiner& refiner, int level) {
     checkLevel(level);
-    return withoutGil([&] {
-        return std::make_shared<Table>(
-            stencils::buildLevelTable(*refiner.upTo(level), level, refiner.rules()));
-    });
+    return sharedWithoutGil(
+        [&] { return stencils::buildLevelTable(*refiner.upTo(level), level, refiner.rules()); });
 }
 
 std::tuple<Index, Index, Index, Index> countsOf(const Refiner& refiner, int level) {
@@ -87,8 +82,8 @@ py::array_t<std::uint8_t> strataOf(const Refiner& refiner, int level, int dimens
         const auto levels = refiner.upTo(level);
         const auto& [complex, strata, holes] = levels->level(level);
         if (dimension < 0 || dimension > complex.dimension())
-            throw Error("dimension: expected 0 to " + std::to_string(complex.dimension()) +
-                        ", got " + std::to_string(dimension));
+            throw Error(
+                concat("dimension: expected 0 to ", complex.dimension(), ", got ", dimension));
         std::vector<std::uint8_t> result;
         for (Index i = 0; i < complex.count(dimension); ++i)
             result.push_back(static_cast<std::uint8_t>(strata.of({dimension, i})));
@@ -134,8 +129,8 @@ pose : array (V, 3), where the V vertices of the base are; at rest without
 Returns an array (V_level, 3) of float64.
 )")
         .def("refine", &refined, "level"_a = 1,
-            "A level as a Lattice of its own, with its attributes, and marks that keep its "
-            "features.")
+             "A level as a Lattice of its own, with its attributes, and marks that keep its "
+             "features.")
         .def("stencils", &stencilsOf, "level"_a, "vertices"_a = py::none(), R"(
 S_level: a StencilTable of shape (V_level, V). Row i holds the weights of vertex i of the level over
 the base vertices; rows sum to 1.

@@ -21,7 +21,7 @@ Refiner::Refiner(std::shared_ptr<Lattice> lattice, const far::RefinerOptions& op
 }
 
 std::shared_ptr<const far::TopologyRefiner> Refiner::upTo(int level) const {
-    if (level < 0) throw Error("level: expected 0 or more, got " + std::to_string(level));
+    if (level < 0) throw Error(concat("level: expected 0 or more, got ", level));
     std::unique_lock lock(mutex_);
     const auto levels = deepest_;
     lock.unlock();
@@ -36,7 +36,7 @@ std::shared_ptr<const far::TopologyRefiner> Refiner::upTo(int level) const {
 }
 
 void checkLevel(int level) {
-    if (level < 1) throw Error("level: expected 1 or more, got " + std::to_string(level));
+    if (level < 1) throw Error(concat("level: expected 1 or more, got ", level));
 }
 
 std::shared_ptr<const Refiner> refinerOf(const RefinerLike& object) {

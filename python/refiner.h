@@ -4,14 +4,13 @@
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/masks.h>
-#include <pybind11/pybind11.h>
 
 #include <memory>
 #include <mutex>
 
-namespace espalier::python {
+#include "arguments.h"
 
-namespace py = pybind11;
+namespace espalier::python {
 
 /// A lattice, how it is refined, and the levels made so far. Calls are safe from any number of
 /// threads; make them without the GIL.
@@ -39,9 +38,10 @@ private:
 };
 
 /// A Refiner, or a Lattice that is refined as is usual.
-class RefinerLike : public py::object {
-    PYBIND11_OBJECT_DEFAULT(RefinerLike, object, [](PyObject*) { return true; })
+struct RefinerKind {
+    static constexpr auto kName = py::detail::const_name("Refiner | Lattice");
 };
+using RefinerLike = Like<RefinerKind>;
 
 /// For what needs a level that is refined.
 /// \throws Error for a level below 1
@@ -51,12 +51,3 @@ void checkLevel(int level);
 std::shared_ptr<const Refiner> refinerOf(const RefinerLike& object);
 
 }  // namespace espalier::python
-
-namespace pybind11::detail {
-
-template <>
-struct handle_type_name<espalier::python::RefinerLike> {
-    static constexpr auto name = const_name("Refiner | Lattice");
-};
-
-}  // namespace pybind11::detail

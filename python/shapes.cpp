@@ -9,6 +9,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -41,9 +42,9 @@ std::string aboutArguments(const std::string& message) {
 /// \throws Error that names arguments
 template <class Options>
 std::shared_ptr<Lattice> make(Lattice (*shape)(const Options&), const Options& options) {
-    return withoutGil([&] {
+    return sharedWithoutGil([&] {
         try {
-            return std::make_shared<Lattice>(shape(options));
+            return shape(options);
         } catch (const MemoryError&) {
             throw;
         } catch (const Error& error) {
@@ -158,22 +159,19 @@ up : 3 float, the side of the first bone where the cross-section begins
 
 void addSolids(py::module_& module) {
     using Regular = shapes::RegularSolidOptions;
-    const auto addRegular = [&](const char* name, Lattice (*shape)(const Regular&),
-                                const char* text) {
+    const std::tuple<const char*, Lattice (*)(const Regular&), const char*> solids[] = {
+        {"tetrahedron", shapes::tetrahedron, "4, type-3."},
+        {"cube", shapes::cube, "8, type-3."},
+        {"octahedron", shapes::octahedron, "6, type-4."},
+        {"dodecahedron", shapes::dodecahedron, "20, type-3."},
+        {"icosahedron", shapes::icosahedron, "12, type-5."}};
+    for (const auto& [name, shape, vertices] : solids) {
+        const std::string text =
+            "One cell with its vertices on a sphere of `radius` about the origin: ";
         module.def(
-            name, [shape](double radius) { return make(shape, Regular{radius}); }, py::kw_only(),
-            "radius"_a = 1.0, text);
-    };
-    addRegular("tetrahedron", shapes::tetrahedron,
-               "One cell with its vertices on a sphere of `radius` about the origin: 4, type-3.");
-    addRegular("cube", shapes::cube,
-               "One cell with its vertices on a sphere of `radius` about the origin: 8, type-3.");
-    addRegular("octahedron", shapes::octahedron,
-               "One cell with its vertices on a sphere of `radius` about the origin: 6, type-4.");
-    addRegular("dodecahedron", shapes::dodecahedron,
-               "One cell with its vertices on a sphere of `radius` about the origin: 20, type-3.");
-    addRegular("icosahedron", shapes::icosahedron,
-               "One cell with its vertices on a sphere of `radius` about the origin: 12, type-5.");
+            name, [shape = shape](double radius) { return make(shape, Regular{radius}); },
+            py::kw_only(), "radius"_a = 1.0, (text + vertices).c_str());
+    }
     using Polygonal = shapes::PolygonalSolidOptions;
     const auto addPolygonal = [&](const char* name, Lattice (*shape)(const Polygonal&),
                                   const char* text) {
@@ -196,7 +194,7 @@ void addSolids(py::module_& module) {
 
 void addShapes(py::module_& module) {
     auto shapesModule = module.def_submodule(
-        "shapes", "The inventory of lattices (MacCracken & Joy 1996, section 5).");
+        "_shapes", "The inventory of lattices (MacCracken & Joy 1996, section 5).");
     shapesModule.attr("__module__") = "espalier.shapes";
     shapesModule.def(
         "box",
@@ -217,10 +215,10 @@ Vertex (i, j, k) is i + (cells[0] + 1) * (j + (cells[1] + 1) * k): positions res
     shapesModule.def(
         "merge",
         [](const std::vector<Shared<Lattice>>& lattices, double tolerance) {
-            return withoutGil([&] {
+            return sharedWithoutGil([&] {
                 std::vector<Lattice> copies;  // cheap: their complexes are shared
                 for (const auto& lattice : lattices) copies.push_back(*lattice);
-                return std::make_shared<Lattice>(shapes::merge(copies, {tolerance}));
+                return shapes::merge(copies, {tolerance});
             });
         },
         "lattices"_a, py::kw_only(), "tolerance"_a = shapes::MergeOptions().tolerance, R"(

@@ -37,16 +37,14 @@ py::array_t<Offset> integersOf(const py::object& matrix, const char* name) {
 
 [[noreturn]] void refuse(const std::string& name, py::ssize_t at, Offset value,
                          const std::string& expected) {
-    throw Error(name + "[" + std::to_string(at) + "] is " + std::to_string(value) + "; expected " +
-                expected);
+    throw Error(concat(name, "[", at, "] is ", value, "; expected ", expected));
 }
 
 /// That the first `count` of some integers are there, and are numbers of rows or columns.
 void checkNumbers(const py::object& matrix, const char* name, Offset count, Offset bound) {
     const auto numbers = integersOf(matrix, name);
     if (numbers.size() < count)
-        throw Error(std::string(name) + ": expected " + std::to_string(count) + " entries, got " +
-                    std::to_string(numbers.size()));
+        throw Error(concat(name, ": expected ", count, " entries, got ", numbers.size()));
     for (py::ssize_t i = 0; i < numbers.size(); ++i)
         if (const Offset number = numbers.data()[i]; number < 0 || number >= bound)
             refuse(name, i, number, "0 to " + std::to_string(bound - 1));
@@ -63,8 +61,7 @@ Offset lengthOfData(const py::object& matrix) {
 void checkCompressed(const py::object& matrix, Offset major, Offset minor) {
     const auto offsets = integersOf(matrix, "indptr");
     if (offsets.size() != major + 1)
-        throw Error("indptr: expected " + std::to_string(major + 1) + " entries, got " +
-                    std::to_string(offsets.size()));
+        throw Error(concat("indptr: expected ", major + 1, " entries, got ", offsets.size()));
     const Offset* const values = offsets.data();
     if (values[0] != 0) refuse("indptr", 0, values[0], "0");
     for (py::ssize_t i = 1; i < offsets.size(); ++i)
@@ -89,9 +86,8 @@ void checkMatrix(const py::object& matrix) {
     } else if (format == "bsr") {
         const auto [height, width] = matrix.attr("blocksize").cast<std::pair<Offset, Offset>>();
         if (height < 1 || width < 1 || rows % height != 0 || columns % width != 0)
-            throw Error("data: blocks of " + std::to_string(height) + " x " +
-                        std::to_string(width) + " do not fill a matrix of " + std::to_string(rows) +
-                        " x " + std::to_string(columns));
+            throw Error(concat("data: blocks of ", height, " x ", width,
+                               " do not fill a matrix of ", rows, " x ", columns));
         checkCompressed(matrix, rows / height, columns / width);
     } else if (format == "coo") {
         const Offset length = lengthOfData(matrix);
@@ -113,8 +109,8 @@ std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
     rows.attr("sum_duplicates")();
     const auto shape = shapeOf(rows);
     if (!std::in_range<Index>(shape.first) || !std::in_range<Index>(shape.second))
-        throw Error("a matrix of " + std::to_string(shape.first) + " x " +
-                    std::to_string(shape.second) + " is too large for a table");
+        throw Error(
+            concat("a matrix of ", shape.first, " x ", shape.second, " is too large for a table"));
     const auto offsets = integersOf(rows, "indptr");
     const auto columns = indexArray(rows.attr("indices"), "indices");
     const auto weights = realArray<double>(rows.attr("data"), "data");
@@ -122,9 +118,9 @@ std::shared_ptr<Table> tableOfMatrix(const py::object& matrix) {
         return Array<std::remove_cvref_t<decltype(*array.data())>>(array.data(),
                                                                    array.data() + array.size());
     };
-    return withoutGil([&] {
-        return std::make_shared<Table>(static_cast<Index>(shape.second), copyOf(offsets),
-                                       copyOf(columns), copyOf(weights));
+    return sharedWithoutGil([&] {
+        return Table(static_cast<Index>(shape.second), copyOf(offsets), copyOf(columns),
+                     copyOf(weights));
     });
 }
 
@@ -200,14 +196,12 @@ them in the width of the columns. (With 2^31 entries and more the columns are co
         .def(
             "transpose",
             [](const Table& self) {
-                return withoutGil(
-                    [&] { return std::make_shared<Table>(stencils::transposeTable(self)); });
+                return sharedWithoutGil([&] { return stencils::transposeTable(self); });
             },
             "The transpose: a StencilTable of shape (columns, rows).")
         .def("__repr__", [](const Table& self) {
-            return "<espalier.StencilTable: " + std::to_string(self.rowCount()) + " x " +
-                   std::to_string(self.columnCount()) + ", " + std::to_string(self.entryCount()) +
-                   " entries>";
+            return concat("<espalier.StencilTable: ", self.rowCount(), " x ", self.columnCount(),
+                          ", ", self.entryCount(), " entries>");
         });
     addPickling(type, &stateOfTable, &tableOfState);
 }

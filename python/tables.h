@@ -2,21 +2,21 @@
 #pragma once
 
 #include <espalier/stencils/stencil_table.h>
-#include <pybind11/pybind11.h>
 
 #include <memory>
 #include <type_traits>
 
-namespace espalier::python {
+#include "arguments.h"
 
-namespace py = pybind11;
+namespace espalier::python {
 
 using Table = stencils::StencilTable<double>;
 
 /// A StencilTable, a Binding or a sparse matrix of SciPy.
-class TableLike : public py::object {
-    PYBIND11_OBJECT_DEFAULT(TableLike, object, [](PyObject*) { return true; })
+struct TableKind {
+    static constexpr auto kName = py::detail::const_name("StencilTable | Binding | csr_matrix");
 };
+using TableLike = Like<TableKind>;
 
 /// Its table; a copy of a matrix of SciPy's, no copy of what is ours.
 /// \throws py::type_error if it is none of these; Error for a matrix that is no table
@@ -35,12 +35,3 @@ Compiled<Real> compile(const Table& table) {
 py::object csrOf(const std::shared_ptr<Table>& table);
 
 }  // namespace espalier::python
-
-namespace pybind11::detail {
-
-template <>
-struct handle_type_name<espalier::python::TableLike> {
-    static constexpr auto name = const_name("StencilTable | Binding | csr_matrix");
-};
-
-}  // namespace pybind11::detail

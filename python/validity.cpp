@@ -44,8 +44,7 @@ public:
     Index baseCell(Index cell) const {
         const Index count = levels_->level(level_).complex.count(3);
         if (cell < 0 || cell >= count)
-            throw Error("cell: expected 0 to " + std::to_string(count - 1) + ", got " +
-                        std::to_string(cell));
+            throw Error(concat("cell: expected 0 to ", count - 1, ", got ", cell));
         return solve::baseCellOf(*levels_, level_, cell);
     }
     std::vector<Point3> toPose(const ArrayLike& pose) const {

@@ -50,7 +50,7 @@ void check(const Lattice& lattice, std::span<const NewVertex> newVertices) {
         for (const Index from : vertex.attributesFrom)
             if (from < 0 || from >= count)
                 refuseField("attach", "attributesFrom", std::to_string(from),
-                            "vertices 0 to " + std::to_string(count - 1));
+                            concat("vertices 0 to ", count - 1));
     }
 }
 
@@ -64,12 +64,11 @@ struct Site {
         const far::CellComplex& complex = lattice.complex;
         if (face.value < 0 || face.value >= complex.count(2))
             refuseField(who, "face", std::to_string(face.value),
-                        "faces 0 to " + std::to_string(complex.count(2) - 1));
+                        concat("faces 0 to ", complex.count(2) - 1));
         const auto cells = complex.relation(2, 3)[face.value];
         if (cells.size() != 1)
-            throw Error(who + ": face " + std::to_string(face.value) + " is between cells " +
-                        std::to_string(cells[0]) + " and " + std::to_string(cells[1]) +
-                        "; expected a boundary face");
+            throw Error(concat(who, ": face ", face.value, " is between cells ", cells[0], " and ",
+                               cells[1], "; expected a boundary face"));
         const auto faces = complex.relation(3, 2)[cells[0]];
         for (std::size_t i = 0; i < faces.size(); ++i)
             if (faces[i] == face.value) loop = far::outwardLoops(complex, CellId(cells[0]))[i];

@@ -40,8 +40,7 @@ void refuseField(const std::string& shape, const std::string& field, const std::
 }
 
 void requireAtLeast(const std::string& shape, const std::string& field, int value, int least) {
-    if (value < least)
-        refuseField(shape, field, std::to_string(value), std::to_string(least) + " or more");
+    if (value < least) refuseField(shape, field, std::to_string(value), concat(least, " or more"));
 }
 
 void requireFinite(const std::string& shape, const std::string& field, double value) {
@@ -82,11 +81,10 @@ void requireCountable(const std::string& shape, std::initializer_list<Offset> fa
             continue;
         }
         std::string product;
-        for (const Offset each : factors)
-            product += (product.empty() ? "" : " x ") + std::to_string(each);
-        throw far::TopologyError(far::TopologyCause::TooManyEntities, {0, kMaxIndex},
-                                 shape + ": would take " + product + " entries; the most is " +
-                                     std::to_string(kMaxIndex));
+        for (const Offset each : factors) product += concat(product.empty() ? "" : " x ", each);
+        throw far::TopologyError(
+            far::TopologyCause::TooManyEntities, {0, kMaxIndex},
+            concat(shape, ": would take ", product, " entries; the most is ", kMaxIndex));
     }
 }
 
@@ -97,30 +95,28 @@ void requireConsistent(const std::string& who, const std::string& name, const La
                     "; expected a " + complexName(dimension));
     const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
     if (lattice.positions.size() != vertexCount)
-        throw Error(who + ": " + name + " has " + std::to_string(lattice.positions.size()) +
-                    " positions; expected " + std::to_string(vertexCount) + ", one a vertex");
+        throw Error(concat(who, ": ", name, " has ", lattice.positions.size(),
+                           " positions; expected ", vertexCount, ", one a vertex"));
     for (std::size_t vertex = 0; vertex < vertexCount; ++vertex)
         if (!isFinite(lattice.positions[vertex]))
-            throw Error(who + ": vertex " + std::to_string(vertex) + " of " + name + " is at " +
-                        textOf(lattice.positions[vertex]) + "; expected finite numbers");
+            throw Error(concat(who, ": vertex ", vertex, " of ", name, " is at ",
+                               textOf(lattice.positions[vertex]), "; expected finite numbers"));
     const auto checkAttribute = [&](const auto& attribute) {
         if (attribute.components < 1)
-            throw Error(who + ": attribute " + inQuotes(attribute.name) + " of " + name + " has " +
-                        std::to_string(attribute.components) + " components; expected 1 or more");
+            throw Error(concat(who, ": attribute ", inQuotes(attribute.name), " of ", name, " has ",
+                               attribute.components, " components; expected 1 or more"));
         const std::size_t expected = vertexCount * static_cast<std::size_t>(attribute.components);
         if (attribute.values.size() != expected)
-            throw Error(who + ": attribute " + inQuotes(attribute.name) + " of " + name + " has " +
-                        std::to_string(attribute.values.size()) + " values; expected " +
-                        std::to_string(expected));
+            throw Error(concat(who, ": attribute ", inQuotes(attribute.name), " of ", name, " has ",
+                               attribute.values.size(), " values; expected ", expected));
     };
     for (const VertexAttribute& attribute : lattice.attributes) checkAttribute(attribute);
     for (const VertexIntegers& integers : lattice.integers) checkAttribute(integers);
     const auto checkMark = [&](Index vertex) {
         if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertexCount)
             throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {0, vertex},
-                                     who + ": a mark of " + name + " names vertex " +
-                                         std::to_string(vertex) + "; there are " +
-                                         std::to_string(vertexCount));
+                                     concat(who, ": a mark of ", name, " names vertex ", vertex,
+                                            "; there are ", vertexCount));
     };
     for (const far::Marks::Edge& mark : lattice.marks.edges)
         for (const Index vertex : mark.vertices) checkMark(vertex);

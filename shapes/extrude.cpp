@@ -106,9 +106,8 @@ void requireManifold(const std::string& who, const far::CellComplex& mesh) {
         const std::size_t faceCount = mesh.relation(1, 2)[edge].size();
         if (faceCount <= 2) continue;
         const auto ends = mesh.relation(1, 0)[edge];
-        throw Error(who + ": edge (" + std::to_string(ends[0]) + ", " + std::to_string(ends[1]) +
-                    ") of the mesh lies in " + std::to_string(faceCount) +
-                    " faces; expected 1 or 2");
+        throw Error(concat(who, ": edge (", ends[0], ", ", ends[1], ") of the mesh lies in ",
+                           faceCount, " faces; expected 1 or 2"));
     }
 }
 
@@ -161,7 +160,7 @@ void requireVolumes(const Lattice& mesh, const Lattice& lattice, const Point3& d
         const Loop bottom = far::outwardLoops(lattice.complex, CellId(face)).front();
         const double cosine = -facing(loopPositions(bottom, lattice.positions), direction);
         if (cosine > kAlong) continue;
-        const std::string name = "extrude: face " + std::to_string(face) + " of the mesh ";
+        const std::string name = concat("extrude: face ", face, " of the mesh ");
         if (cosine < -kAlong)
             throw Error(name + "looks against the direction " + textOf(direction) +
                         ", other than its neighbours; its cells would have a negative volume");
@@ -178,15 +177,14 @@ Lattice sweep(const Lattice& mesh, std::span<const std::vector<Point3>> layers, 
     const std::size_t least = ends == SweepEnds::Closed ? 3 : 2;
     if (layers.size() < least)
         refuseField("sweep", "the number of layers", std::to_string(layers.size()),
-                    std::to_string(least) + " or more");
+                    concat(least, " or more"));
     for (std::size_t layer = 0; layer < layers.size(); ++layer) {
         if (layers[layer].size() != mesh.positions.size())
-            throw Error("sweep: layer " + std::to_string(layer) + " has " +
-                        std::to_string(layers[layer].size()) + " positions; expected " +
-                        std::to_string(mesh.positions.size()) + ", one a vertex of the mesh");
+            throw Error(concat("sweep: layer ", layer, " has ", layers[layer].size(),
+                               " positions; expected ", mesh.positions.size(),
+                               ", one a vertex of the mesh"));
         for (std::size_t vertex = 0; vertex < layers[layer].size(); ++vertex)
-            requireFinite("sweep",
-                          "vertex " + std::to_string(vertex) + " of layer " + std::to_string(layer),
+            requireFinite("sweep", concat("vertex ", vertex, " of layer ", layer),
                           layers[layer][vertex]);
     }
     requireCountableRows("sweep", mesh.complex, layers.size());

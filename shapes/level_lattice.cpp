@@ -28,8 +28,8 @@ Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
                      std::vector<Point3> positions) {
     const auto& [complex, strata, holes] = refiner.level(level);
     if (positions.size() != static_cast<std::size_t>(complex.count(0)))
-        throw Error("level " + std::to_string(level) + " has " + std::to_string(complex.count(0)) +
-                    " vertices, but there are " + std::to_string(positions.size()) + " positions");
+        throw Error(concat("level ", level, " has ", complex.count(0), " vertices, but there are ",
+                           positions.size(), " positions"));
     const far::RefinerOptions& used = refiner.options();
     Lattice lattice{complex, std::move(positions), {}, {}};
     // A file of a mesh or a curve keeps the boundary mode; one of a lattice has marks alone.
@@ -51,10 +51,9 @@ std::vector<VertexIntegers> levelIntegers(const far::TopologyRefiner& refiner, i
     for (auto& [name, components, type, values] : result) {
         const auto width = static_cast<std::size_t>(components);
         if (components < 1 || values.size() != baseCount * width)
-            throw Error("the integers " + inQuotes(name) + " have " +
-                        std::to_string(values.size()) + " values; expected " +
-                        std::to_string(components) + " for each of the " +
-                        std::to_string(baseCount) + " vertices of level 0");
+            throw Error(concat("the integers ", inQuotes(name), " have ", values.size(),
+                               " values; expected ", components, " for each of the ", baseCount,
+                               " vertices of level 0"));
         // The vertex points of a level keep the numbers of their vertices, and come first.
         values.resize(vertexCount * width, noInteger(type));
     }

@@ -17,7 +17,7 @@ namespace espalier::shapes {
 namespace {
 
 std::string latticeName(const MergeOptions& options, std::size_t number) {
-    return options.names.empty() ? "lattice " + std::to_string(number) : options.names[number];
+    return options.names.empty() ? concat("lattice ", number) : options.names[number];
 }
 
 // In what follows an Attribute is a VertexAttribute or VertexIntegers.
@@ -53,9 +53,8 @@ void requireAttribute(const Attribute& wanted, const std::string& owner,
         throw Error("merge: " + name + " lacks " + kindOf(wanted) + inQuotes(wanted.name) +
                     ", which " + owner + " has");
     if (found->components != wanted.components)
-        throw Error("merge: attribute " + inQuotes(wanted.name) + " has " +
-                    std::to_string(found->components) + " components in " + name + ", but " +
-                    std::to_string(wanted.components) + " in " + owner);
+        throw Error(concat("merge: attribute ", inQuotes(wanted.name), " has ", found->components,
+                           " components in ", name, ", but ", wanted.components, " in ", owner));
 }
 
 /// That the first lattice and another one have the same attributes.
@@ -79,8 +78,8 @@ void check(std::span<const Lattice> lattices, const MergeOptions& options) {
         refuseField("merge", "tolerance", textOf(options.tolerance),
                     "numbers from 0 to below 1, a fraction of the whole size");
     if (!options.names.empty() && options.names.size() != lattices.size())
-        throw Error("merge: got " + std::to_string(options.names.size()) + " names for " +
-                    std::to_string(lattices.size()) + " lattices");
+        throw Error(concat("merge: got ", options.names.size(), " names for ", lattices.size(),
+                           " lattices"));
     const std::string first = latticeName(options, 0);
     for (std::size_t number = 0; number < lattices.size(); ++number) {
         const std::string name = latticeName(options, number);
@@ -104,13 +103,12 @@ void requireCellsKept(const far::CellComplex& complex, std::span<const Index> ne
             std::adjacent_find(welded.begin(), welded.end(),
                                [](const auto& a, const auto& b) { return a.first == b.first; });
         if (twice == welded.end()) continue;
-        throw far::TopologyError(far::TopologyCause::RepeatedVertex, {dimension, cell},
-                                 "merge: vertices " + std::to_string(twice->second) + " and " +
-                                     std::to_string((twice + 1)->second) + " of " +
-                                     dimensionName(dimension) + " " + std::to_string(cell) +
-                                     " of " + name +
-                                     " would become one; they are within the distance of " +
-                                     textOf(distance) + " that the tolerance allows");
+        throw far::TopologyError(
+            far::TopologyCause::RepeatedVertex, {dimension, cell},
+            concat("merge: vertices ", twice->second, " and ", (twice + 1)->second, " of ",
+                   dimensionName(dimension), " ", cell, " of ", name,
+                   " would become one; they are within the distance of ", textOf(distance),
+                   " that the tolerance allows"));
     }
 }
 
@@ -141,8 +139,8 @@ struct Origin {
 };
 
 std::string nameOf(const Origin& origin, const MergeOptions& options) {
-    return std::string(dimensionName(origin.entity.dimension)) + " " +
-           std::to_string(origin.entity.index) + " of " + latticeName(options, origin.lattice);
+    return concat(dimensionName(origin.entity.dimension), " ", origin.entity.index, " of ",
+                  latticeName(options, origin.lattice));
 }
 
 /// The merged vertices of a face, ascending.

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/vector3.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
+#include <vector>
 
 #include "bernstein.h"
 
@@ -180,5 +184,231 @@ std::pair<Trivariate<Degree, 4>, Trivariate<Degree, 4>> partsInTime(
     ESPALIER_INSTANTIATE_HALVES(DeterminantDegree, 4)
 ESPALIER_INSTANTIATE(1, 2)
 ESPALIER_INSTANTIATE(3, 8)
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// How often a part of the cube is halved at most: 10 times along each axis, say; then the gap
+/// between coefficients and values is 1e-6 of that in the whole.
+constexpr int kDeepest = 30;
+
+/// Nor is what is no number.
+bool isAboveZero(double value) {
+    return value > 0;
+}
+
+/// Whether all coefficients are, and so all values.
+template <std::size_t Degree, std::size_t Lanes>
+bool isProvedPositive(const Trivariate<Degree, Lanes>& polynomials) {
+    return std::all_of(polynomials.begin(), polynomials.end(), [](const auto& lanes) {
+        return std::all_of(lanes.begin(), lanes.end(), isAboveZero);
+    });
+}
+
+/// Whether a value of a lane that is known is not above 0.
+template <std::size_t Degree, std::size_t Lanes>
+bool isSeenToFail(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane) {
+    const auto& corners = kCornerCoefficients<Degree>;
+    return std::any_of(corners.begin(), corners.end(),
+                       [&](std::size_t at) { return !isAboveZero(polynomials[at][lane]); });
+}
+
+/// How far a lane is from linear along each axis: what is linear along all has its least
+/// coefficient at a corner, so that nothing is gained by halving.
+template <std::size_t Degree, std::size_t Lanes>
+std::array<double, 3> bends(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane) {
+    std::array<double, 3> result{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t stride = kAxisStride<Degree>[axis];
+        for (std::size_t at = 0; at < polynomials.size(); ++at) {
+            const std::size_t place = at / stride % (Degree + 1);
+            if (place == 0 || place == Degree) continue;
+            result[axis] = std::max(
+                result[axis], std::abs(polynomials[at - stride][lane] - 2 * polynomials[at][lane] +
+                                       polynomials[at + stride][lane]));
+        }
+    }
+    return result;
+}
+
+template <std::size_t Count>
+std::size_t largestOf(const std::array<double, Count>& values) {
+    return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) -
+                                    values.begin());
+}
+
+/// A part of the cube.
+template <std::size_t Degree, std::size_t Lanes>
+struct Part {
+    Trivariate<Degree, Lanes> polynomials;
+    int depth = 0;
+
+    std::pair<Part, Part> halved(std::size_t axis) const {
+        const auto [lower, upper] = halves(polynomials, axis);
+        return {{lower, depth + 1}, {upper, depth + 1}};
+    }
+};
+
+/// A part of the cube, and what the least quotient in it lies between.
+template <std::size_t Degree>
+struct QuotientPart : Part<Degree, 2> {
+    using Part<Degree, 2>::polynomials;
+
+    double low = kInfinity;
+    double high = kInfinity;
+
+    explicit QuotientPart(const Part<Degree, 2>& part) : Part<Degree, 2>(part) {
+        // The quotient is a mean of those of the coefficients, if all of its weights are positive.
+        for (const auto& [upper, lower] : polynomials)
+            low = std::min(low, lower > 0 ? upper / lower : -kInfinity);
+        for (const std::size_t at : kCornerCoefficients<Degree>)
+            if (polynomials[at][1] > 0)
+                high = std::min(high, polynomials[at][0] / polynomials[at][1]);
+    }
+
+    /// Where the two, each for its size, are most bent. While weights are not positive, the way
+    /// that isPositive() went to prove that they are.
+    std::size_t axis() const {
+        std::array<double, 3> sum{};
+        for (std::size_t lane = std::isinf(low) ? 1 : 0; lane < 2; ++lane) {
+            double size = std::numeric_limits<double>::min();
+            for (const auto& lanes : polynomials) size = std::max(size, std::abs(lanes[lane]));
+            const auto ofLane = bends(polynomials, lane);
+            for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += ofLane[axis] / size;
+        }
+        return largestOf(sum);
+    }
+};
+
+/// A part of the cube for a part of the time.
+template <std::size_t Degree>
+struct MovingPart : Part<Degree, 4> {
+    using Part<Degree, 4>::polynomials, Part<Degree, 4>::depth;
+
+    double first = 0;
+    double last = 1;
+
+    /// Whether time is more bent than each of the axes; else, which of them is the most.
+    bool isMostBentInTime() const { return largestOf(spaceAndTime()) == 3; }
+    std::size_t axis() const {
+        const auto all = spaceAndTime();
+        return largestOf(std::array<double, 3>{all[0], all[1], all[2]});
+    }
+
+    std::pair<MovingPart, MovingPart> halvedInTime() const {
+        const auto [before, after] = partsInTime(polynomials, 0.5);
+        const double middle = (first + last) / 2;
+        return {{{before, depth}, first, middle}, {{after, depth}, middle, last}};
+    }
+    std::pair<MovingPart, MovingPart> halvedInSpace() const {
+        const auto [lower, upper] = this->halved(axis());
+        return {{lower, first, last}, {upper, first, last}};
+    }
+
+private:
+    std::array<double, 4> spaceAndTime() const {
+        std::array<double, 4> result{};
+        for (std::size_t lane = 0; lane < 4; ++lane) {
+            const auto ofLane = bends(polynomials, lane);
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                result[axis] = std::max(result[axis], ofLane[axis]);
+        }
+        for (const auto& lanes : polynomials)
+            for (std::size_t i = 1; i < 3; ++i)
+                result[3] =
+                    std::max(result[3], std::abs(lanes[i - 1] - 2 * lanes[i] + lanes[i + 1]));
+        return result;
+    }
+};
+
+}  // namespace
+
+template <std::size_t Degree>
+bool isPositive(const Trivariate<Degree, 1>& polynomial) {
+    constexpr int kMaxHalvings = 500;
+    if (isProvedPositive(polynomial)) return true;
+    std::vector<Part<Degree, 1>> open = {{polynomial, 0}};
+    for (int halvings = 0; !open.empty(); ++halvings) {
+        const Part<Degree, 1> part = open.back();
+        open.pop_back();
+        if (isSeenToFail(part.polynomials, 0) || part.depth == kDeepest || halvings == kMaxHalvings)
+            return false;
+        const auto [lower, upper] = part.halved(largestOf(bends(part.polynomials, 0)));
+        for (const auto& half : {lower, upper})
+            if (!isProvedPositive(half.polynomials)) open.push_back(half);
+    }
+    return true;
+}
+
+template <std::size_t Degree>
+double leastQuotient(const Trivariate<Degree, 2>& quotient) {
+    // More than isPositive() may take to prove that the second is: then it shows here, too.
+    constexpr int kMaxHalvings = 2000;
+    constexpr double kPrecision = 1e-3, kSmall = 1e-6;
+    QuotientPart<Degree> lowest({quotient, 0});
+    double high = lowest.high;
+    std::vector<QuotientPart<Degree>> others;
+    const auto isHigher = [](const QuotientPart<Degree>& a, const QuotientPart<Degree>& b) {
+        return a.low > b.low;
+    };
+    for (int halvings = 0; halvings < kMaxHalvings && lowest.depth < kDeepest; ++halvings) {
+        const double gap = high - lowest.low;
+        const bool hasSign = lowest.low > 0 || !(high > 0);
+        if (hasSign &&
+            !(gap > std::max(kSmall, kPrecision * std::max(std::abs(high), std::abs(lowest.low)))))
+            break;
+        const auto [lower, upper] = lowest.halved(lowest.axis());
+        for (const auto& half : {lower, upper}) {
+            others.emplace_back(half);
+            high = std::min(high, others.back().high);
+            std::push_heap(others.begin(), others.end(), isHigher);
+        }
+        std::pop_heap(others.begin(), others.end(), isHigher);
+        lowest = others.back();
+        others.pop_back();
+    }
+    return lowest.low;
+}
+
+template <std::size_t Degree>
+ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
+    using Moving = MovingPart<Degree>;
+    constexpr int kMaxHalvings = 2000;
+    constexpr double kPrecision = 1e-6, kNone = 1e-12;
+    std::vector<Moving> open;  // a heap, the earliest first
+    const auto isLater = [](const Moving& a, const Moving& b) { return a.first > b.first; };
+    const auto keepUnlessProved = [&](const Moving& part) {
+        if (isProvedPositive(part.polynomials)) return;
+        open.push_back(part);
+        std::push_heap(open.begin(), open.end(), isLater);
+    };
+    keepUnlessProved({{upTo < 1 ? partsInTime(polynomial, upTo).first : polynomial, 0}, 0, upTo});
+    for (int halvings = 0; !open.empty(); ++halvings) {
+        std::pop_heap(open.begin(), open.end(), isLater);
+        const Moving part = open.back();
+        open.pop_back();
+        // All times before it have been proved.
+        const bool failsAtLast = isSeenToFail(part.polynomials, 3);
+        const bool isDeepest = part.depth == kDeepest;
+        const bool isShort =
+            part.last - part.first <= kPrecision * part.first || part.last <= kNone;
+        if (isSeenToFail(part.polynomials, 0) || (isShort && failsAtLast))
+            return {part.first, true};
+        if (halvings == kMaxHalvings || (isShort && isDeepest)) return {part.first, false};
+        const bool takesTime = !isShort && (failsAtLast || isDeepest || part.isMostBentInTime());
+        const auto [one, other] = takesTime ? part.halvedInTime() : part.halvedInSpace();
+        keepUnlessProved(one);
+        keepUnlessProved(other);
+    }
+    return {upTo, true};
+}
+
+template bool isPositive(const Trivariate<2, 1>&);
+template bool isPositive(const Trivariate<8, 1>&);
+template double leastQuotient(const Trivariate<2, 2>&);
+template double leastQuotient(const Trivariate<8, 2>&);
+template ProvedTime positiveUpTo(const Trivariate<2, 4>&, double);
+template ProvedTime positiveUpTo(const Trivariate<8, 4>&, double);
 
 }  // namespace espalier::solve

@@ -13,8 +13,7 @@ namespace espalier::solve {
 namespace {
 
 void checkAxis(int axis) {
-    if (axis < 0 || axis > 2)
-        throw Error("there is no axis " + std::to_string(axis) + "; expected 0 to 2");
+    if (axis < 0 || axis > 2) throw Error(concat("there is no axis ", axis, "; expected 0 to 2"));
 }
 
 /// The mirror images of points among themselves.
@@ -40,10 +39,10 @@ public:
             return (Eigen::Vector3d(positions_[candidate].data()) - image).norm() > tolerance_;
         });
         if (found.size() == 1) return found.front();
-        throw Error("vertex " + std::to_string(vertex) + " has " +
-                    (found.empty() ? std::string("no mirror image")
-                                   : std::to_string(found.size()) + " mirror images") +
-                    " within " + std::to_string(tolerance_));
+        throw Error(concat(
+            "vertex ", vertex, " has ",
+            found.empty() ? std::string("no mirror image") : concat(found.size(), " mirror images"),
+            " within ", tolerance_));
     }
 
 private:
@@ -57,8 +56,7 @@ private:
 
 DesignVariables::DesignVariables(Index vertexCount) {
     if (vertexCount < 0 || vertexCount > kMaxIndex / 3)
-        throw Error("cannot number the coordinates of " + std::to_string(vertexCount) +
-                    " vertices");
+        throw Error(concat("cannot number the coordinates of ", vertexCount, " vertices"));
     for (Index i = 0; i < 3 * vertexCount; ++i) links_.push_back({i, 1});
     isFrozen_.assign(links_.size(), 0);
     units_.assign(links_.size(), 1);
@@ -67,8 +65,7 @@ DesignVariables::DesignVariables(Index vertexCount) {
 Index DesignVariables::coordinate(Index vertex, int axis) const {
     checkAxis(axis);
     if (vertex < 0 || vertex >= static_cast<Index>(links_.size() / 3))
-        throw Error("there is no vertex " + std::to_string(vertex) + "; the lattice has " +
-                    std::to_string(links_.size() / 3));
+        throw Error(concat("there is no vertex ", vertex, "; the lattice has ", links_.size() / 3));
     return 3 * vertex + axis;
 }
 
@@ -97,8 +94,7 @@ void DesignVariables::scale(Index vertex, int axis, double unit) {
     const Link root = rootOf(coordinate(vertex, axis));
     const double ofRoot = unit / root.factor;
     if (!std::isnormal(ofRoot))
-        throw Error("vertex " + std::to_string(vertex) + " cannot be scaled by " +
-                    std::to_string(unit));
+        throw Error(concat("vertex ", vertex, " cannot be scaled by ", unit));
     units_[root.to] = ofRoot;
 }
 
@@ -110,10 +106,9 @@ void DesignVariables::scale(Index vertex, double unit) {
 double DesignVariables::joinedFactor(Index coordinate, Index to, double factor) {
     const double joined = factor * rootOf(to).factor / rootOf(coordinate).factor;
     if (!std::isnormal(joined) || !std::isnormal(1 / joined))
-        throw Error("vertices " + std::to_string(coordinate / 3) + " and " +
-                    std::to_string(to / 3) +
-                    " cannot be linked: with the links that they have, the factor between is " +
-                    std::to_string(joined));
+        throw Error(concat(
+            "vertices ", coordinate / 3, " and ", to / 3,
+            " cannot be linked: with the links that they have, the factor between is ", joined));
     return joined;
 }
 
@@ -141,8 +136,7 @@ void DesignVariables::join(Index coordinate, Index to, double factor) {
 void DesignVariables::link(Index vertex, Index to, const std::array<double, 3>& factors) {
     for (const double factor : factors)
         if (!std::isfinite(factor) || factor == 0)
-            throw Error("vertex " + std::to_string(vertex) + " cannot be linked by the factor " +
-                        std::to_string(factor));
+            throw Error(concat("vertex ", vertex, " cannot be linked by the factor ", factor));
     for (int axis = 0; axis < 3; ++axis)
         joinedFactor(coordinate(vertex, axis), coordinate(to, axis), factors[axis]);
     for (int axis = 0; axis < 3; ++axis)
@@ -153,12 +147,12 @@ void DesignVariables::mirror(std::span<const Point3> positions, int axis, double
                              double tolerance) {
     checkAxis(axis);
     if (3 * positions.size() != links_.size())
-        throw Error("got " + std::to_string(positions.size()) + " positions for " +
-                    std::to_string(links_.size() / 3) + " vertices");
+        throw Error(
+            concat("got ", positions.size(), " positions for ", links_.size() / 3, " vertices"));
     for (std::size_t vertex = 0; vertex < positions.size(); ++vertex)
         for (const double coordinate : positions[vertex])
             if (!std::isfinite(coordinate))
-                throw Error("the position of vertex " + std::to_string(vertex) + " is not finite");
+                throw Error(concat("the position of vertex ", vertex, " is not finite"));
     const Images images(positions, axis, at, tolerance);
     std::vector<Index> found;
     for (Index vertex = 0; vertex < static_cast<Index>(positions.size()); ++vertex)
@@ -195,12 +189,11 @@ stencils::StencilTable<double> DesignVariables::matrix() const {
 stencils::StencilTable<double> buildJacobian(const stencils::StencilTable<double>& deformation,
                                              const stencils::StencilTable<double>& design) {
     if (Offset{design.rowCount()} != 3 * Offset{deformation.columnCount()})
-        throw Error("the design is of " + std::to_string(design.rowCount()) +
-                    " coordinates; expected three for each of " +
-                    std::to_string(deformation.columnCount()) + " vertices");
+        throw Error(concat("the design is of ", design.rowCount(),
+                           " coordinates; expected three for each of ", deformation.columnCount(),
+                           " vertices"));
     if (deformation.rowCount() > kMaxIndex / 3)
-        throw Error("cannot number the coordinates of " + std::to_string(deformation.rowCount()) +
-                    " points");
+        throw Error(concat("cannot number the coordinates of ", deformation.rowCount(), " points"));
     return stencils::buildTable(3 * deformation.rowCount(), design.columnCount(),
                                 [&](Index row, stencils::RowAccumulator& sums) {
                                     const auto vertices = deformation.columns(row / 3);

@@ -32,32 +32,30 @@ constexpr double kOpen = 1e-10;
 void check(const StencilTable<double>& deformation, std::span<const Point3> misses,
            const far::CellComplex& base, const FitOptions& options) {
     if (deformation.columnCount() != base.count(0))
-        throw Error("the points are bound to " + std::to_string(deformation.columnCount()) +
-                    " vertices; the lattice has " + std::to_string(base.count(0)));
+        throw Error(concat("the points are bound to ", deformation.columnCount(),
+                           " vertices; the lattice has ", base.count(0)));
     if (std::ssize(misses) != deformation.rowCount())
-        throw Error("got " + std::to_string(misses.size()) + " targets for " +
-                    std::to_string(deformation.rowCount()) + " points");
+        throw Error(
+            concat("got ", misses.size(), " targets for ", deformation.rowCount(), " points"));
     if (misses.empty()) throw Error("there are no targets");
     for (std::size_t i = 0; i < misses.size(); ++i) {
         for (const double coordinate : misses[i])
             if (!std::isfinite(coordinate))
                 throw TargetError(static_cast<Index>(i),
-                                  "the target of point " + std::to_string(i) + " is not finite");
+                                  concat("the target of point ", i, " is not finite"));
         for (const double weight : deformation.weights(static_cast<Index>(i)))
             if (!std::isfinite(weight))
-                throw Error("point " + std::to_string(i) + " has a weight that is not finite");
+                throw Error(concat("point ", i, " has a weight that is not finite"));
         if (deformation.columns(static_cast<Index>(i)).empty())
-            throw Error("point " + std::to_string(i) +
-                        " has a target, but lies outside the lattice");
+            throw Error(concat("point ", i, " has a target, but lies outside the lattice"));
     }
     for (const Index vertex : options.frozen)
         if (vertex < 0 || vertex >= base.count(0))
-            throw Error("vertex " + std::to_string(vertex) + " cannot be frozen; the lattice has " +
-                        std::to_string(base.count(0)));
-    constexpr double kLeast = 1e-4, kMost = 1e4;
-    if (!(options.strength >= kLeast && options.strength <= kMost))
-        throw Error("a strength of " + std::to_string(options.strength) +
-                    "; expected 0.0001 to 10000");
+            throw Error(
+                concat("vertex ", vertex, " cannot be frozen; the lattice has ", base.count(0)));
+    constexpr double kLeast = 1e-4, kMax = 1e4;
+    if (!(options.strength >= kLeast && options.strength <= kMax))
+        throw Error(concat("a strength of ", options.strength, "; expected 0.0001 to 10000"));
 }
 
 /// Names the target that is farthest from its point.
@@ -68,9 +66,9 @@ void check(const StencilTable<double>& deformation, std::span<const Point3> miss
     };
     const auto farthest = std::ranges::max_element(misses, {}, size);
     const auto row = static_cast<Index>(farthest - misses.begin());
-    throw TargetError(row, "the target of point " + std::to_string(row) +
-                               " is too far from the point for the square of the distance to be "
-                               "a number");
+    throw TargetError(row, concat("the target of point ", row,
+                                  " is too far from the point for the square of the distance to be "
+                                  "a number"));
 }
 
 /// Which vertices may move.
@@ -141,9 +139,9 @@ public:
     /// them costs no digits; and each change is a multiple of the square, so that it has no part in
     /// open directions but by rounding: what comes out is the smallest solution.
     Columns solve(const Columns& right) const {
-        constexpr int kMostSteps = 100;
+        constexpr int kMaxSteps = 100;
         Columns solution = Columns::Zero(square_.rows(), 3);
-        for (int step = 0; step < kMostSteps; ++step) {
+        for (int step = 0; step < kMaxSteps; ++step) {
             const Columns left = matrix_.transpose() * (right - matrix_ * solution) -
                                  smooth_.transpose() * (smooth_ * solution);
             const Columns change = square_ * Columns(factor_.solve(Columns(factor_.solve(left))));
@@ -212,9 +210,8 @@ LatticeFit fitLattice(const StencilTable<double>& deformation, std::span<const P
     if (std::isinf(fit.condition) && options.undetermined == Undetermined::Refuse) {
         Eigen::Index most = 0;
         least.direction.cwiseAbs().maxCoeff(&most);
-        throw Error("the targets leave vertex " +
-                    std::to_string(free.vertices[static_cast<Index>(most)]) +
-                    " of the lattice undetermined");
+        throw Error(concat("the targets leave vertex ", free.vertices[static_cast<Index>(most)],
+                           " of the lattice undetermined"));
     }
 
     Columns wanted(deformation.rowCount(), 3);

@@ -18,7 +18,7 @@
 // its cells.
 //
 // Types: FitOptions and fitLattice() (this header), DesignVariables, ValidityCheck, whose proofs
-// stand in bernstein_bounds.h.
+// stand in bernstein.h.
 //
 // Read this header, design_variables.h, validity.h.
 namespace espalier::solve {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <string>
 
-#include "bernstein_bounds.h"
-#include "checked_volume.h"
+#include "bernstein.h"
+#include "validity_pieces.h"
 
 namespace espalier::solve {
 namespace {
@@ -22,14 +22,14 @@ void checkPositions(const CellComplex& complex, std::span<const Point3> position
                     const char* name) {
     constexpr double kMaxCoordinate = 1e90;
     if (std::ssize(positions) != complex.count(0))
-        throw Error("got " + std::to_string(positions.size()) + " positions of the " + name +
-                    " for " + std::to_string(complex.count(0)) + " vertices");
+        throw Error(concat("got ", positions.size(), " positions of the ", name, " for ",
+                           complex.count(0), " vertices"));
     for (std::size_t vertex = 0; vertex < positions.size(); ++vertex)
         for (const double coordinate : positions[vertex])
             if (!(std::abs(coordinate) <= kMaxCoordinate))
-                throw Error(
-                    "the " + std::string(name) + " of vertex " + std::to_string(vertex) +
-                    (std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
+                throw Error(concat(
+                    "the ", name, " of vertex ", vertex,
+                    std::isfinite(coordinate) ? " is too far from the origin" : " is not finite"));
 }
 
 /// What is left of a determinant above its floor, turned so that it is positive at rest.
@@ -210,8 +210,8 @@ PoseValidity ValidityCheck::check(std::span<const Point3> pose) const {
 LargestStep ValidityCheck::largestStep(std::span<const Point3> pose, double most) const {
     constexpr double kMaxAsked = 1e6;
     if (!(most > 0 && most <= kMaxAsked))
-        throw Error("the largest step was asked for up to " + std::to_string(most) +
-                    "; expected a number above 0, up to a million");
+        throw Error(concat("the largest step was asked for up to ", most,
+                           "; expected a number above 0, up to a million"));
     const CheckedVolume& volume = *volume_;
     checkPositions(volume.cells(), pose, "pose");
     std::vector<Point3> ends = rest_.levels.empty() ? rest_.limits : rest_.levels.front();

@@ -71,7 +71,7 @@ class CheckedVolume;
 /// refined: those of limit::bindLimit() are finer. A cell of the base is inverted if anything is
 /// that descends from it.
 ///
-/// "Valid" is proved, by Bernstein coefficients of determinants (bernstein_bounds.h). A cell that
+/// "Valid" is proved, by Bernstein coefficients of determinants (bernstein.h). A cell that
 /// cannot be proved valid counts as inverted, and as the end of a step. That errs by little:
 /// determinants count as 0 below what rounding may amount to, which is 6e-14 of the product of the
 /// longest edges along the three axes (or the cube of the size, for cells of type 4 and above; for

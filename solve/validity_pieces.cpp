@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/base/vector3.h>
 #include <espalier/embed/cell_place.h>
 #include <espalier/far/standard_cells.h>
@@ -7,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "validity_pieces.h"
 
@@ -131,6 +133,34 @@ double determinantFloor(const PieceSize& size) {
 
 std::array<double, 4> determinantFloor(const PieceSize& first, const PieceSize& last) {
     return floorOf(first, last, 2 * kRounding);
+}
+
+CheckedVolume::CheckedVolume(const far::CellComplex& level) : cells_(level) {
+    if (level.dimension() != 3)
+        throw Error(concat("cells are checked in a lattice only, not in a complex of dimension ",
+                           level.dimension()));
+    for (Index face = 0; face < level.count(2); ++face)
+        if (level.relation(2, 0)[face].size() != 4)
+            throw Error(
+                concat("face ", face,
+                       " is not a quadrilateral: checking cells needs a lattice refined at least "
+                       "once"));
+}
+
+CheckedVolume::CheckedVolume(const limit::LimitParts& limit)
+    : cells_(limit.base()), limit_(limit) {}
+
+Index CheckedVolume::partCount() const {
+    return limit_ ? static_cast<Index>(limit_->parts().size()) : cells_.count(3);
+}
+
+Index CheckedVolume::cellOf(Index part) const {
+    return limit_ ? limit_->parts()[part].baseCell : part;
+}
+
+limit::LimitPositions CheckedVolume::place(std::span<const Point3> positions) const {
+    if (limit_) return limit_->place(positions);
+    return {{}, {positions.begin(), positions.end()}};
 }
 
 }  // namespace espalier::solve

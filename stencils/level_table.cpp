@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/far/fading.h>
+#include <espalier/far/strata.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/mlca.h>
 #include <espalier/stencils/rats.h>

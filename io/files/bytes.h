@@ -63,7 +63,7 @@ public:
     std::size_t left() const { return bytes_.size(); }
 
     std::string_view bytes(std::uint64_t count) {
-        if (count > left()) failFor(std::to_string(count) + " bytes");
+        if (count > left()) failFor(concat(count, " bytes"));
         const std::string_view taken = bytes_.substr(0, count);
         bytes_.remove_prefix(count);
         return taken;
@@ -79,8 +79,7 @@ public:
     template <class Stored, class Number>
     Array<Number> numbersAs(std::uint64_t count) {
         if (count > left() / sizeof(Stored))
-            failFor(std::to_string(count) + " numbers of " + std::to_string(sizeof(Stored)) +
-                    " bytes");
+            failFor(concat(count, " numbers of ", sizeof(Stored), " bytes"));
         requireMemory(count * sizeof(Number), "its data");
         const std::string_view stored = bytes(count * sizeof(Stored));
         Array<Number> numbers(count);
@@ -91,8 +90,8 @@ public:
         for (std::size_t i = 0; i < numbers.size(); ++i) {
             const auto number = loadNumber<Stored>(stored.data() + i * sizeof(Stored), order_);
             if (!isHeldBy<Number>(number))
-                throw CodingError("number " + std::to_string(i) + " is " + std::to_string(number) +
-                                  ", beyond what can be held");
+                throw CodingError(
+                    concat("number ", i, " is ", number, ", beyond what can be held"));
             numbers[i] = static_cast<Number>(number);
         }
         return numbers;
@@ -115,8 +114,8 @@ private:
     }
 
     [[noreturn]] void failFor(const std::string& expected) const {
-        throw CodingError("the data ends too early: " + expected + " are expected, " +
-                          std::to_string(left()) + " bytes are there");
+        throw CodingError(concat("the data ends too early: ", expected, " are expected, ", left(),
+                                 " bytes are there"));
     }
 
     std::string_view bytes_;

@@ -66,8 +66,8 @@ void Base64Reader::readQuad() {
         if (c == kPadding && i >= 2)
             ++padding;
         else if (digit == kNoDigit || padding > 0)
-            throw CodingError("character code " + std::to_string(static_cast<unsigned char>(c)) +
-                              " is out of place in base64 data");
+            throw CodingError(concat("character code ", static_cast<unsigned char>(c),
+                                     " is out of place in base64 data"));
         group = group << 6 | (c == kPadding ? 0u : digit);
     }
     for (std::size_t i = 0; i < 3 - padding; ++i)
@@ -76,9 +76,8 @@ void Base64Reader::readQuad() {
 
 std::string Base64Reader::read(std::size_t count) {
     if (count > mostLeft())
-        throw CodingError("the base64 data ends too early: " + std::to_string(count) +
-                          " bytes are claimed, at most " + std::to_string(mostLeft()) +
-                          " are there");
+        throw CodingError(concat("the base64 data ends too early: ", count,
+                                 " bytes are claimed, at most ", mostLeft(), " are there"));
     left_.reserve(count + 3);
     while (left_.size() < count) readQuad();
     std::string result = left_.substr(0, count);
@@ -131,9 +130,9 @@ private:
 
 void appendInflated(std::string_view stream, std::uint64_t size, DeflateForm form,
                     std::string& bytes) {
-    if (size / kMostInflation > stream.size())
-        throw CodingError("a stream of " + std::to_string(stream.size()) +
-                          " compressed bytes claims to hold " + std::to_string(size));
+    if (size / kMaxInflation > stream.size())
+        throw CodingError(
+            concat("a stream of ", stream.size(), " compressed bytes claims to hold ", size));
     requireMemory(size, "its data");
     Inflater inflater(form);
     const std::size_t before = bytes.size();
@@ -142,8 +141,8 @@ void appendInflated(std::string_view stream, std::uint64_t size, DeflateForm for
     Bytef none = 0;
     Bytef* to = size == 0 ? &none : reinterpret_cast<Bytef*>(bytes.data() + before);
     if (!inflater.inflate(stream, to, size))
-        throw CodingError("a compressed stream of " + std::to_string(stream.size()) +
-                          " bytes is damaged (zlib)");
+        throw CodingError(
+            concat("a compressed stream of ", stream.size(), " bytes is damaged (zlib)"));
 }
 
 }  // namespace espalier::io

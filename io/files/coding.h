@@ -34,7 +34,7 @@ private:
 };
 
 /// Deflate makes at most so many bytes of one (a symbol of 2 bits stands for up to 258 bytes).
-inline constexpr std::uint64_t kMostInflation = 1032;
+inline constexpr std::uint64_t kMaxInflation = 1032;
 
 /// What is round a deflate stream: zlib's head and checksum (RFC 1950), or nothing (RFC 1951).
 enum class DeflateForm { Zlib, Raw };

@@ -27,7 +27,7 @@ FileError::FileError(const fs::path& path, const std::string& cause)
     : Error(shownPath(path) + ": " + printable(cause, cause.size())) {}
 
 FileError::FileError(const fs::path& path, std::size_t line, const std::string& cause)
-    : Error(shownPath(path) + ":" + std::to_string(line) + ": " + printable(cause, cause.size())) {}
+    : Error(concat(shownPath(path), ":", line, ": ", printable(cause, cause.size()))) {}
 
 namespace {
 

@@ -31,12 +31,12 @@ bool mayAccess(const fs::path& path, int mode) {
 
 /// Follows links at the end of a path, up to one that stands for a descriptor of this process.
 Destination followed(const fs::path& path) {
-    constexpr int kMostLinks = 40;  // as the system has it
+    constexpr int kMaxLinks = 40;  // as the system has it
     std::error_code error;
     const fs::path own = fs::canonical("/proc/self/fd", error);
     fs::path at = path;
     for (int links = 0; fs::is_symlink(fs::symlink_status(at, error)); ++links) {
-        if (links == kMostLinks) throw FileError(path, "cannot write: " + systemMessage(ELOOP));
+        if (links == kMaxLinks) throw FileError(path, "cannot write: " + systemMessage(ELOOP));
         const fs::path folder = fs::canonical(folderOf(at), error);
         if (error) break;
         const std::string name = at.filename().string();
@@ -74,7 +74,7 @@ void check(int result) {
 
 /// By which a file without a name can be named.
 std::string procName(int descriptor) {
-    return "/proc/self/fd/" + std::to_string(descriptor);
+    return concat("/proc/self/fd/", descriptor);
 }
 
 }  // namespace
@@ -117,8 +117,7 @@ void NewFile::openNamed() {
 std::string NewFile::freshName() const {
     static std::atomic<unsigned> count = 0;
     // Not made from the target's name, which may be as long as names can be.
-    return (folder_ / ("espalier.tmp" + std::to_string(::getpid()) + "-" + std::to_string(count++)))
-        .string();
+    return (folder_ / (concat("espalier.tmp", ::getpid(), "-", count++))).string();
 }
 
 void NewFile::takeModeOfOldFile() const {

@@ -48,8 +48,7 @@ std::int64_t readInteger(TextReader& text, NumberType type, const char* what) {
         return static_cast<std::int64_t>(text.number<std::uint64_t>(what));
     const auto number = text.number<std::int64_t>(what);
     if (!canHold(type, number))
-        text.fail(std::to_string(number) + " is out of the range of " + xmlName(type) +
-                  "; expected " + what);
+        text.fail(concat(number, " is out of the range of ", xmlName(type), "; expected ", what));
     return number;
 }
 
@@ -175,8 +174,8 @@ Value readNumber(TextReader& text, NumberType type, const char* what) {
 }
 
 std::size_t saturatingProduct(std::size_t a, std::size_t b) {
-    constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
-    return b != 0 && a > kMost / b ? kMost : a * b;
+    constexpr std::size_t kMax = std::numeric_limits<std::size_t>::max();
+    return b != 0 && a > kMax / b ? kMax : a * b;
 }
 
 #define ESPALIER_INSTANTIATE(Value)                                                       \

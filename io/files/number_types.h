@@ -2,7 +2,7 @@
 #pragma once
 
 #include <espalier/io/files/text_reader.h>
-#include <espalier/shapes/vertex_integers.h>
+#include <espalier/shapes/lattice.h>
 
 #include <bit>
 #include <cstddef>

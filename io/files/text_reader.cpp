@@ -97,8 +97,7 @@ std::size_t TextReader::count(const char* what, std::size_t leastBytes) {
 
 void TextReader::checkRoom(std::size_t count, std::size_t leastBytes, const char* what) const {
     if (count > (remaining() + 1) / leastBytes)
-        fail(std::string(what) + " is " + std::to_string(count) + ", but only " +
-             std::to_string(remaining()) + " bytes are left");
+        fail(concat(what, " is ", count, ", but only ", remaining(), " bytes are left"));
 }
 
 std::string_view TextReader::restOfLine() {
@@ -118,8 +117,8 @@ std::string_view TextReader::restOfLine() {
 std::string_view TextReader::bytes(std::size_t count, const char* what) {
     line_ = nextLine_;
     if (text_.size() - position_ < count)
-        fail(std::string("the file ends; expected ") + what + " (" + std::to_string(count) +
-             " bytes, got " + std::to_string(text_.size() - position_) + ")");
+        fail(concat("the file ends; expected ", what, " (", count, " bytes, got ",
+                    text_.size() - position_, ")"));
     const std::string_view result = text_.substr(position_, count);
     position_ += count;
     return result;

@@ -21,8 +21,7 @@ ByteInput inputAt(std::string_view bytes) {
 /// What follows a place that a file names.
 std::string_view bytesFrom(std::string_view archive, std::uint64_t place) {
     if (place > archive.size())
-        throw CodingError("is damaged: it names byte " + std::to_string(place) + " of " +
-                          std::to_string(archive.size()));
+        throw CodingError(concat("is damaged: it names byte ", place, " of ", archive.size()));
     return archive.substr(place);
 }
 
@@ -169,8 +168,8 @@ std::string_view ZipReader::read(std::string_view name, std::string& room) const
         appendInflated(bytes, member.size, DeflateForm::Raw, room);
         bytes = room;
     } else if (member.method != kZipStored) {
-        throw CodingError("is compressed by method " + std::to_string(member.method) +
-                          "; expected 8 (deflate) or 0 (none)");
+        throw CodingError(concat("is compressed by method ", member.method,
+                                 "; expected 8 (deflate) or 0 (none)"));
     }
     const auto checksum = static_cast<std::uint32_t>(
         crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));

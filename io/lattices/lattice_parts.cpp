@@ -25,9 +25,9 @@ double sharpnessFromFile(double value) {
 bool isMarkInFile(const std::filesystem::path& path, const char* array, std::size_t place,
                   double value) {
     if (std::isnan(value))
-        throw FileError(path, "value " + std::to_string(place) + " of " + inQuotes(array) +
-                                  ", counted from 0, is NaN; expected a sharpness of 0 or more, "
-                                  "or -1 for no mark");
+        throw FileError(path, concat("value ", place, " of ", inQuotes(array),
+                                     ", counted from 0, is NaN; expected a sharpness of 0 or more, "
+                                     "or -1 for no mark"));
     return value >= 0;
 }
 
@@ -73,8 +73,7 @@ std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::filesystem::path&
 
 Index checkedIndex(const std::filesystem::path& path, std::size_t count, const char* what) {
     if (count > static_cast<std::size_t>(kMaxIndex))
-        throw FileError(path, "has " + std::to_string(count) + " " + what + "; the most is " +
-                                  std::to_string(kMaxIndex));
+        throw FileError(path, concat("has ", count, " ", what, "; the most is ", kMaxIndex));
     return static_cast<Index>(count);
 }
 
@@ -97,9 +96,8 @@ far::Marks marksWithout(std::span<const Index> dropped, const far::CellComplex& 
         const auto b = numberWithout(dropped, mark.vertices[1]);
         if (!a || !b || !isEdge(complex, *a, *b))
             throw far::TopologyError(far::TopologyCause::BadMark, {0, mark.vertices[0]},
-                                     "a mark names edge (" + std::to_string(mark.vertices[0]) +
-                                         ", " + std::to_string(mark.vertices[1]) +
-                                         "), which does not exist");
+                                     concat("a mark names edge (", mark.vertices[0], ", ",
+                                            mark.vertices[1], "), which does not exist"));
         result.edges.push_back({{*a, *b}, mark.sharpness});
     }
     for (const far::Marks::Vertex& mark : marks.vertices)
@@ -118,10 +116,10 @@ Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder bui
     checkFinite(path, parts.positions);
     for (const VertexAttribute& attribute : parts.attributes)
         if (attribute.name.starts_with(kReservedNames))
-            throw FileError(path, "the attribute " + inQuotes(attribute.name) + " has " +
-                                      std::to_string(attribute.components) +
-                                      " components and is no known mark; names that begin with " +
-                                      inQuotes(kReservedNames) + " are kept for marks");
+            throw FileError(path, concat("the attribute ", inQuotes(attribute.name), " has ",
+                                         attribute.components,
+                                         " components and is no known mark; names that begin with ",
+                                         inQuotes(kReservedNames), " are kept for marks"));
     parts.complex = namingWithout(path, dropped, [&] { return builder.build(); });
     parts.marks = naming(path, [&] {
         return canonicalMarks(parts.complex, marksWithout(dropped, parts.complex, parts.marks));
@@ -138,14 +136,12 @@ Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder bui
 far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& lattice,
                              int dimension) {
     if (lattice.complex.dimension() != dimension)
-        throw FileError(path, "cannot be written: the lattice is of dimension " +
-                                  std::to_string(lattice.complex.dimension()) + ", not " +
-                                  std::to_string(dimension));
+        throw FileError(path, concat("cannot be written: the lattice is of dimension ",
+                                     lattice.complex.dimension(), ", not ", dimension));
     const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
     if (lattice.positions.size() != vertexCount)
-        throw FileError(path, "cannot be written: the lattice has " + std::to_string(vertexCount) +
-                                  " vertices and " + std::to_string(lattice.positions.size()) +
-                                  " positions");
+        throw FileError(path, concat("cannot be written: the lattice has ", vertexCount,
+                                     " vertices and ", lattice.positions.size(), " positions"));
     checkFinite(path, lattice.positions);
     const auto checkAttribute = [&](const auto& attribute) {
         if (attribute.name.empty())
@@ -155,21 +151,20 @@ far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& l
                                       " has a name that is kept for marks");
         const auto components = static_cast<std::size_t>(std::max(attribute.components, 0));
         if (components == 0 || attribute.values.size() != components * vertexCount)
-            throw FileError(path, "cannot be written: the attribute " + inQuotes(attribute.name) +
-                                      " has " + std::to_string(attribute.values.size()) +
-                                      " values for " + std::to_string(vertexCount) +
-                                      " vertices of " + std::to_string(attribute.components) +
-                                      " components");
+            throw FileError(
+                path, concat("cannot be written: the attribute ", inQuotes(attribute.name), " has ",
+                             attribute.values.size(), " values for ", vertexCount, " vertices of ",
+                             attribute.components, " components"));
     };
     for (const VertexAttribute& attribute : lattice.attributes) checkAttribute(attribute);
     for (const VertexIntegers& integers : lattice.integers) {
         checkAttribute(integers);
         for (const std::int64_t value : integers.values)
             if (!canHold(numberOf(integers.type), value))
-                throw FileError(
-                    path, "cannot be written: the attribute " + inQuotes(integers.name) + " has " +
-                              std::to_string(value) + ", which is out of the range of " +
-                              integerTypeName(integers.type));
+                throw FileError(path,
+                                concat("cannot be written: the attribute ", inQuotes(integers.name),
+                                       " has ", value, ", which is out of the range of ",
+                                       integerTypeName(integers.type)));
     }
     return naming(path, [&] { return canonicalMarks(lattice.complex, lattice.marks); });
 }

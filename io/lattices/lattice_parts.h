@@ -85,9 +85,8 @@ auto naming(const std::filesystem::path& path, std::size_t line, F f) {
     try {
         return f();
     } catch (const far::TopologyError& error) {
-        throw far::TopologyError(
-            error.cause(), error.entity(),
-            shownPath(path) + ":" + std::to_string(line) + ": " + error.what());
+        throw far::TopologyError(error.cause(), error.entity(),
+                                 concat(shownPath(path), ":", line, ": ", error.what()));
     }
 }
 
@@ -127,9 +126,8 @@ auto namingWithout(const std::filesystem::path& path, std::span<const Index> dro
         } catch (const far::TopologyError& error) {
             if (dropped.empty() || error.cause() == far::TopologyCause::EmptyComplex) throw;
             throw far::TopologyError(error.cause(), error.entity(),
-                                     std::string(error.what()) + " (unused vertices, " +
-                                         std::to_string(dropped.size()) +
-                                         " in all, are not counted)");
+                                     concat(error.what(), " (unused vertices, ", dropped.size(),
+                                            " in all, are not counted)"));
         }
     });
 }

@@ -102,9 +102,7 @@ private:
     /// A number below `count`.
     std::size_t readIndex(std::size_t count, const char* what) {
         const auto index = text_.number<std::uint64_t>(what);
-        if (index >= count)
-            text_.fail(std::string(what) + " is " + std::to_string(index) + "; there are " +
-                       std::to_string(count));
+        if (index >= count) text_.fail(concat(what, " is ", index, "; there are ", count));
         return index;
     }
 
@@ -141,7 +139,7 @@ private:
     }
 
     [[noreturn]] void failAtLoop(std::size_t face) {
-        text_.fail("the half-edges of face " + std::to_string(face) + " do not form a loop");
+        text_.fail(concat("the half-edges of face ", face, " do not form a loop"));
     }
 
     void readPolyhedra(far::ComplexBuilder& builder) {
@@ -167,8 +165,8 @@ private:
         if (static_cast<std::size_t>(unused) == isUsed.size()) return;
         throw far::TopologyError(far::TopologyCause::UnusedEntity,
                                  {dimension, static_cast<Index>(unused)},
-                                 shownPath(path_) + ": " + dimensionName(dimension) + " " +
-                                     std::to_string(unused) + " belongs to no " + user);
+                                 concat(shownPath(path_), ": ", dimensionName(dimension), " ",
+                                        unused, " belongs to no ", user));
     }
 
     void readProperty() {

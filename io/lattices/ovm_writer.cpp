@@ -79,7 +79,7 @@ private:
         const bool isVector = components > 4;
         const std::string type = components == 1 ? "double"
                                  : isVector      ? "vector_double"
-                                                 : "vec" + std::to_string(components) + "d";
+                                                 : concat("vec", components, "d");
         out_.put("VProp ", type, " \"", attribute.name, "\"\n");
         if (!isVector) {
             out_.rows(attribute.values, components);
@@ -136,10 +136,10 @@ void writeOvm(const std::filesystem::path& path, const Lattice& lattice) {
     for (const VertexIntegers& integers : lattice.integers) {
         checkName(integers.name);
         if (integers.components > 1)
-            throw FileError(path, "cannot be written: the attribute " + inQuotes(integers.name) +
-                                      " has " + std::to_string(integers.components) +
-                                      " integers for each vertex, for which .ovm has no type; "
-                                      "expected .vtu or .vtk");
+            throw FileError(path, concat("cannot be written: the attribute ",
+                                         inQuotes(integers.name), " has ", integers.components,
+                                         " integers for each vertex, for which .ovm has no type; "
+                                         "expected .vtu or .vtk"));
     }
     writeFile(path, [&](std::ostream& out) { OvmWriter(out).write(lattice, marks); });
 }

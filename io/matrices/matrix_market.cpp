@@ -113,8 +113,8 @@ private:
     Count size(std::string_view word, const char* of) const {
         Count count = 0;
         if (!parseNumber(word, count) || std::cmp_less(count, 0))
-            reader_.fail(inQuotes(word) + " is not a number of " + of + " from 0 to " +
-                         std::to_string(std::numeric_limits<Count>::max()));
+            reader_.fail(concat(inQuotes(word), " is not a number of ", of, " from 0 to ",
+                                std::numeric_limits<Count>::max()));
         return count;
     }
 
@@ -122,8 +122,8 @@ private:
     void checkClaims() const {
         constexpr std::size_t kFreeRows = 1'000'000;
         if (static_cast<std::size_t>(rowCount_) > kFreeRows + size_)
-            reader_.fail("claims " + std::to_string(rowCount_) + " rows, which a file of " +
-                         std::to_string(size_) + " bytes would leave empty");
+            reader_.fail(concat("claims ", rowCount_, " rows, which a file of ", size_,
+                                " bytes would leave empty"));
         // "1 1 1" and a line end.
         reader_.checkRoom(entryCount_, 6, "the number of entries");
     }
@@ -138,15 +138,14 @@ private:
         }
         if (reader_.atEnd()) return;
         const std::string_view more = reader_.token("the end");
-        reader_.fail("expected the end after " + std::to_string(entryCount_) + " entries, got " +
-                     inQuotes(more));
+        reader_.fail(
+            concat("expected the end after ", entryCount_, " entries, got ", inQuotes(more)));
     }
 
     Index readIndex(const char* what, Index count) {
         const Index number = reader_.number<Index>(what);
         if (number < 1 || number > count)
-            reader_.fail(std::string(what) + " " + std::to_string(number) +
-                         " does not exist; expected 1 to " + std::to_string(count));
+            reader_.fail(concat(what, " ", number, " does not exist; expected 1 to ", count));
         return number - 1;
     }
 
@@ -155,7 +154,7 @@ private:
             constexpr std::int64_t kLargest = std::int64_t{1} << 53;
             const auto weight = reader_.number<std::int64_t>("an integer weight");
             if (weight < -kLargest || weight > kLargest)
-                reader_.fail(std::to_string(weight) + " is more than a double holds exactly");
+                reader_.fail(concat(weight, " is more than a double holds exactly"));
             return static_cast<double>(weight);
         }
         const auto weight = reader_.number<double>("a weight");
@@ -173,9 +172,8 @@ private:
         if (twice == entries_.end()) return;
         const Entry& second = *std::next(twice);
         throw FileError(path_, second.line,
-                        "row " + std::to_string(second.row + 1) + " column " +
-                            std::to_string(second.column + 1) + " has an entry already, on line " +
-                            std::to_string(twice->line));
+                        concat("row ", second.row + 1, " column ", second.column + 1,
+                               " has an entry already, on line ", twice->line));
     }
 
     StencilTable<double> makeTable() const {

@@ -28,14 +28,13 @@ public:
                    columns.end();
         };
         const auto fail = [&](const std::string& cause) {
-            throw CodingError("row " + std::to_string(row) + " " + cause);
+            throw CodingError(concat("row ", row, " ", cause));
         };
         for (const Index column : columns)
             if (column < 0 || column >= columnCount_)
-                fail("names column " + std::to_string(column) + " of " +
-                     std::to_string(columnCount_));
+                fail(concat("names column ", column, " of ", columnCount_));
         for (const double weight : weights)
-            if (!std::isfinite(weight)) fail("has a weight of " + std::to_string(weight));
+            if (!std::isfinite(weight)) fail(concat("has a weight of ", weight));
         if (isAscending()) return;
 
         entries_.clear();
@@ -47,8 +46,8 @@ public:
             weights[i] = entries_[i].second;
         }
         if (!isAscending())
-            fail("has column " +
-                 std::to_string(*std::adjacent_find(columns.begin(), columns.end())) + " twice");
+            fail(concat("has column ", *std::adjacent_find(columns.begin(), columns.end()),
+                        " twice"));
     }
 
 private:
@@ -60,8 +59,7 @@ private:
 
 Index matrixSize(std::int64_t count, const char* of) {
     if (count < 0 || count > kMaxIndex)
-        throw CodingError("claims " + std::to_string(count) + " " + of + "; expected 0 to " +
-                          std::to_string(kMaxIndex));
+        throw CodingError(concat("claims ", count, " ", of, "; expected 0 to ", kMaxIndex));
     return static_cast<Index>(count);
 }
 
@@ -69,21 +67,19 @@ StencilTable<double> tableOfRows(Index columnCount, Array<Offset> offsets, Array
                                  Array<double> weights) {
     const auto entryCount = static_cast<Offset>(columns.size());
     if (weights.size() != columns.size())
-        throw CodingError("has " + std::to_string(entryCount) + " columns and " +
-                          std::to_string(weights.size()) + " weights; expected as many");
+        throw CodingError(concat("has ", entryCount, " columns and ", weights.size(),
+                                 " weights; expected as many"));
     if (offsets.empty()) throw CodingError("has no offsets of rows; expected one more than rows");
     matrixSize(static_cast<std::int64_t>(offsets.size()) - 1, "rows");
     if (offsets.front() != 0 || offsets.back() != entryCount)
-        throw CodingError("has rows from entry " + std::to_string(offsets.front()) + " to " +
-                          std::to_string(offsets.back()) + "; expected 0 to " +
-                          std::to_string(entryCount));
+        throw CodingError(concat("has rows from entry ", offsets.front(), " to ", offsets.back(),
+                                 "; expected 0 to ", entryCount));
     RowSorter sorter(columnCount);
     for (std::size_t row = 0; row + 1 < offsets.size(); ++row) {
         const Offset first = offsets[row], last = offsets[row + 1];
         if (first > last || last > entryCount)
-            throw CodingError("row " + std::to_string(row) + " goes from entry " +
-                              std::to_string(first) + " to " + std::to_string(last) + " of " +
-                              std::to_string(entryCount));
+            throw CodingError(
+                concat("row ", row, " goes from entry ", first, " to ", last, " of ", entryCount));
         const auto begin = static_cast<std::size_t>(first);
         const auto count = static_cast<std::size_t>(last - first);
         sorter.sort(row, std::span(columns).subspan(begin, count),

@@ -18,7 +18,7 @@ namespace espalier::io {
 
 void writeNpyHead(ByteOutput& out, std::string_view type, std::optional<std::uint64_t> length) {
     std::string head = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': (" +
-                       (length ? std::to_string(*length) + "," : "") + "), }";
+                       (length ? concat(*length, ",") : "") + "), }";
     constexpr std::string_view kVersion("\x01\x00", 2);
     constexpr std::size_t kAlignment = 64;
     const std::size_t unpadded = kNpyMagic.size() + kVersion.size() + 2 + head.size() + 1;
@@ -167,7 +167,7 @@ std::optional<NumberType> numberTypeOf(const NpyType& type) {
                                   : type.kind == 'f' ? "Float"
                                                      : "";
     if (kind.empty() || type.size > sizeof(std::uint64_t)) return std::nullopt;
-    return numberOfXmlName(std::string(kind) + std::to_string(8 * type.size));
+    return numberOfXmlName(concat(kind, 8 * type.size));
 }
 
 }  // namespace
@@ -179,16 +179,15 @@ NpyArray readNpy(std::string_view file) {
     const int version = in.number<std::uint8_t>();
     in.number<std::uint8_t>();  // of no meaning yet
     if (version < 1 || version > 3)
-        throw CodingError("has version " + std::to_string(version) + "; expected 1 to 3");
+        throw CodingError(concat("has version ", version, "; expected 1 to 3"));
     const std::uint32_t headSize =
         version == 1 ? in.number<std::uint16_t>() : in.number<std::uint32_t>();
     const Head head = HeadParser(in.bytes(headSize)).parse();
     NpyArray array{parseType(*head.type), *head.length, in.bytes(in.left())};
     const std::uint64_t count = array.length.value_or(1);
     if (array.bytes.size() % array.type.size != 0 || array.bytes.size() / array.type.size != count)
-        throw CodingError("claims " + std::to_string(count) + " items of " +
-                          std::to_string(array.type.size) + " bytes, but " +
-                          std::to_string(array.bytes.size()) + " bytes are there");
+        throw CodingError(concat("claims ", count, " items of ", array.type.size, " bytes, but ",
+                                 array.bytes.size(), " bytes are there"));
     return array;
 }
 

@@ -54,8 +54,8 @@ auto readArray(const ZipReader& zip, const std::string& name, std::size_t maxIte
     try {
         const std::uint64_t claimed = zip.size(member);
         if (claimed > kMaxHeadBytes && (claimed - kMaxHeadBytes) / kMaxItemBytes > maxItems)
-            throw CodingError("claims " + std::to_string(claimed) + " bytes for at most " +
-                              std::to_string(maxItems) + " numbers");
+            throw CodingError(
+                concat("claims ", claimed, " bytes for at most ", maxItems, " numbers"));
         std::string room;
         return use(readNpy(zip.read(member, room)));
     } catch (const CodingError& error) {
@@ -74,15 +74,15 @@ StencilTable<double> readArchive(const ZipReader& zip) {
     checkFormat(zip);
     const auto shape = readArray(zip, "shape", 2, npyNumbers<Offset>);
     if (shape.size() != 2)
-        throw CodingError("the matrix has " + std::to_string(shape.size()) +
-                          " axes; expected rows and columns");
+        throw CodingError(
+            concat("the matrix has ", shape.size(), " axes; expected rows and columns"));
     const Index rowCount = matrixSize(shape[0], "rows");
     const Index columnCount = matrixSize(shape[1], "columns");
     const std::size_t offsetCount = static_cast<std::size_t>(rowCount) + 1;
     auto offsets = readArray(zip, "indptr", offsetCount, npyNumbers<Offset>);
     if (offsets.size() != offsetCount)
-        throw CodingError("indptr.npy: has " + std::to_string(offsets.size()) + " numbers for " +
-                          std::to_string(rowCount) + " rows; expected one more than rows");
+        throw CodingError(concat("indptr.npy: has ", offsets.size(), " numbers for ", rowCount,
+                                 " rows; expected one more than rows"));
     const auto entries = static_cast<std::size_t>(std::max<Offset>(offsets[offsets.size() - 1], 0));
     auto columns = readArray(zip, "indices", entries, npyNumbers<Index>);
     auto weights = readArray(zip, "data", entries, npyNumbers<double>);

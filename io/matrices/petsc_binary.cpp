@@ -33,10 +33,9 @@ Array<Offset> offsetsOf(const Array<Offset>& lengths, Offset entryCount) {
     offsets[0] = 0;
     for (std::size_t row = 0; row < lengths.size(); ++row) {
         if (lengths[row] < 0 || lengths[row] > entryCount - offsets[row])
-            throw CodingError("row " + std::to_string(row) + " claims " +
-                              std::to_string(lengths[row]) + " of the " +
-                              std::to_string(entryCount) + " entries, of which " +
-                              std::to_string(entryCount - offsets[row]) + " are left");
+            throw CodingError(concat("row ", row, " claims ", lengths[row], " of the ", entryCount,
+                                     " entries, of which ", entryCount - offsets[row],
+                                     " are left"));
         offsets[row + 1] = offsets[row] + lengths[row];
     }
     return offsets;
@@ -57,9 +56,9 @@ StencilTable<double> read(ByteInput& in) {
     constexpr std::uint64_t kEntrySize = sizeof(Integer) + sizeof(double);
     if (left < lengthBytes || (left - lengthBytes) % kEntrySize != 0 ||
         !std::cmp_equal((left - lengthBytes) / kEntrySize, entryCount))
-        throw CodingError("claims " + std::to_string(rowCount) + " rows and " +
-                          std::to_string(entryCount) + " entries, but " + std::to_string(left) +
-                          " bytes follow; expected one matrix, with weights in double precision");
+        throw CodingError(
+            concat("claims ", rowCount, " rows and ", entryCount, " entries, but ", left,
+                   " bytes follow; expected one matrix, with weights in double precision"));
     const auto lengths = in.numbersAs<Integer, Offset>(static_cast<std::uint64_t>(rowCount));
     auto offsets = offsetsOf(lengths, entryCount);
     auto columns = in.numbersAs<Integer, Index>(static_cast<std::uint64_t>(entryCount));
@@ -75,8 +74,8 @@ void writePetscBinary(const std::filesystem::path& path, const StencilTable<Real
     checkFinite(table);
     if (integers == PetscInt::Bits32 &&
         table.entryCount() > std::numeric_limits<std::int32_t>::max())
-        throw Error("the table has " + std::to_string(table.entryCount()) +
-                    " entries, which take a PETSc of 64-bit indices");
+        throw Error(concat("the table has ", table.entryCount(),
+                           " entries, which take a PETSc of 64-bit indices"));
     writeFile(path, [&](std::ostream& stream) {
         ByteOutput out(stream, std::endian::big);
         if (integers == PetscInt::Bits32)

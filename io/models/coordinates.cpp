@@ -39,8 +39,8 @@ const char* axisName(std::size_t axis) {
 
 double roundTo(Precision precision, double value, std::size_t point) {
     if (isTooLarge(precision, value))
-        throw Error("the new position of point " + std::to_string(point) + " holds " +
-                    formatNumber(value) + ", which is more than the floats of its format hold");
+        throw Error(concat("the new position of point ", point, " holds ", formatNumber(value),
+                           ", which is more than the floats of its format hold"));
     return precision == Precision::Float ? static_cast<float>(value) : value;
 }
 
@@ -55,8 +55,8 @@ double loadCoordinate(std::string_view bytes, std::size_t place, Precision preci
                       const std::filesystem::path& path) {
     const double value = loadReal(bytes, place, precision, order);
     if (!std::isfinite(value))
-        throw FileError(path, "byte " + std::to_string(place) + ": " + axisName(axis) +
-                                  " of point " + std::to_string(point) + " is not finite");
+        throw FileError(path, concat("byte ", place, ": ", axisName(axis), " of point ", point,
+                                     " is not finite"));
     return value;
 }
 

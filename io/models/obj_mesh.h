@@ -30,7 +30,7 @@
 /// number vertices and faces from 0. They may come before what they name, and of two on the same
 /// thing the later one counts. On a curve creases say nothing: all of its edges are.
 ///
-/// A sharpness is held in single precision, as by OpenSubdiv and by refinement (sharpness.h): 10
+/// A sharpness is held in single precision, as by OpenSubdiv and by refinement (far/marks.h): 10
 /// and more is infinite, 0 and less is no mark. Tags of other names are passed over, face-varying
 /// data among them, which has no effect on vertices; and so are the other statements of
 /// the format.

@@ -98,9 +98,8 @@ private:
                                     "than 0 to count back");
             if (vertex < -before)
                 throw FileError(path_, line,
-                                std::string("a ") + paths.name + " names vertex " +
-                                    std::to_string(vertex) + "; there are " +
-                                    std::to_string(before) + " before it");
+                                concat("a ", paths.name, " names vertex ", vertex, "; there are ",
+                                       before, " before it"));
             paths.corners.push_back(vertex < 0 ? before + vertex : vertex - 1);
         }
         paths.ends.push_back(paths.corners.size());
@@ -116,10 +115,10 @@ private:
             vertices.clear();
             for (; corner < paths.ends[i]; ++corner) {
                 if (paths.corners[corner] >= vertexCount())
-                    throw FileError(path_, paths.lineNumbers[i],
-                                    std::string("a ") + paths.name + " names vertex " +
-                                        std::to_string(paths.corners[corner] + 1) +
-                                        "; the file has " + std::to_string(vertexCount()));
+                    throw FileError(
+                        path_, paths.lineNumbers[i],
+                        concat("a ", paths.name, " names vertex ", paths.corners[corner] + 1,
+                               "; the file has ", vertexCount()));
                 vertices.push_back(static_cast<Index>(paths.corners[corner]));
             }
             naming(path_, paths.lineNumbers[i], [&] { add(vertices, paths.lineNumbers[i]); });
@@ -143,9 +142,9 @@ private:
         forEachPath(lines, [&](const std::vector<Index>& vertices, std::size_t line) {
             if (vertices.size() < 2)
                 throw FileError(path_, line,
-                                "a line names " + std::to_string(vertices.size()) +
-                                    (vertices.size() == 1 ? " vertex" : " vertices") +
-                                    "; expected two or more");
+                                concat("a line names ", vertices.size(),
+                                       vertices.size() == 1 ? " vertex" : " vertices",
+                                       "; expected two or more"));
             for (std::size_t i = 1; i < vertices.size(); ++i) {
                 const auto [low, high] = std::minmax(vertices[i - 1], vertices[i]);
                 if (low == high)
@@ -163,7 +162,7 @@ private:
     }
 
     /// "vertex 1" for the first.
-    static std::string nameInFile(Index vertex) { return "vertex " + std::to_string(vertex + 1); }
+    static std::string nameInFile(Index vertex) { return concat("vertex ", vertex + 1); }
 
     Index vertexCount() const { return checkedIndex(path_, mesh_.positions.size(), "vertices"); }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/far/sharpness.h>
+#include <espalier/far/marks.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/models/obj_mesh.h>
 

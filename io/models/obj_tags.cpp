@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/far/sharpness.h>
+#include <espalier/far/marks.h>
 #include <espalier/io/files/file.h>
 
 #include <algorithm>
@@ -112,9 +112,7 @@ ObjTags::Tag ObjTags::parse(const Kind& kind, ObjWords& words, std::size_t line)
     Tag tag{line, {}, {}, {}};
     for (std::uint64_t i = 0; i < counts.sum(); ++i) {
         const std::string_view word = words.next();
-        if (word.empty())
-            fail(" ends after " + std::to_string(i) + " words; expected " +
-                 std::to_string(counts.sum()));
+        if (word.empty()) fail(concat(" ends after ", i, " words; expected ", counts.sum()));
         if (i < counts.ints) {
             if (!parseNumber(word, tag.ints.emplace_back()))
                 fail(" has " + inQuotes(word) + "; expected a whole number");
@@ -126,8 +124,8 @@ ObjTags::Tag ObjTags::parse(const Kind& kind, ObjWords& words, std::size_t line)
         }
     }
     if (const std::string_view word = words.next(); !word.empty())
-        fail(" goes on with " + inQuotes(word) + " after " + std::to_string(counts.sum()) +
-             " words; expected no more");
+        fail(concat(" goes on with ", inQuotes(word), " after ", counts.sum(),
+                    " words; expected no more"));
     return tag;
 }
 
@@ -158,9 +156,9 @@ void ObjTags::setBoundary(const Tag& tag) {
             refinement_.boundary = far::Boundary::EdgeOnly;
             break;
         default:
-            throw FileError(path_, tag.line,
-                            "the tag interpolateboundary is " + std::to_string(tag.ints[0]) +
-                                "; expected 0, 1 or 2");
+            throw FileError(
+                path_, tag.line,
+                concat("the tag interpolateboundary is ", tag.ints[0], "; expected 0, 1 or 2"));
     }
 }
 
@@ -191,8 +189,8 @@ Index ObjTags::checkedNumber(std::int64_t number, Index count, const char* what,
     if (number < 0 || number >= count)
         throw FileError(
             path_, line,
-            std::string("a tag names ") + what + " " + std::to_string(number) +
-                (count == 0 ? "; there are none" : "; expected 0 to " + std::to_string(count - 1)));
+            concat("a tag names ", what, " ", number,
+                   count == 0 ? "; there are none" : concat("; expected 0 to ", count - 1)));
     return static_cast<Index>(number);
 }
 
@@ -207,9 +205,8 @@ far::Marks ObjTags::marks(const far::CellComplex& mesh, std::span<const Index> d
         const auto b = vertexOf(crease.numbers[1], crease.line);
         if (!a || !b || !isEdge(mesh, *a, *b))
             throw FileError(path_, crease.line,
-                            "a tag names edge (" + std::to_string(crease.numbers[0]) + ", " +
-                                std::to_string(crease.numbers[1]) +
-                                "); expected two neighbouring vertices of a face");
+                            concat("a tag names edge (", crease.numbers[0], ", ", crease.numbers[1],
+                                   "); expected two neighbouring vertices of a face"));
         marks.edges.push_back({{*a, *b}, crease.sharpness});
     }
     for (const auto& corner : corners_)

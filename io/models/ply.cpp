@@ -99,8 +99,8 @@ protected:
 
     /// How a message begins that finds fewer rows than the header claims.
     static std::string claimOf(const PlyElement& element) {
-        return "the file ends; the header claims " + std::to_string(element.count) +
-               " rows of the element " + inQuotes(element.name);
+        return concat("the file ends; the header claims ", element.count, " rows of the element ",
+                      inQuotes(element.name));
     }
 
     const std::filesystem::path& path_;
@@ -143,8 +143,7 @@ private:
         std::string_view line;
         std::string_view word;
         while (word.empty()) {
-            if (lines_.remaining() == 0)
-                lines_.fail(claimOf(element) + ", got " + std::to_string(row_));
+            if (lines_.remaining() == 0) lines_.fail(concat(claimOf(element), ", got ", row_));
             line = lines_.restOfLine();
             word = takeWord(line);
         }
@@ -204,14 +203,14 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& cause) const {
-        throw FileError(path_, "byte " + std::to_string(at_) + ": " + cause);
+        throw FileError(path_, concat("byte ", at_, ": ", cause));
     }
 
     void checkClaim(const PlyElement& element) const override {
         const std::size_t bytesLeft = bytes_.size() - at_;
         if (element.count > bytesLeft / element.smallestRow())
-            fail(claimOf(element) + ", of at least " + std::to_string(element.smallestRow()) +
-                 " bytes each; got " + std::to_string(bytesLeft) + " bytes");
+            fail(concat(claimOf(element), ", of at least ", element.smallestRow(),
+                        " bytes each; got ", bytesLeft, " bytes"));
     }
 
     bool skipRows(const PlyElement& element) override {
@@ -236,16 +235,16 @@ private:
     void checkEnd() override {
         const std::string_view rest = bytes_.substr(at_);
         if (!rest.empty() && rest != "\n" && rest != "\r\n")
-            fail("expected the end of the file after all rows that the header claims, got " +
-                 std::to_string(rest.size()) + " more bytes");
+            fail(concat("expected the end of the file after all rows that the header claims, got ",
+                        rest.size(), " more bytes"));
     }
 
     /// Moves on by `count` numbers of `size` bytes.
     /// \return where they begin
     std::size_t take(std::uint64_t count, std::size_t size, const PlyProperty& property) {
         if (count > (bytes_.size() - at_) / size)
-            fail("the file ends; expected " + std::to_string(count) + " numbers of " +
-                 std::to_string(size) + " bytes, the property " + inQuotes(property.name));
+            fail(concat("the file ends; expected ", count, " numbers of ", size,
+                        " bytes, the property ", inQuotes(property.name)));
         return std::exchange(at_, at_ + count * size);
     }
 
@@ -253,8 +252,7 @@ private:
         const NumberType type = *property.lengthType;
         const std::size_t at = take(1, byteSize(type), property);
         const std::int64_t length = loadInteger(bytes_.data() + at, type, order_);
-        if (length < 0)
-            fail("a list " + inQuotes(property.name) + " of length " + std::to_string(length));
+        if (length < 0) fail(concat("a list ", inQuotes(property.name), " of length ", length));
         take(static_cast<std::uint64_t>(length), byteSize(property.type), property);
     }
 

@@ -217,9 +217,9 @@ std::unique_ptr<Model> readStl(const std::filesystem::path& path, std::string by
     // No text holds a byte 0, and hardly a binary file does not.
     if (beginsWithSolid(bytes) && bytes.find('\0') == std::string::npos)
         return std::make_unique<AsciiStl>(path, std::move(bytes));
-    throw FileError(path, "not an ASCII STL, which begins with 'solid', and not a binary one, " +
-                              std::string("which would have ") + std::to_string(binarySize) +
-                              " bytes; got " + std::to_string(bytes.size()));
+    throw FileError(path,
+                    concat("not an ASCII STL, which begins with 'solid', and not a binary one, ",
+                           "which would have ", binarySize, " bytes; got ", bytes.size()));
 }
 
 }  // namespace espalier::io

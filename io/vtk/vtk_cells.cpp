@@ -19,7 +19,7 @@ namespace {
 constexpr std::int64_t kVtkVoxel = 11;
 
 /// Of a standard cell: a hexahedron has the most.
-constexpr std::size_t kMostEdges = 12;
+constexpr std::size_t kMaxEdges = 12;
 
 struct CellType {
     std::int64_t number;
@@ -55,8 +55,8 @@ void VtkCellReader::beginPiece(Index firstVertex, Index vertexCount) {
 void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertices) {
     const std::optional<StandardCell> kind = kindOf(type);
     if (!kind)
-        fail("is of VTK's type " + std::to_string(type) +
-             "; only the types 10, 11, 12, 13, 14 and 42 can be read");
+        fail(concat("is of VTK's type ", type,
+                    "; only the types 10, 11, 12, 13, 14 and 42 can be read"));
     std::vector<Index> checked;
     for (const std::int64_t vertex : vertices) checked.push_back(checkedVertex(vertex));
     if (type == kVtkVoxel && checked.size() == 8) {
@@ -66,7 +66,7 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
     }
     naming(path_, [&] { return builder_.addCell(*kind, checked); });
     ++cellCount_;
-    mostEdges_ += kMostEdges;
+    mostEdges_ += kMaxEdges;
 }
 
 void VtkCellReader::addPolyhedron(const std::vector<std::span<const std::int64_t>>& loops) {
@@ -85,8 +85,8 @@ void VtkCellReader::addPolyhedron(std::span<const std::int64_t> faceStream) {
         if (at == faceStream.size()) fail(std::string("has faces that end before ") + what);
         const std::int64_t count = faceStream[at++];
         if (count < 0 || static_cast<std::uint64_t>(count) > faceStream.size() - at)
-            fail(std::string(what) + " is " + std::to_string(count) + ", but " +
-                 std::to_string(faceStream.size() - at) + " numbers are left for it");
+            fail(concat(what, " is ", count, ", but ", faceStream.size() - at,
+                        " numbers are left for it"));
         return static_cast<std::size_t>(count);
     };
     const std::size_t faceCount = takeCount("the number of its faces");
@@ -96,21 +96,20 @@ void VtkCellReader::addPolyhedron(std::span<const std::int64_t> faceStream) {
         at += size;
     }
     if (at != faceStream.size())
-        fail("has " + std::to_string(faceStream.size() - at) + " numbers after its last face");
+        fail(concat("has ", faceStream.size() - at, " numbers after its last face"));
     addPolyhedron(loops);
 }
 
 Index VtkCellReader::checkedVertex(std::int64_t vertex) const {
     if (vertex < 0 || vertex >= pieceVertexCount_)
         throw far::TopologyError(far::TopologyCause::VertexOutOfRange, {3, cellCount_},
-                                 shownPath(path_) + ": cell " + std::to_string(cellCount_) +
-                                     " names vertex " + std::to_string(vertex) + "; there are " +
-                                     std::to_string(pieceVertexCount_));
+                                 concat(shownPath(path_), ": cell ", cellCount_, " names vertex ",
+                                        vertex, "; there are ", pieceVertexCount_));
     return firstVertex_ + static_cast<Index>(vertex);
 }
 
 void VtkCellReader::fail(const std::string& cause) const {
-    throw FileError(path_, "cell " + std::to_string(cellCount_) + " " + cause);
+    throw FileError(path_, concat("cell ", cellCount_, " ", cause));
 }
 
 VtkCells vtkCells(const far::CellComplex& complex) {

@@ -246,7 +246,7 @@ private:
         for (std::size_t cell = 0; cell < count; ++cell) {
             if (at == list.size() || list[at] < 0 ||
                 static_cast<std::uint64_t>(list[at]) > list.size() - at - 1)
-                text().fail("the numbers of CELLS end inside cell " + std::to_string(cell));
+                text().fail(concat("the numbers of CELLS end inside cell ", cell));
             const auto length = static_cast<std::ptrdiff_t>(list[at]);
             const auto begin = list.begin() + static_cast<std::ptrdiff_t>(at) + 1;
             connectivity_.insert(connectivity_.end(), begin, begin + length);
@@ -254,8 +254,8 @@ private:
             at += static_cast<std::size_t>(length) + 1;
         }
         if (at != list.size())
-            text().fail("CELLS has " + std::to_string(list.size()) + " numbers, of which " +
-                        std::to_string(at) + " belong to cells");
+            text().fail(
+                concat("CELLS has ", list.size(), " numbers, of which ", at, " belong to cells"));
     }
 
     /// Since version 5: offsets, with one more than there are cells, and vertices.
@@ -271,9 +271,8 @@ private:
         std::int64_t before = 0;
         for (const std::int64_t offset : cellOffsets_) {
             if (offset < before || offset > static_cast<std::int64_t>(size))
-                text().fail("OFFSETS has " + std::to_string(offset) + " after " +
-                            std::to_string(before) + "; CONNECTIVITY has " + std::to_string(size) +
-                            " numbers");
+                text().fail(concat("OFFSETS has ", offset, " after ", before, "; CONNECTIVITY has ",
+                                   size, " numbers"));
             before = offset;
         }
     }
@@ -287,8 +286,8 @@ private:
         owner_ = owner;
         tupleCount_ = text().number<std::uint64_t>(what);
         if (tupleCount_ != expected)
-            text().fail("there are data for " + std::to_string(tupleCount_) + " " + what +
-                        ", of which there are " + std::to_string(expected));
+            text().fail(concat("there are data for ", tupleCount_, " ", what,
+                               ", of which there are ", expected));
     }
 
     void readAttribute(const std::string& keyword) {
@@ -389,16 +388,15 @@ private:
                      std::size_t tuples) {
         if (tuples != lattice_.positions.size() || components == 0)
             throw FileError(path_, line,
-                            "the array " + inQuotes(name) + " has " + std::to_string(tuples) +
-                                " tuples of " + std::to_string(components) + " for " +
-                                std::to_string(lattice_.positions.size()) + " points");
+                            concat("the array ", inQuotes(name), " has ", tuples, " tuples of ",
+                                   components, " for ", lattice_.positions.size(), " points"));
     }
 
     void addCells(VtkCellReader& cells) {
         const std::size_t count = cellOffsets_.empty() ? 0 : cellOffsets_.size() - 1;
         if (types_.size() != count)
-            throw FileError(path_, "has " + std::to_string(count) + " cells and " +
-                                       std::to_string(types_.size()) + " cell types");
+            throw FileError(path_,
+                            concat("has ", count, " cells and ", types_.size(), " cell types"));
         for (std::size_t cell = 0; cell < count; ++cell) {
             const auto begin = static_cast<std::size_t>(cellOffsets_[cell]);
             const auto end = static_cast<std::size_t>(cellOffsets_[cell + 1]);
@@ -412,14 +410,12 @@ private:
 
     void addEdgeMarks() {
         if (edgeVertices_.size() != 2 * edgeSharpness_.size())
-            throw FileError(path_, "has marks of " + std::to_string(edgeSharpness_.size()) +
-                                       " edges, and " + std::to_string(edgeVertices_.size()) +
-                                       " vertices of marked edges");
+            throw FileError(path_, concat("has marks of ", edgeSharpness_.size(), " edges, and ",
+                                          edgeVertices_.size(), " vertices of marked edges"));
         const auto markedVertex = [&](double vertex) {
             if (!(vertex >= 0 && vertex < static_cast<double>(lattice_.positions.size())))
-                throw FileError(path_, "a mark names vertex " + formatNumber(vertex) +
-                                           "; there are " +
-                                           std::to_string(lattice_.positions.size()));
+                throw FileError(path_, concat("a mark names vertex ", formatNumber(vertex),
+                                              "; there are ", lattice_.positions.size()));
             return static_cast<Index>(vertex);
         };
         for (std::size_t mark = 0; mark < edgeSharpness_.size(); ++mark)

@@ -28,8 +28,8 @@ public:
 
     std::string read(std::size_t count) {
         if (count > text_.size())
-            throw CodingError("the raw data ends too early: " + std::to_string(count) +
-                              " bytes are claimed, " + std::to_string(text_.size()) + " are there");
+            throw CodingError(concat("the raw data ends too early: ", count, " bytes are claimed, ",
+                                     text_.size(), " are there"));
         std::string result(text_.substr(0, count));
         text_.remove_prefix(count);
         return result;
@@ -71,13 +71,12 @@ std::string decodeCompressed(PayloadReader& reader) {
     const std::uint64_t blockSize = reader.readWord();
     const std::uint64_t lastSize = reader.readWord();
     if (blockCount > reader.mostLeft() / reader.wordSize())
-        throw CodingError("the data claims " + std::to_string(blockCount) +
-                          " compressed blocks; at most " + std::to_string(reader.mostLeft()) +
-                          " bytes are left");
+        throw CodingError(concat("the data claims ", blockCount, " compressed blocks; at most ",
+                                 reader.mostLeft(), " bytes are left"));
     std::vector<std::uint64_t> compressedSizes(blockCount);
     for (std::uint64_t& size : compressedSizes) size = reader.readWord();
     requireMemory(std::min(saturatingProduct(blockCount, blockSize),
-                           saturatingProduct(kMostInflation, reader.mostLeft())),
+                           saturatingProduct(kMaxInflation, reader.mostLeft())),
                   "its data");
     std::string bytes;
     for (std::uint64_t block = 0; block < blockCount; ++block) {
@@ -91,8 +90,8 @@ std::string decodeCompressed(PayloadReader& reader) {
 void appendWord(std::string& header, std::uint64_t word, const VtkCoding& coding) {
     const bool isWide = coding.has64BitHeader;
     if (!isWide && word > std::numeric_limits<std::uint32_t>::max())
-        throw CodingError("an array of " + std::to_string(word) +
-                          " bytes is too large for the file's header_type, UInt32");
+        throw CodingError(
+            concat("an array of ", word, " bytes is too large for the file's header_type, UInt32"));
     char bytes[8];
     if (isWide)
         storeNumber(bytes, word, coding.byteOrder);
@@ -133,8 +132,8 @@ std::uint64_t claimedSize(std::string_view text, PayloadForm form, const VtkCodi
     const std::uint64_t lastSize = reader.readWord();
     if (lastSize == 0) return saturatingProduct(first, blockSize);
     const std::uint64_t whole = saturatingProduct(first - 1, blockSize);
-    constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
-    return whole > kMost - lastSize ? kMost : whole + lastSize;
+    constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
+    return whole > kMax - lastSize ? kMax : whole + lastSize;
 }
 
 std::string decodePayload(std::string_view text, PayloadForm form, const VtkCoding& coding) {

@@ -60,9 +60,9 @@ std::string VtkXmlFile::payload(const VtkDataArray& array, const Expected& expec
     const std::string_view bytes = bytes_;
     const bool isAppended = array.format == VtkDataArray::Format::Appended;
     if (isAppended && array.offset > appendedEnd_ - appendedBegin_)
-        failIn(array, "begins at offset " + std::to_string(array.offset) +
-                          " of the appended data, which have " +
-                          std::to_string(appendedEnd_ - appendedBegin_) + " bytes");
+        failIn(array,
+               concat("begins at offset ", array.offset, " of the appended data, which have ",
+                      appendedEnd_ - appendedBegin_, " bytes"));
     const std::size_t begin = isAppended ? appendedBegin_ + array.offset : array.contentBegin;
     const std::size_t end = isAppended ? appendedEnd_ : array.contentEnd;
     const std::string_view text = bytes.substr(begin, end - begin);
@@ -91,15 +91,15 @@ std::vector<Value> VtkXmlFile::values(const VtkDataArray& array, const Expected&
     } else {
         const std::string bytes = payload(array, expected);
         if (bytes.size() % byteSize(*array.type) != 0)
-            failIn(array, "has " + std::to_string(bytes.size()) +
-                              " bytes, which are not a whole number of " + xmlName(*array.type));
+            failIn(array, concat("has ", bytes.size(), " bytes, which are not a whole number of ",
+                                 xmlName(*array.type)));
         requireMemory(bytes.size() / byteSize(*array.type) * sizeof(Value), nameOf(array));
         values = decodeNumbers<Value>(bytes, *array.type, coding_.byteOrder);
     }
     if (values.size() % array.components != 0)
-        failIn(array, "has " + std::to_string(values.size()) +
-                          " numbers, which are not a whole number of tuples of " +
-                          std::to_string(array.components));
+        failIn(array,
+               concat("has ", values.size(), " numbers, which are not a whole number of tuples of ",
+                      array.components));
     checkCount(array, values.size(), expected);
     return values;
 }
@@ -108,10 +108,10 @@ void VtkXmlFile::checkCount(const VtkDataArray& array, std::size_t got,
                             const Expected& expected) const {
     const std::size_t tuples = got / expected.components;
     if (tuples >= expected.leastTuples && tuples <= expected.mostTuples) return;
-    std::string text = "has " + std::to_string(got) + " numbers; expected ";
+    std::string text = concat("has ", got, " numbers; expected ");
     if (expected.leastTuples < expected.mostTuples) text += "at most ";
     text += std::to_string(expected.mostTuples);
-    if (expected.components > 1) text += " times " + std::to_string(expected.components);
+    if (expected.components > 1) text += concat(" times ", expected.components);
     if (!expected.reason.empty()) text += ", " + std::string(expected.reason);
     failIn(array, text);
 }
@@ -142,8 +142,7 @@ void VtkXmlFile::fail(std::size_t line, const std::string& cause) const {
 }
 
 std::string VtkXmlFile::nameOf(const VtkDataArray& array) const {
-    return shownPath(path_) + ":" + std::to_string(array.line) + ": the array " +
-           inQuotes(array.name);
+    return concat(shownPath(path_), ":", array.line, ": the array ", inQuotes(array.name));
 }
 
 void VtkXmlFile::failIn(const VtkDataArray& array, const std::string& cause) const {
@@ -189,10 +188,9 @@ std::string dataArrayElement(const VtkArrayHead& head, std::span<const Value> va
     const bool isAscii = form == VtkArrayForm::Ascii;
     std::string text = std::string("<DataArray type=\"") + xmlName(head.type) + "\" Name=\"" +
                        xmlEscaped(head.name) + "\"";
-    if (head.components != 1)
-        text += " NumberOfComponents=\"" + std::to_string(head.components) + "\"";
+    if (head.components != 1) text += concat(" NumberOfComponents=\"", head.components, "\"");
     if (head.hasTupleCount)
-        text += " NumberOfTuples=\"" + std::to_string(values.size() / head.components) + "\"";
+        text += concat(" NumberOfTuples=\"", values.size() / head.components, "\"");
     text += isAscii ? " format=\"ascii\">" : " format=\"binary\">";
     if (isAscii) {
         text += asciiLines(head, values, indent);
@@ -220,7 +218,7 @@ std::string xmlEscaped(std::string_view text) {
     for (const char c : text) {
         const auto code = static_cast<unsigned char>(c);
         if (code < 0x20 || c == '&' || c == '<' || c == '>' || c == '"')
-            result += "&#" + std::to_string(code) + ";";
+            result += concat("&#", code, ";");
         else
             result += c;
     }
@@ -253,14 +251,14 @@ void checkFinite(const std::filesystem::path& path, std::span<const Point3> poin
     for (std::size_t i = 0; i < points.size(); ++i)
         for (const double coordinate : points[i])
             if (!std::isfinite(coordinate))
-                throw FileError(path, "point " + std::to_string(i) + " is not finite");
+                throw FileError(path, concat("point ", i, " is not finite"));
 }
 
 const VtkDataArray& pointArray(const VtkXmlFile& file, const VtkPiece& piece) {
     const VtkSection& section = file.section(piece, "Points");
     if (section.arrays.size() != 1 || section.arrays[0].components != 3)
-        file.fail(section.line, "Points has " + std::to_string(section.arrays.size()) +
-                                    " arrays; expected one, of 3 components");
+        file.fail(section.line, concat("Points has ", section.arrays.size(),
+                                       " arrays; expected one, of 3 components"));
     return section.arrays[0];
 }
 

@@ -30,8 +30,8 @@ public:
         for (const std::int64_t end : ends_) {
             if (end < before)
                 file.fail(file.array(section, offsets).line,
-                          "the array " + inQuotes(offsets) + " has " + std::to_string(end) +
-                              " after " + std::to_string(before) + "; expected ascending offsets");
+                          concat("the array ", inQuotes(offsets), " has ", end, " after ", before,
+                                 "; expected ascending offsets"));
             before = end;
         }
         values_ =
@@ -98,9 +98,8 @@ private:
         const std::size_t known = attributeCount + integersCount;
         const std::size_t expected = lattice_.attributes.size() + lattice_.integers.size();
         if (known != expected)
-            file_.fail(piece.line, "the piece has " + std::to_string(known) +
-                                       " arrays of PointData; the first one has " +
-                                       std::to_string(expected));
+            file_.fail(piece.line, concat("the piece has ", known,
+                                          " arrays of PointData; the first one has ", expected));
         isFirstPiece_ = false;
     }
 
@@ -169,15 +168,13 @@ private:
         for (std::size_t cell = 0; cell < types.size(); ++cell)
             for (const std::int64_t face : faces[cell]) {
                 if (face < 0)
-                    file_.fail(section.line, "cell " + std::to_string(cell) +
-                                                 " of the piece names face " +
-                                                 std::to_string(face) + "; expected 0 or more");
+                    file_.fail(section.line, concat("cell ", cell, " of the piece names face ",
+                                                    face, "; expected 0 or more"));
                 lastFace = std::max(lastFace, face);
             }
-        const RowsOfFile loops(
-            file_, section, "face_connectivity", "face_offsets",
-            static_cast<std::size_t>(lastFace) + 1,
-            "as the last face that a polyhedron names is " + std::to_string(lastFace));
+        const RowsOfFile loops(file_, section, "face_connectivity", "face_offsets",
+                               static_cast<std::size_t>(lastFace) + 1,
+                               concat("as the last face that a polyhedron names is ", lastFace));
         std::vector<std::span<const std::int64_t>> cellLoops;
         for (std::size_t cell = 0; cell < types.size(); ++cell) {
             if (types[cell] != kVtkPolyhedron) {
@@ -200,9 +197,9 @@ private:
         for (std::size_t cell = 0; cell < types.size(); ++cell) {
             if (types[cell] != kVtkPolyhedron) continue;
             if (ends[cell] < before)
-                file_.fail(offsets.line, "the faces of cell " + std::to_string(cell) +
-                                             " of the piece run from " + std::to_string(before) +
-                                             " to " + std::to_string(ends[cell]));
+                file_.fail(offsets.line,
+                           concat("the faces of cell ", cell, " of the piece run from ", before,
+                                  " to ", ends[cell]));
             before = ends[cell];
         }
         const auto faces =
@@ -242,8 +239,8 @@ private:
 
     Index markedVertex(const VtkDataArray& array, std::int64_t vertex) {
         if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= lattice_.positions.size())
-            file_.fail(array.line, "a mark names vertex " + std::to_string(vertex) +
-                                       "; there are " + std::to_string(lattice_.positions.size()));
+            file_.fail(array.line, concat("a mark names vertex ", vertex, "; there are ",
+                                          lattice_.positions.size()));
         return static_cast<Index>(vertex);
     }
 

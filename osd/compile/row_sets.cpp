@@ -6,7 +6,6 @@
 #include <numeric>
 #include <span>
 
-#include "number_hash.h"
 #include "row_sets.h"
 
 namespace espalier::osd {

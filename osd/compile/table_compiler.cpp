@@ -1,19 +1,235 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "table_compiler.h"
-#include "group_list.h"
-#include "outer_product.h"
-#include "row_runs.h"
-#include "row_sets.h"
-
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <numeric>
 #include <span>
+#include <unordered_map>
 #include <utility>
+#include <vector>
+
+#include "outer_product.h"
+#include "row_sets.h"
+#include "table_compiler.h"
 
 namespace espalier::osd {
 namespace {
 
 using kernels::kLanes;
 using stencils::StencilTable;
+
+/// Groups of rows that share their columns, on their way into a compiled table. Groups with the
+/// same numbers share these: the faces of a regular surface are all alike.
+template <class Real>
+class GroupList {
+public:
+    /// Adds a group.
+    /// \param numbers of each row, row by row: weights of the columns, or factors
+    /// \param size of a product, or zeros
+    void add(std::span<const Index> rows, std::span<const Index> columns,
+             const std::array<Index, 3>& size, std::vector<Real> numbers) {
+        groups_.push_back({{rows.begin(), rows.end()},
+                           {columns.begin(), columns.end()},
+                           size,
+                           std::move(numbers),
+                           0});
+        groups_.back().hash = hashOf(groups_.back());
+    }
+
+    /// Puts all groups into a table that has none.
+    void moveTo(CompiledRows<Real>& table) {
+        std::unordered_map<std::uint64_t, Index> counts;
+        for (const Group& group : groups_) ++counts[group.hash];
+        /// Numbers that are in the table, and where.
+        struct Place {
+            std::array<Index, 3> size;
+            std::vector<Real> numbers;
+            Offset first;
+        };
+        std::unordered_multimap<std::uint64_t, Place> places;
+        const auto placeOf = [&](Group& group) {
+            // Rows that no other group has stay in their order, for results that lie together.
+            if (counts[group.hash] == 1) return appendNumbers(group, table.groupNumbers);
+            sortRows(group);
+            const auto [begin, end] = places.equal_range(group.hash);
+            const auto same = std::find_if(begin, end, [&](const auto& place) {
+                return place.second.size == group.size && place.second.numbers == group.numbers;
+            });
+            if (same != end) return same->second.first;
+            const Offset first = appendNumbers(group, table.groupNumbers);
+            places.emplace(group.hash, Place{group.size, std::move(group.numbers), first});
+            return first;
+        };
+        for (Group& group : groups_) {
+            const Offset firstNumber = placeOf(group);
+            const auto [lowest, highest] =
+                std::minmax_element(group.rows.begin(), group.rows.end());
+            table.groups.push_back({static_cast<Offset>(table.groupColumns.size()),
+                                    static_cast<Index>(group.columns.size()), firstNumber,
+                                    static_cast<Offset>(table.groupRows.size()),
+                                    static_cast<Index>(group.rows.size()), *lowest, *highest,
+                                    group.size});
+            table.groupColumns.insert(table.groupColumns.end(), group.columns.begin(),
+                                      group.columns.end());
+            table.groupRows.insert(table.groupRows.end(), group.rows.begin(), group.rows.end());
+            group = {};
+        }
+        groups_.clear();
+    }
+
+private:
+    struct Group {
+        std::vector<Index> rows, columns;
+        std::array<Index, 3> size;
+        std::vector<Real> numbers;
+        std::uint64_t hash;  ///< of numbers and size, whatever the order of the rows
+
+        std::size_t length() const { return numbers.size() / rows.size(); }
+    };
+
+    static std::uint64_t hashOf(const Group& group) {
+        const std::uint64_t kind[] = {
+            group.columns.size(), static_cast<std::uint64_t>(group.size[0]),
+            static_cast<std::uint64_t>(group.size[1]), static_cast<std::uint64_t>(group.size[2])};
+        std::uint64_t hash = osd::hashOf(std::span<const std::uint64_t>(kind));
+        // A sum, that no order of the rows changes.
+        const std::span<const Real> numbers(group.numbers);
+        for (std::size_t row = 0; row < group.rows.size(); ++row)
+            hash += osd::hashOf(numbers.subspan(row * group.length(), group.length()));
+        return hash;
+    }
+
+    /// Sorts rows by the bits of their numbers: any order will do that has no ties but of equal
+    /// rows.
+    static void sortRows(Group& group) {
+        const std::size_t length = group.length();
+        const auto numbersOf = [&](std::size_t row) {
+            return std::span(group.numbers).subspan(row * length, length);
+        };
+        std::vector<std::size_t> order(group.rows.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return std::memcmp(numbersOf(a).data(), numbersOf(b).data(), length * sizeof(Real)) < 0;
+        });
+        std::vector<Index> rows;
+        std::vector<Real> numbers;
+        numbers.reserve(group.numbers.size());
+        for (const std::size_t row : order) {
+            rows.push_back(group.rows[row]);
+            numbers.insert(numbers.end(), numbersOf(row).begin(), numbersOf(row).end());
+        }
+        group.rows = std::move(rows);
+        group.numbers = std::move(numbers);
+    }
+
+    /// Appends the numbers of a group as the kernels read them, one row in each lane.
+    static Offset appendNumbers(const Group& group, AlignedVector<Real>& all) {
+        constexpr std::size_t lanes = kLanes<Real>;
+        const std::size_t length = group.length(), start = all.size();
+        all.resize(start + (group.rows.size() + lanes - 1) / lanes * lanes * length);
+        for (std::size_t row = 0; row < group.rows.size(); ++row) {
+            Real* lane = all.data() + start + row / lanes * lanes * length + row % lanes;
+            for (std::size_t k = 0; k < length; ++k)
+                lane[k * lanes] = group.numbers[row * length + k];
+        }
+        return static_cast<Offset>(start);
+    }
+
+    std::vector<Group> groups_;
+};
+
+/// Rows of a run, which one thread evaluates.
+constexpr std::ptrdiff_t kMaxRowsOfRun = 4096;
+
+/// Rows of the same weights that are worth a run.
+constexpr std::ptrdiff_t kFewestShared = 16;
+
+template <class Real>
+class RunList {
+public:
+    RunList(const StencilTable<Real>& table, CompiledRows<Real>& compiled)
+        : table_(table), compiled_(compiled) {}
+
+    /// Adds rows of one length.
+    /// \param isShared whether they have the same weights
+    void add(std::span<const Index> rows, bool isShared) {
+        const auto length = static_cast<Index>(table_.columns(rows.front()).size());
+        const auto firstWeight = static_cast<Offset>(compiled_.weights.size());
+        if (isShared) appendWeights(rows.front());
+        while (!rows.empty()) {
+            const auto part = rows.first(std::min(std::ssize(rows), kMaxRowsOfRun));
+            compiled_.runs.push_back(
+                {length, static_cast<Offset>(compiled_.columns.size()),
+                 isShared ? firstWeight : static_cast<Offset>(compiled_.weights.size()), isShared,
+                 static_cast<Offset>(compiled_.rows.size()), static_cast<Index>(part.size())});
+            for (const Index row : part) {
+                const auto columns = table_.columns(row);
+                compiled_.columns.insert(compiled_.columns.end(), columns.begin(), columns.end());
+                compiled_.rows.push_back(row);
+                if (!isShared) appendWeights(row);
+            }
+            rows = rows.subspan(part.size());
+        }
+    }
+
+private:
+    void appendWeights(Index row) {
+        const auto weights = table_.weights(row);
+        compiled_.weights.insert(compiled_.weights.end(), weights.begin(), weights.end());
+    }
+
+    const StencilTable<Real>& table_;
+    CompiledRows<Real>& compiled_;
+};
+
+/// Puts rows into runs of one length, each with columns of its own: those of the same weights
+/// together, which the run then has once, as rows of one mask have; and the others.
+///
+/// \param rows some rows of `table`
+/// \param compiled a table without runs
+/// \cost O(entries + rows log rows)
+template <class Real>
+void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
+             CompiledRows<Real>& compiled) {
+    /// A row, and what those with the same weights have in common with it.
+    struct Candidate {
+        std::size_t length;
+        std::uint64_t hash;
+        Index row;
+        auto operator<=>(const Candidate&) const = default;
+    };
+    std::vector<Candidate> candidates;
+    candidates.reserve(rows.size());
+    for (const Index row : rows)
+        candidates.push_back({table.columns(row).size(), hashOf(table.weights(row)), row});
+    std::sort(candidates.begin(), candidates.end());
+    RunList<Real> runs(table, compiled);
+    std::vector<Index> same, others;
+    // Of each length, first those of equal weights, then the rest.
+    for (auto first = candidates.begin(); first != candidates.end();) {
+        const auto last = std::find_if(first, candidates.end(), [&](const Candidate& other) {
+            return other.length != first->length || other.hash != first->hash;
+        });
+        same.clear();
+        // All of one hash: but for one case in 2^64, of the same weights.
+        for (auto each = first; each != last; ++each)
+            (std::ranges::equal(table.weights(each->row), table.weights(first->row)) ? same
+                                                                                     : others)
+                .push_back(each->row);
+        if (std::ssize(same) >= kFewestShared)
+            runs.add(same, true);
+        else
+            others.insert(others.end(), same.begin(), same.end());
+        if (!others.empty() && (last == candidates.end() || last->length != first->length)) {
+            std::sort(others.begin(), others.end());
+            runs.add(others, false);
+            others.clear();
+        }
+        first = last;
+    }
+}
 
 /// About so many rows are a task, which one thread evaluates.
 constexpr Index kRowsOfTask = 4096;

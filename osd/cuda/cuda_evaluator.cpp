@@ -1,15 +1,120 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/osd/cuda/cuda_evaluator.h>
 
+#include <cuda_runtime_api.h>
+
+#include <cstddef>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "../kernels/room.h"
-#include "cuda_calls.h"
 #include "cuda_launch.h"
 #include "device_table.h"
 
+// CUDA's runtime, with exceptions and owners.
+
 namespace espalier::osd {
+
+/// \throws CudaError that names the call, if that has failed
+void check(cudaError_t error, const std::string& call);
+
+/// Makes a device current, and the one before it again.
+class DeviceScope {
+public:
+    explicit DeviceScope(int device);
+    ~DeviceScope();
+    DeviceScope(const DeviceScope&) = delete;
+    DeviceScope& operator=(const DeviceScope&) = delete;
+
+private:
+    int before_ = 0, device_ = 0;
+};
+
+/// The device that is current.
+int currentDevice();
+
+/// Memory of the current device; null for no bytes.
+void* allocateOnDevice(std::size_t bytes);
+
+/// Copies to memory of the current device, and waits until it is there, for any stream:
+/// cudaMemcpy() alone does not, where the memory of the host is not page-locked.
+void copyToDevice(void* to, const void* from, std::size_t bytes);
+
+/// Arrays in memory of the current device.
+class DeviceArrays {
+public:
+    DeviceArrays() = default;
+    ~DeviceArrays();
+    DeviceArrays(const DeviceArrays&) = delete;
+    DeviceArrays& operator=(const DeviceArrays&) = delete;
+
+    /// Copies one there.
+    template <class T>
+    const T* add(std::span<const T> values) {
+        return static_cast<const T*>(add(values.data(), values.size_bytes()));
+    }
+
+    std::size_t byteCount() const { return byteCount_; }
+
+private:
+    void* add(const void* values, std::size_t bytes);
+
+    std::vector<void*> arrays_;
+    std::size_t byteCount_ = 0;
+};
+
+void check(cudaError_t error, const std::string& call) {
+    if (error == cudaSuccess) return;
+    // It is told here, and not once more to whoever asks CUDA for the last error.
+    cudaGetLastError();
+    throw CudaError(error, call + " has failed: " + cudaGetErrorString(error) + " (" +
+                               cudaGetErrorName(error) + ")");
+}
+
+int currentDevice() {
+    int device = 0;
+    check(cudaGetDevice(&device), "cudaGetDevice");
+    return device;
+}
+
+DeviceScope::DeviceScope(int device) : before_(currentDevice()), device_(device) {
+    if (before_ != device_) check(cudaSetDevice(device_), "cudaSetDevice");
+}
+
+DeviceScope::~DeviceScope() {
+    if (before_ != device_) cudaSetDevice(before_);
+}
+
+void* allocateOnDevice(std::size_t bytes) {
+    if (bytes == 0) return nullptr;
+    void* memory = nullptr;
+    check(cudaMalloc(&memory, bytes), concat("cudaMalloc of ", bytes, " bytes"));
+    return memory;
+}
+
+void copyToDevice(void* to, const void* from, std::size_t bytes) {
+    if (bytes == 0) return;
+    check(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice), "cudaMemcpy to the device");
+    check(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+}
+
+DeviceArrays::~DeviceArrays() {
+    for (void* const array : arrays_) cudaFree(array);
+}
+
+void* DeviceArrays::add(const void* values, std::size_t bytes) {
+    arrays_.reserve(arrays_.size() + 1);
+    void* const memory = allocateOnDevice(bytes);
+    if (memory == nullptr) return nullptr;
+    arrays_.push_back(memory);
+    byteCount_ += bytes;
+    copyToDevice(memory, values, bytes);
+    return memory;
+}
+
 namespace {
 
 /// Bytes of a part of a workspace. Parts start at multiples of 256, as what CUDA allocates does.
@@ -152,8 +257,8 @@ void CudaBuffer<Real>::download(std::span<Real> values, CudaStream stream) const
 template <class Real>
 void CudaBuffer<Real>::checkSize(std::size_t size) const {
     if (size > size_)
-        throw Error("the buffer on the device holds " + std::to_string(size_) + " numbers; " +
-                    std::to_string(size) + " were to be copied");
+        throw Error(concat("the buffer on the device holds ", size_, " numbers; ", size,
+                           " were to be copied"));
 }
 
 CudaWorkspace::CudaWorkspace(CudaStream stream) : stream_(stream), device_(currentDevice()) {}
@@ -203,13 +308,12 @@ std::byte* CudaWorkspace::reserve(std::size_t bytes) {
     isInGraph_ = isInGraph_ || status != cudaStreamCaptureStatusNone;
     if (bytes <= byteCount_) return memory_;
     if (isInGraph_)
-        throw Error("the workspace is used in a CUDA graph and holds " +
-                    std::to_string(byteCount_) + " bytes; " + std::to_string(bytes) +
-                    " are needed: CudaEvaluator::workspace() makes one that is large enough");
+        throw Error(concat(
+            "the workspace is used in a CUDA graph and holds ", byteCount_, " bytes; ", bytes,
+            " are needed: CudaEvaluator::workspace() makes one that is large enough"));
     release();
     void* memory = nullptr;
-    check(cudaMallocAsync(&memory, bytes, stream_),
-          "cudaMallocAsync of " + std::to_string(bytes) + " bytes");
+    check(cudaMallocAsync(&memory, bytes, stream_), concat("cudaMallocAsync of ", bytes, " bytes"));
     memory_ = static_cast<std::byte*>(memory);
     byteCount_ = bytes;
     return memory_;
@@ -239,8 +343,8 @@ struct CudaEvaluator<Real>::Data {
     /// \throws Error otherwise
     DeviceScope scopeFor(const CudaWorkspace& workspace) const {
         if (workspace.device() != device)
-            throw Error("the workspace is of CUDA device " + std::to_string(workspace.device()) +
-                        ", the table of device " + std::to_string(device));
+            throw Error(concat("the workspace is of CUDA device ", workspace.device(),
+                               ", the table of device ", device));
         return DeviceScope(device);
     }
 };
@@ -342,12 +446,10 @@ template <class Real>
 CudaKeptPoints<Real>::CudaKeptPoints(Index pointCount, std::span<const Index> kept,
                                      std::span<const Point3> keptAt) {
     if (kept.size() != keptAt.size())
-        throw Error(std::to_string(kept.size()) + " points are kept, at " +
-                    std::to_string(keptAt.size()) + " positions");
+        throw Error(concat(kept.size(), " points are kept, at ", keptAt.size(), " positions"));
     for (const Index point : kept)
         if (point < 0 || point >= pointCount)
-            throw Error("the kept point " + std::to_string(point) + " is not one of " +
-                        std::to_string(pointCount));
+            throw Error(concat("the kept point ", point, " is not one of ", pointCount));
     std::vector<Real> positions;
     for (const Point3& position : keptAt)
         for (const double coordinate : position) positions.push_back(static_cast<Real>(coordinate));

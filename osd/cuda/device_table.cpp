@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "../compile/places_of_columns.h"
 #include "../compile/table_compiler.h"
 #include "device_kernels.h"
 #include "device_table.h"
@@ -133,8 +132,8 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
     }
     const auto addStep = [&](std::vector<Offset> stepOffsets) {
         if (placeCount > std::numeric_limits<Index>::max())
-            throw Error("the adjoint of this table has " + std::to_string(placeCount) +
-                        " sums on the way, which are too many");
+            throw Error(concat("the adjoint of this table has ", placeCount,
+                               " sums on the way, which are too many"));
         SparseArrays<Real> rows;
         rows.ownOffsets = std::move(stepOffsets);
         rows.ownColumns.assign(summands.begin(), summands.end());

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "../kernels/padding.h"
+#include "../kernels/room.h"
 #include "device_data.h"
 
 namespace espalier::osd::device {

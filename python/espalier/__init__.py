@@ -29,34 +29,8 @@ Lattice, StencilTable and Binding can be pickled. A copy of one is itself, since
 import enum
 
 from . import shapes
-from ._core import (
-    Binding,
-    ChangeEvaluator,
-    CompiledAdjoint,
-    CompiledTable,
-    DesignVariables,
-    LargestStep,
-    Lattice,
-    LatticeFit,
-    MemoryLimit,
-    Model,
-    PoseValidity,
-    Refiner,
-    StencilTable,
-    ThreadLimit,
-    ValidityCheck,
-    __version__,
-    bind,
-    check,
-    fit,
-    hold,
-    jacobian,
-    load_binding,
-    nest,
-    read,
-    read_model,
-    refine,
-)
+from ._core import *
+from ._core import __version__
 
 __all__ = [
     "Binding",

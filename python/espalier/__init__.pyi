@@ -9,37 +9,6 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from . import shapes as shapes
 
 __version__: str
-__all__ = [
-    "Binding",
-    "ChangeEvaluator",
-    "CompiledAdjoint",
-    "CompiledTable",
-    "DesignVariables",
-    "LargestStep",
-    "Lattice",
-    "LatticeFit",
-    "MemoryLimit",
-    "Model",
-    "PointStatus",
-    "PoseValidity",
-    "Refiner",
-    "StencilTable",
-    "ThreadLimit",
-    "ValidityCheck",
-    "__version__",
-    "bind",
-    "check",
-    "compare",
-    "fit",
-    "hold",
-    "jacobian",
-    "load_binding",
-    "nest",
-    "read",
-    "read_model",
-    "refine",
-    "shapes",
-]
 
 _Path = str | PathLike[str]
 _Floats = NDArray[np.float64]
@@ -158,34 +127,24 @@ class StencilTable:
     def __copy__(self) -> StencilTable: ...
     def __deepcopy__(self, memo: Any) -> StencilTable: ...
 
-class CompiledTable:
-    def __init__(self, table: _TableLike, *, dtype: DTypeLike = "float64") -> None: ...
+class _Evaluator:
     @property
     def shape(self) -> tuple[int, int]: ...
     @property
     def dtype(self) -> np.dtype[Any]: ...
     @property
     def nbytes(self) -> int: ...
-    def evaluate(self, values: ArrayLike, out: _Real | None = None) -> _Real: ...
 
-class CompiledAdjoint:
+class CompiledTable(_Evaluator):
     def __init__(self, table: _TableLike, *, dtype: DTypeLike = "float64") -> None: ...
-    @property
-    def shape(self) -> tuple[int, int]: ...
-    @property
-    def dtype(self) -> np.dtype[Any]: ...
-    @property
-    def nbytes(self) -> int: ...
     def evaluate(self, values: ArrayLike, out: _Real | None = None) -> _Real: ...
 
-class ChangeEvaluator:
+class CompiledAdjoint(_Evaluator):
+    def __init__(self, table: _TableLike, *, dtype: DTypeLike = "float64") -> None: ...
+    def evaluate(self, values: ArrayLike, out: _Real | None = None) -> _Real: ...
+
+class ChangeEvaluator(_Evaluator):
     def __init__(self, table: CompiledTable) -> None: ...
-    @property
-    def shape(self) -> tuple[int, int]: ...
-    @property
-    def dtype(self) -> np.dtype[Any]: ...
-    @property
-    def nbytes(self) -> int: ...
     def evaluate_changed(self, values: ArrayLike, changed: ArrayLike, out: _Real) -> _Real: ...
     def rows(self, changed: ArrayLike) -> _Indices: ...
 

@@ -1,23 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The inventory of lattices (MacCracken & Joy 1996, section 5), and merging them."""
 
-from ._core.shapes import (
-    arm,
-    barbell,
-    bipyramid,
-    box,
-    cube,
-    cylinder,
-    dodecahedron,
-    icosahedron,
-    merge,
-    octahedron,
-    prism,
-    pyramid,
-    star,
-    tetrahedron,
-    torus,
-)
+from ._core._shapes import *
 
 __all__ = [
     "arm",

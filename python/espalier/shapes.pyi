@@ -5,24 +5,6 @@ from numpy.typing import ArrayLike
 
 from . import Lattice
 
-__all__ = [
-    "arm",
-    "barbell",
-    "bipyramid",
-    "box",
-    "cube",
-    "cylinder",
-    "dodecahedron",
-    "icosahedron",
-    "merge",
-    "octahedron",
-    "prism",
-    "pyramid",
-    "star",
-    "tetrahedron",
-    "torus",
-]
-
 _Core = Literal["wedges", "polygon"]
 
 def box(

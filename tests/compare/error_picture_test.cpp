@@ -10,7 +10,6 @@
 
 #include "compare/error_picture.h"
 #include "compare/error_scale.h"
-#include "compare/surface_view.h"
 
 namespace espalier::test {
 namespace {

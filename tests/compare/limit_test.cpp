@@ -8,9 +8,9 @@
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 
+#include "compare/level_match.h"
 #include "compare/open_subdiv_refiner.h"
 #include "compare/shapes.h"
-#include "compare/surface.h"
 #include "support/named_polyhedra.h"
 #include "support/tables.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/fading.h>
+#include <espalier/far/strata.h>
 #include <espalier/far/topology_refiner.h>
 #include <gtest/gtest.h>
 

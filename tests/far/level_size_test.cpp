@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/level_size.h>
+#include <espalier/far/refinement.h>
 #include <espalier/far/topology_refiner.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/sharpness.h>
+#include <espalier/far/marks.h>
 #include <gtest/gtest.h>
 
 #include <vector>

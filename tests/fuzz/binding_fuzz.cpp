@@ -158,8 +158,7 @@ const Target kLimit("limit", [](std::string_view bytes) {
                    for (const auto& table : bound.binding.table.gradients)
                        for (const double weight : table.weights())
                            require(std::isfinite(weight), "gradients are finite");
-                   return embed::BindingResult{limit::withoutGradients(std::move(bound.binding)),
-                                               std::move(bound.statuses), bound.largestResidual};
+                   return limit::withoutGradients(std::move(bound));
                });
 });
 

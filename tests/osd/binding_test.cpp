@@ -2,7 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
-#include <espalier/osd/reference_evaluator.h>
+#include <espalier/osd/cpu_evaluator.h>
 #include <gtest/gtest.h>
 
 #include "support/zoo.h"

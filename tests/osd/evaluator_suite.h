@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "osd/kernels/padding.h"
+#include "osd/kernels/room.h"
 #include "sums.h"
 #include "support/threads.h"
 

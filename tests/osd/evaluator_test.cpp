@@ -3,7 +3,6 @@
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
-#include <espalier/osd/reference_evaluator.h>
 
 #include <array>
 #include <numeric>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
-#include <espalier/osd/reference_evaluator.h>
+#include <espalier/osd/cpu_evaluator.h>
 #include <espalier/stencils/composition.h>
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "petsc/error_capture.h"
+#include "petsc/errors.h"
 #include "ranks.h"
 #include "support/temporary_folder.h"
 

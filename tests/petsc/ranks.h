@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/petsc/owned_range.h>
+#include <espalier/petsc/distributed_table.h>
 #include <espalier/stencils/stencil_table.h>
 #include <mpi.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "solve/bernstein_bounds.h"
 #include <gtest/gtest.h>
+#include "solve/bernstein.h"
 
 #include <algorithm>
 #include <cmath>

@@ -15,7 +15,7 @@
 #include <numeric>
 
 #include "poses.h"
-#include "solve/checked_volume.h"
+#include "solve/validity_pieces.h"
 #include "support/random_lattices.h"
 #include "support/refined_lattice.h"
 #include "support/sanitizers.h"

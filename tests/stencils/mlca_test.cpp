@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
-#include <espalier/far/fading.h>
+#include <espalier/far/strata.h>
 #include <espalier/far/topology_error.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>

@@ -6,10 +6,48 @@
 #include <new>
 #include <string>
 
-#include "agreement.h"
-#include "error_capture.h"
+#include "errors.h"
 
 namespace espalier::petsc {
+namespace {
+
+/// An error is told where it arises, and again by each function that it passes through.
+PetscErrorCode keepMessage(MPI_Comm, int, const char* function, const char*, PetscErrorCode code,
+                           PetscErrorType type, const char* message, void* context) {
+    if (type != PETSC_ERROR_INITIAL) return code;
+    auto& kept = *static_cast<std::string*>(context);
+    kept = message ? message : "";
+    if (function) kept += std::string(" (in ") + function + ")";
+    return code;
+}
+
+}  // namespace
+
+ErrorCapture::ErrorCapture() {
+    if (PetscPushErrorHandler(keepMessage, &message_)) throw Error("PETSc takes no error handler");
+}
+
+ErrorCapture::~ErrorCapture() {
+    PetscPopErrorHandler();
+}
+
+void ErrorCapture::check(PetscErrorCode code) const {
+    if (!code) return;
+    const char* text = nullptr;
+    PetscErrorMessage(code, &text, nullptr);
+    throw Error(concat("PETSc, error ", static_cast<int>(code), ": ", text ? text : "unknown",
+                       message_.empty() ? "" : ": ", message_));
+}
+
+void checkMpi(int code) {
+    if (code == MPI_SUCCESS) return;
+    std::string text(MPI_MAX_ERROR_STRING, '\0');
+    int length = 0;
+    MPI_Error_string(code, text.data(), &length);
+    text.resize(length);
+    throw Error("MPI: " + text);
+}
+
 namespace {
 
 /// Of fixed size, since memory may be what is missing.
@@ -45,7 +83,7 @@ void throwOnAllRanks(MPI_Comm comm, const std::exception_ptr& wrong) {
     Complaint complaint = rank == complaining ? complaintOf(wrong) : Complaint{};
     checkMpi(MPI_Bcast(complaint.data(), static_cast<int>(complaint.size()), MPI_CHAR, complaining,
                        comm));
-    throw Error("rank " + std::to_string(complaining) + ": " + complaint.data());
+    throw Error(concat("rank ", complaining, ": ", complaint.data()));
 }
 
 }  // namespace espalier::petsc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/shapes/vertex_integers.h>
+#include <espalier/shapes/lattice.h>
 
 #include <cstddef>
 #include <limits>

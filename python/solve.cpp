@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of D: fitting, holding, nesting, and the variables of a design.
+#include <espalier/base/sort_unique.h>
+#include <espalier/embed/continuity.h>
+#include <espalier/embed/nested_lattices.h>
+#include <espalier/shapes/lattice.h>
+#include <espalier/solve/design_variables.h>
+#include <espalier/solve/lattice_fit.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "arguments.h"
+#include "refiner.h"
+#include "tables.h"
+
+namespace espalier::python {
+
+using namespace py::literals;
+
+namespace {
+
+std::vector<Index> indicesOf(const std::optional<ArrayLike>& indices, const char* name) {
+    return indices ? toIndices(*indices, name) : std::vector<Index>();
+}
+
+solve::LatticeFit fit(const Lattice& lattice, const TableLike& deformation, const ArrayLike& misses,
+                      const std::optional<ArrayLike>& rows, const std::string& smoothing,
+                      double strength, const std::optional<ArrayLike>& frozen,
+                      const std::string& undetermined) {
+    const auto table = tableOf(deformation);
+    const auto chosenRows = indicesOf(rows, "rows");
+    for (const Index row : chosenRows)
+        if (row < 0 || row >= table->rowCount())
+            throw Error(concat("rows: there is no row ", row, " among ", table->rowCount()));
+    const auto wanted = toPoints(misses, "misses", rows ? chosenRows.size() : table->rowCount());
+    solve::FitOptions options;
+    options.smoothing = chosen(solve::kSmoothingWords, "smoothing", smoothing);
+    options.strength = strength;
+    options.frozen = indicesOf(frozen, "frozen");
+    options.undetermined = chosen(solve::kUndeterminedWords, "undetermined", undetermined);
+    return withoutGil([&] {
+        if (!rows) return solve::fitLattice(*table, wanted, lattice.complex, options);
+        return solve::fitLattice(stencils::selectRows(*table, std::span(chosenRows)), wanted,
+                                 lattice.complex, options);
+    });
+}
+
+using embed::Continuity;
+
+py::array_t<Index> hold(const RefinerLike& lattice, const std::optional<ArrayLike>& faces,
+                        const std::optional<ArrayLike>& points, int level,
+                        const std::string& continuity, const std::string& outside,
+                        double tolerance) {
+    if (!faces && !points) throw Error("hold: expected faces, points, or both");
+    const auto refiner = refinerOf(lattice);
+    const auto wanted = chosen(embed::kContinuityWords, "continuity", continuity);
+    const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
+                                          tolerance};
+    const auto heldFaces = faces ? toIndices(*faces, "faces") : std::vector<Index>();
+    const auto heldPoints = points ? toPoints(*points, "points") : std::vector<Point3>();
+    return toArray(withoutGil([&] {
+        std::vector<Index> vertices;
+        const auto add = [&](const std::vector<Index>& some) {
+            vertices.insert(vertices.end(), some.begin(), some.end());
+        };
+        if (faces)
+            add(embed::verticesHoldingFaces(refiner->base(), refiner->rules(), heldFaces, wanted));
+        if (points)
+            add(embed::verticesHoldingPoints(
+                {refiner->base(), refiner->lattice()->positions, refiner->rules()}, heldPoints,
+                wanted, {.level = level, .embedding = options}));
+        sortUnique(vertices);
+        return vertices;
+    }));
+}
+
+std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
+                            const RefinerLike& parent, int level, const std::string& outside,
+                            double tolerance) {
+    const auto table = tableOf(child);
+    const auto pose = toPoints(childPose, "child_pose", table->columnCount());
+    const auto refiner = refinerOf(parent);
+    const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
+                                          tolerance};
+    return sharedWithoutGil([&] {
+        return embed::nestTables(*table, pose,
+                                 {refiner->base(), refiner->lattice()->positions, refiner->rules()},
+                                 {.level = level, .embedding = options});
+    });
+}
+
+using solve::DesignVariables;
+
+/// One vertex, or several.
+std::vector<Index> verticesOf(const ArrayLike& object) {
+    const auto array = indexArray(object, "vertices");
+    if (array.ndim() > 1)
+        throw Error("vertices: expected an integer or an array of one dimension, got shape " +
+                    shapeText(array));
+    return {array.data(), array.data() + array.size()};
+}
+
+}  // namespace
+
+void addFit(py::module_& module) {
+    py::class_<solve::LatticeFit, std::shared_ptr<solve::LatticeFit>>(
+        module, "LatticeFit", "Displacements of a lattice, and how well they do: see fit().")
+        .def_property_readonly(
+            "displacements",
+            [](const py::object& self) {
+                return viewOf(self.cast<const solve::LatticeFit&>().displacements, self);
+            },
+            "Of the vertices: array (V, 3) of float64, read-only, in the units of the targets.")
+        .def_readonly("largest_miss", &solve::LatticeFit::largestMiss,
+                      "How far a point is from its target at most: float.")
+        .def_readonly("rms_miss", &solve::LatticeFit::meanMiss,
+                      "The root mean square of these distances: float.")
+        .def_readonly("condition", &solve::LatticeFit::condition,
+                      "The largest singular value of the problem over its least: float; inf where "
+                      "the targets leave some displacements open.");
+    module.def("fit", &fit, "lattice"_a, "deformation"_a, "misses"_a, py::kw_only(),
+               "rows"_a = py::none(), "smoothing"_a = "none", "strength"_a = 1e-3,
+               "frozen"_a = py::none(), "undetermined"_a = "smallest", R"(
+The displacements of the lattice that carry points to where they are wanted, in the sense of least
+squares. Returns a LatticeFit.
+
+lattice      : Lattice
+deformation  : D: Binding, StencilTable or a sparse matrix of SciPy, of shape (N, V)
+misses       : array (N, 3): the target of each point, less where it is at rest
+rows         : array (K,) of int: the points that have targets; misses is (K, 3) then
+smoothing    : "none"; "tikhonov", small displacements; "laplacian", like those of the neighbours
+strength     : of smoothing against targets, 1e-4 to 1e4; 1 is about as much
+frozen       : array of int: vertices that stay
+undetermined : "smallest" of all displacements that fit as well; or "refuse" these
+)");
+}
+
+void addHolding(py::module_& module) {
+    module.def("hold", &hold, "lattice"_a, py::kw_only(), "faces"_a = py::none(),
+               "points"_a = py::none(), "level"_a = 3, "continuity"_a = "c1", "outside"_a = "keep",
+               "tolerance"_a = 1e-6, R"(
+The vertices to freeze so that a part of what a lattice deforms stays, and meets what moves smoothly:
+array of int32, ascending, for fit(frozen=...) and DesignVariables.freeze().
+
+lattice    : Lattice at rest, or Refiner
+faces      : array of int, faces of the lattice to hold
+points     : array (N, 3), points to hold; level, outside and tolerance are as bind() takes them
+continuity : "c0", in place; "c1", with tangent planes; "c2", with curvatures, by the same vertices
+)");
+    module.def("nest", &nest, "child"_a, "child_pose"_a, "parent"_a, "level"_a = 3, py::kw_only(),
+               "outside"_a = "error", "tolerance"_a = 1e-6, R"(
+Carries points by a lattice, the child, that lies in another, the parent. Returns a StencilTable of
+shape (N, vertices of the parent).
+
+child      : D of the child: Binding, StencilTable or a sparse matrix of SciPy, of shape (N, V)
+child_pose : array (V, 3): the child posed, where the parent is at rest
+parent     : Lattice at rest, or Refiner; level : of the parent
+outside    : of a vertex of the child that is outside of the parent: "nearest" takes it along, any
+             other word refuses it
+)");
+}
+
+void addDesignVariables(py::module_& module) {
+    py::class_<DesignVariables>(module, "DesignVariables", R"(
+The variables of a design: which displacements of the lattice an optimiser may choose. At first each
+coordinate of each vertex is one. matrix() is B, which makes displacements of variables.
+
+vertex_count : V
+)")
+        .def(py::init<Index>(), "vertex_count"_a)
+        .def(
+            "freeze",
+            [](DesignVariables& self, const ArrayLike& vertices, std::optional<int> axis) {
+                for (const Index vertex : verticesOf(vertices))
+                    axis ? self.freeze(vertex, *axis) : self.freeze(vertex);
+            },
+            "vertices"_a, "axis"_a = py::none(),
+            "Keeps vertices, or one coordinate of them (0 to 2), where they are. vertices : int, "
+            "or array (K,) of int")
+        .def("link", &DesignVariables::link, "vertex"_a, "to"_a,
+             "factors"_a = std::array<double, 3>{1, 1, 1},
+             "Makes a vertex move as another does, each coordinate times its factor.")
+        .def(
+            "mirror",
+            [](DesignVariables& self, const ArrayLike& positions, int axis, double at,
+               double tolerance) {
+                const auto points = toPoints(positions, "positions");
+                self.mirror(points, axis, at, tolerance);
+            },
+            "positions"_a, "axis"_a, "at"_a = 0.0, "tolerance"_a = 1e-9, R"(
+Links each vertex with its mirror image at a plane across an axis.
+
+positions : array (V, 3), at rest
+axis, at  : the axis, 0 to 2, and where the plane is on it
+tolerance : how far an image may be from its vertex, in the units of the positions
+)")
+        .def(
+            "scale",
+            [](DesignVariables& self, const ArrayLike& vertices, double unit,
+               std::optional<int> axis) {
+                for (const Index vertex : verticesOf(vertices))
+                    axis ? self.scale(vertex, *axis, unit) : self.scale(vertex, unit);
+            },
+            "vertices"_a, "unit"_a, "axis"_a = py::none(),
+            "Sets by how much vertices, or one coordinate of them, move when their variable grows "
+            "by 1. vertices : int, or array (K,) of int")
+        .def(
+            "matrix",
+            [](const DesignVariables& self) {
+                return sharedWithoutGil([&] { return self.matrix(); });
+            },
+            "B: a StencilTable of shape (3 V, variables). Row 3 v + c is coordinate c of vertex "
+            "v, so that (B @ variables).reshape(V, 3) are displacements.");
+    module.def(
+        "jacobian",
+        [](const TableLike& deformation, const TableLike& design) {
+            const auto d = tableOf(deformation);
+            const auto b = tableOf(design);
+            return sharedWithoutGil([&] { return solve::buildJacobian(*d, *b); });
+        },
+        "deformation"_a, "design"_a, R"(
+The derivatives of the points by the variables: a StencilTable of shape (3 N, variables), whose row
+3 i + c is coordinate c of point i.
+
+deformation : D: Binding, StencilTable or a sparse matrix of SciPy, of shape (N, V)
+design      : B: DesignVariables.matrix()
+)");
+}
+
+}  // namespace espalier::python
