@@ -60,7 +60,10 @@ using FaceId = Id<2>;
 using CellId = Id<3>;
 
 /// "vertex", "edge", "face" or "cell": how messages name an entity of this dimension.
-ESPALIER_API const char* dimensionName(int dimension);
+inline const char* dimensionName(int dimension) {
+    constexpr const char* kNames[] = {"vertex", "edge", "face", "cell"};
+    return dimension >= 0 && dimension <= kMaxDimension ? kNames[dimension] : "entity";
+}
 
 /// A row of a relation, read as typed ids.
 template <int Dimension>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/error.h>
 #include <espalier/base/printable.h>
 #include <espalier/base/utf8.h>
 
@@ -75,6 +76,12 @@ std::string printable(std::string_view text, std::size_t maxBytes) {
     const std::size_t begin = placeBetweenCharacters(text, maxBytes - maxBytes / 2);
     const std::size_t end = placeBetweenCharacters(text, text.size() - maxBytes / 2);
     return escaped(text.substr(0, begin)) + "..." + escaped(text.substr(end));
+}
+
+std::string inQuotes(std::string_view text) {
+    constexpr std::size_t kMaxBytes = 40;
+    std::string result = "'";
+    return result.append(printable(text, kMaxBytes)).append("'");
 }
 
 }  // namespace espalier

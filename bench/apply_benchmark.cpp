@@ -121,7 +121,7 @@ void runAdjoint(benchmark::State& state, const StencilTable<Real>& table, const 
     for (Index row = 0; row < table.rowCount(); ++row)
         for (std::size_t k = 0; k < table.columns(row).size(); ++k)
             for (int c = 0; c < components; ++c) {
-                const auto at = static_cast<std::size_t>(table.columns(row)[k] * components + c);
+                const std::size_t at = table.columns(row)[k] * components + c;
                 const double product = static_cast<double>(table.weights(row)[k]) *
                                        source[row * Offset{components} + c];
                 sums[at] += product;

@@ -190,7 +190,7 @@ void inTurnOpenSubdiv(benchmark::State& state, const bench::Mesh& mesh, int leve
         levels.emplace_back(static_cast<std::size_t>(refiner->GetLevel(k).GetNumVertices()));
     for (auto _ : state)
         for (int k = 1; k <= level; ++k) {
-            const auto at = static_cast<std::size_t>(k);
+            const std::size_t at = k;
             primvarRefiner.Interpolate(k, levels[at - 1], levels[at]);
             benchmark::ClobberMemory();
         }

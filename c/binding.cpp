@@ -4,7 +4,6 @@
 #include <espalier/limit/limit_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 
-#include <string>
 #include <utility>
 
 #include "handles.h"

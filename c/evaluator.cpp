@@ -2,7 +2,7 @@
 #include <espalier/osd/change_evaluator.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
-#include <espalier/osd/workspace.h>
+#include <espalier/osd/evaluation.h>
 
 #include <variant>
 
@@ -17,12 +17,12 @@ struct espalier_workspace {
 namespace espalier::c {
 
 template <class Real>
-struct Evaluator {
+struct EvaluatorHandle {
     std::variant<osd::CompiledTable<Real>, osd::CompiledAdjoint<Real>> compiled;
 };
 
 template <class Real>
-struct ChangeEvaluator {
+struct ChangeEvaluatorHandle {
     osd::ChangeEvaluator<Real> changes;
 };
 
@@ -66,7 +66,7 @@ Form<Real> compiled(const espalier_table* table) {
 }
 
 template <class Real>
-espalier_status evaluate(const Evaluator<Real>* evaluator, const Buffer<const Real>& source,
+espalier_status evaluate(const EvaluatorHandle<Real>* evaluator, const Buffer<const Real>& source,
                          const Buffer<Real>& destination, osd::RowRange rows,
                          espalier_workspace* workspace) {
     return guarded([&] {
@@ -84,7 +84,7 @@ espalier_status evaluate(const Evaluator<Real>* evaluator, const Buffer<const Re
 }
 
 template <class Real>
-osd::ChangeEvaluator<Real> changesOf(const Evaluator<Real>* evaluator) {
+osd::ChangeEvaluator<Real> changesOf(const EvaluatorHandle<Real>* evaluator) {
     const auto& own = deref(evaluator, "evaluator").compiled;
     const auto* table = std::get_if<osd::CompiledTable<Real>>(&own);
     if (table == nullptr) throw Error("evaluator is an adjoint; expected one that applies a table");
@@ -92,7 +92,7 @@ osd::ChangeEvaluator<Real> changesOf(const Evaluator<Real>* evaluator) {
 }
 
 template <class Real>
-espalier_status evaluateChanged(const ChangeEvaluator<Real>* changes,
+espalier_status evaluateChanged(const ChangeEvaluatorHandle<Real>* changes,
                                 const Buffer<const Real>& source, const Buffer<Real>& destination,
                                 const int32_t* columns, int32_t count,
                                 espalier_workspace* workspace) {
@@ -120,8 +120,8 @@ void espalier_workspace_destroy(espalier_workspace* workspace) {
 
 // The types and functions of one precision, whose names end in `f32` or `f64`.
 #define ESPALIER_EVALUATORS(Real, precision)                                                      \
-    struct espalier_evaluator_##precision : c::Evaluator<Real> {};                                \
-    struct espalier_change_evaluator_##precision : c::ChangeEvaluator<Real> {};                   \
+    struct espalier_evaluator_##precision : c::EvaluatorHandle<Real> {};                          \
+    struct espalier_change_evaluator_##precision : c::ChangeEvaluatorHandle<Real> {};             \
                                                                                                   \
     espalier_status espalier_evaluator_##precision##_create(                                      \
         const espalier_table* table, espalier_evaluator_##precision** evaluator) {                \

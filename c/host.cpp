@@ -6,7 +6,6 @@
 #include <espalier/base/progress.h>
 
 #include <chrono>
-#include <string>
 
 #include "guard.h"
 

@@ -4,7 +4,6 @@
 #include <espalier/io/lattice_file.h>
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include "handles.h"

@@ -3,7 +3,6 @@
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
-#include <string>
 
 #include "handles.h"
 

@@ -6,9 +6,7 @@
 #include <espalier/stencils/composition.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <string>
 #include <utility>
 #include <vector>
 

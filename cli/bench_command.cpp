@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -89,8 +88,6 @@ struct BenchReport {
     std::map<int, double> triad;  ///< bytes a second, by number of threads: triadBytesPerSecond()
 };
 
-using Json = nlohmann::ordered_json;
-
 std::string nameOf(osd::Simd simd) {
     switch (simd) {
         case osd::Simd::Avx2:
@@ -110,15 +107,15 @@ double millionPointsPerSecond(const RunReport& run, const ApplyTiming& timing) {
     return run.binding.table.rowCount() / timing.seconds / 1e6;
 }
 
-Json toJson(const RunReport& run, const BenchReport& bench) {
-    Json json = toJson(run);
+OrderedJson toJson(const RunReport& run, const BenchReport& bench) {
+    OrderedJson json = toJson(run);
     json["kernels"] = nameOf(bench.simd);
     if (bench.tables.factors) {
         const auto& factors = bench.tables.factors->inDouble;
         json["factors"] = {{"vertices", factors.vertices.rowCount()},
                            {"entries", factors.entryCount()}};
     }
-    Json& rows = json["apply"] = Json::array();
+    OrderedJson& rows = json["apply"] = OrderedJson::array();
     for (const ApplyTiming& timing : bench.timings)
         rows.push_back({{"evaluator", nameOf(timing.evaluator)},
                         {"precision", nameOf(timing.precision)},
@@ -130,7 +127,7 @@ Json toJson(const RunReport& run, const BenchReport& bench) {
                         {"gigabytes_per_second", timing.bytesPerSecond() / 1e9},
                         {"speedup", timing.speedup},
                         {"share_of_triad", shareOfTriad(bench, timing)}});
-    Json& triads = json["triad"] = Json::array();
+    OrderedJson& triads = json["triad"] = OrderedJson::array();
     for (const auto& [threads, bytesPerSecond] : bench.triad)
         triads.push_back({{"threads", threads}, {"gigabytes_per_second", bytesPerSecond / 1e9}});
     return json;

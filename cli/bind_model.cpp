@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bind_model.h"
 
-#include <espalier/base/error.h>
 #include <espalier/io/files/file.h>
 #include <espalier/limit/limit_binding.h>
 
@@ -14,9 +13,9 @@ namespace espalier::cli {
 namespace {
 
 /// MacCracken & Joy 1996, section 5; without subdivision their section 1.
-BoundPoints bindByOptions(const BindOptions& options, std::span<const Point3> points,
-                          const Lattice& lattice, bool hasGradients,
-                          const std::function<void(Offset)>& progress) {
+ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> points,
+                           const Lattice& lattice, bool hasGradients,
+                           const std::function<void(Offset)>& progress) {
     const auto& embedding = options.common.embedding;
     if (options.basis) {
         // To go on without them would be another deformation than the file asks for.
@@ -38,7 +37,7 @@ BoundPoints bindByOptions(const BindOptions& options, std::span<const Point3> po
                                    .tolerance = embedding.tolerance,
                                    .gradients = hasGradients,
                                    .progress = progress});
-    BoundPoints result;
+    ModelBinding result;
     if (hasGradients)
         result.gradients = {std::move(bound.binding.table.gradients), lattice.positions};
     result.points = limit::withoutGradients(std::move(bound));
@@ -93,8 +92,8 @@ void checkBasis(const BindOptions& options) {
                                        "is of use with --basis subdivision only");
 }
 
-BoundPoints bindModel(const BindOptions& options, std::span<const Point3> points,
-                      const Lattice& lattice, Stages& stages, bool hasGradients) {
+ModelBinding bindModel(const BindOptions& options, std::span<const Point3> points,
+                       const Lattice& lattice, Stages& stages, bool hasGradients) {
     return stages.run("binding", [&] {
         auto bound = bindByOptions(options, points, lattice, hasGradients,
                                    progressOf(stages, points.size()));

@@ -42,7 +42,7 @@ void addBindingOptions(CLI::App& command, BindOptions& options);
 void checkBasis(const BindOptions& options);
 
 /// Points that are bound to a lattice.
-struct BoundPoints {
+struct ModelBinding {
     embed::BindingResult points;
     std::optional<io::BoundGradients> gradients = {};  ///< if they were asked for
 };
@@ -50,8 +50,8 @@ struct BoundPoints {
 /// Binds points to a lattice that was read from options.rest. Errors in the lattice name it.
 /// Stage: binding.
 /// \param hasGradients whether to make the gradients of a binding to the limit
-BoundPoints bindModel(const BindOptions& options, std::span<const Point3> points,
-                      const Lattice& lattice, Stages& stages, bool hasGradients = false);
+ModelBinding bindModel(const BindOptions& options, std::span<const Point3> points,
+                       const Lattice& lattice, Stages& stages, bool hasGradients = false);
 
 /// The matrix that bindModel() finds, left in its factors; nothing for the limit and for the
 /// bases other than subdivision. Stage: binding in factors.

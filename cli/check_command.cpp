@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -21,8 +20,6 @@
 
 namespace espalier::cli {
 namespace {
-
-using nlohmann::ordered_json;
 
 struct CheckOptions {
     CommonOptions common;
@@ -38,15 +35,13 @@ struct CheckOptions {
 
 /// What was checked, and what came out.
 struct Checked {
+    const CheckOptions& options;
     const far::TopologyRefiner& refiner;
-    std::optional<int> limitLevel;   ///< to which features were refined, if this is of the limit
     int level;                       ///< of the cells: 0 in the limit
     std::vector<Point3> rest, pose;  ///< of the level
     std::vector<Index> badAtRest;
     solve::PoseValidity validity;
     solve::LargestStep step;
-    double maxStep;
-    std::size_t listed;
 
     const far::CellComplex& complex() const { return refiner.level(level).complex; }
     Index baseCell(Index cell) const { return solve::baseCellOf(refiner, level, cell); }
@@ -72,18 +67,18 @@ struct Checked {
 };
 
 /// \param positions that tell where the cell is
-ordered_json toJson(const Checked& checked, Index cell, const std::vector<Point3>& positions) {
-    ordered_json json = {{"cell", cell},
-                         {"base_cell", checked.baseCell(cell)},
-                         {"centre", checked.centre(cell, positions)}};
+OrderedJson toJson(const Checked& checked, Index cell, const std::vector<Point3>& positions) {
+    OrderedJson json = {{"cell", cell},
+                        {"base_cell", checked.baseCell(cell)},
+                        {"centre", checked.centre(cell, positions)}};
     if (checked.ratio(cell)) json["volume_ratio"] = *checked.ratio(cell);
     return json;
 }
 
-ordered_json toJson(const Checked& checked, const std::vector<Index>& cells,
-                    const std::vector<Point3>& positions) {
-    ordered_json first = ordered_json::array();
-    for (std::size_t i = 0; i < std::min(cells.size(), checked.listed); ++i)
+OrderedJson toJson(const Checked& checked, const std::vector<Index>& cells,
+                   const std::vector<Point3>& positions) {
+    OrderedJson first = OrderedJson::array();
+    for (std::size_t i = 0; i < std::min(cells.size(), checked.options.listed); ++i)
         first.push_back(toJson(checked, cells[i], positions));
     return {{"count", cells.size()}, {"first", first}};
 }
@@ -101,25 +96,25 @@ ordered_json toJson(const Checked& checked, const std::vector<Index>& cells,
 ///     largest_step           {length, max, limiting_cell, is_tight}: as parts of the way from rest
 ///                            to pose; a cell as above, or null where the length is the most; and
 ///                            whether it is sure to go bad right after (solve/validity.h)
-ordered_json toJson(const Checked& checked) {
+OrderedJson toJson(const Checked& checked) {
     const auto& limiting = checked.step.limitingCell;
     return {
         {"level", checked.level},
-        {"limit_level", checked.limitLevel ? ordered_json(*checked.limitLevel) : ordered_json()},
+        {"limit_level", checked.options.limit ? OrderedJson(checked.options.level) : OrderedJson()},
         {"cells", checked.count()},
         {"bad_at_rest", toJson(checked, checked.badAtRest, checked.rest)},
         {"inverted", toJson(checked, checked.validity.inverted, checked.pose)},
         {"smallest_volume_ratio", toJson(checked, checked.validity.smallest->cell, checked.pose)},
         {"largest_step",
          {{"length", checked.step.length},
-          {"max", checked.maxStep},
-          {"limiting_cell", limiting ? toJson(checked, *limiting, checked.pose) : ordered_json()},
+          {"max", checked.options.maxStep},
+          {"limiting_cell", limiting ? toJson(checked, *limiting, checked.pose) : OrderedJson()},
           {"is_tight", checked.step.isTight}}}};
 }
 
 /// "cell 12 of base cell 0".
 std::string name(const Checked& checked, Index cell) {
-    if (checked.limitLevel) return fmt::format("base cell {}", cell);
+    if (checked.options.limit) return fmt::format("base cell {}", cell);
     return fmt::format("cell {} of base cell {}", cell, checked.baseCell(cell));
 }
 
@@ -127,19 +122,20 @@ std::string name(const Checked& checked, Index cell) {
 void printCells(const Checked& checked, const char* title, const std::vector<Index>& cells,
                 const std::vector<Point3>& positions) {
     fmt::print("{:<21} {}\n", title, cells.size());
-    for (std::size_t i = 0; i < std::min(cells.size(), checked.listed); ++i) {
+    for (std::size_t i = 0; i < std::min(cells.size(), checked.options.listed); ++i) {
         fmt::print("  {} at ({:.4g})", name(checked, cells[i]),
                    fmt::join(checked.centre(cells[i], positions), ", "));
         if (const auto& ratio = checked.ratio(cells[i]))
             fmt::print(": volume ratio {:.3g}", *ratio);
         fmt::print("\n");
     }
-    if (cells.size() > checked.listed) fmt::print("  and {} more\n", cells.size() - checked.listed);
+    if (cells.size() > checked.options.listed)
+        fmt::print("  and {} more\n", cells.size() - checked.options.listed);
 }
 
 std::string title(const Checked& checked) {
-    return checked.limitLevel ? "cells in the limit"
-                              : fmt::format("cells of level {}", checked.level);
+    return checked.options.limit ? "cells in the limit"
+                                 : fmt::format("cells of level {}", checked.level);
 }
 
 void printText(const Checked& checked) {
@@ -183,9 +179,7 @@ Checked check(const CheckOptions& options, const far::TopologyRefiner& refiner, 
             return stencils::refinePositions(refiner, level, options.common.rules, positions);
         });
     };
-    Checked checked{refiner, {}, level, refined(rest.positions), refined(pose),
-                    {},      {}, {},    options.maxStep,         options.listed};
-    if (options.limit) checked.limitLevel = options.level;
+    Checked checked{options, refiner, level, refined(rest.positions), refined(pose), {}, {}, {}};
     stages.run("checking", [&] {
         const auto validity = ofFile(options.rest, [&] {
             if (!options.limit) return solve::ValidityCheck(checked.complex(), checked.rest);

@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <ostream>
 
 #include "files.h"
@@ -87,16 +86,15 @@ std::string offence(const compare::ReportedShape& shape, const compare::Report& 
 
 /// Throws if anything is wrong, naming the first: Finding, if all shapes could be compared.
 void checkAll(const compare::Report& report) {
-    std::string first;
-    std::size_t count = 0;
-    for (const compare::ReportedShape& shape : report.shapes) {
-        const std::string text = offence(shape, report);
-        if (text.empty()) continue;
-        if (++count == 1) first = text;
-    }
-    if (count > 1)
-        first += fmt::format(" (and {} more of {} files)", count - 1, report.shapes.size());
-    if (count == 0) return;
+    std::vector<std::string> offences;
+    for (const compare::ReportedShape& shape : report.shapes)
+        if (const std::string text = offence(shape, report); !text.empty())
+            offences.push_back(text);
+    if (offences.empty()) return;
+    std::string first = offences.front();
+    if (offences.size() > 1)
+        first +=
+            fmt::format(" (and {} more of {} files)", offences.size() - 1, report.shapes.size());
     if (std::ranges::all_of(report.shapes, [](const auto& shape) { return shape.failure.empty(); }))
         throw Finding(first);
     throw Error(first);

@@ -22,7 +22,7 @@
 namespace espalier::cli {
 namespace {
 
-using Binding = embed::Binding;
+using embed::Binding;
 
 struct DeformOptions : BindOptions {
     std::vector<std::string> poses;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files.h"
 
-#include <espalier/base/error.h>
 #include <espalier/far/topology_match.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
@@ -157,7 +156,8 @@ Lattice readLattice(const std::filesystem::path& path, Stages& stages, FileKind 
     return lattice;
 }
 
-RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& stages) {
+std::pair<Lattice, far::TopologyRefiner> readAndRefine(const LatticeOptions& options, FileKind kind,
+                                                       Stages& stages) {
     Lattice lattice = readLattice(options.lattice, stages, kind);
     auto refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, lattice, options.common, options.level);

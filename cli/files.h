@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "options.h"
@@ -55,15 +56,10 @@ void checkDistinct(const std::vector<std::filesystem::path>& outputs);
 Lattice readLattice(const std::filesystem::path& path, Stages& stages,
                     FileKind kind = FileKind::Lattice);
 
-/// A lattice and its refinement.
-struct RefinedFile {
-    Lattice lattice;
-    far::TopologyRefiner refiner;
-};
-
 /// Reads the lattice, mesh or curve that a command names, and refines it to the level that the
 /// command asks for.
-RefinedFile readAndRefine(const LatticeOptions& options, FileKind kind, Stages& stages);
+std::pair<Lattice, far::TopologyRefiner> readAndRefine(const LatticeOptions& options, FileKind kind,
+                                                       Stages& stages);
 
 /// Errors of what `work` makes of a file name it.
 template <class Work>

@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -298,11 +297,10 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
 }
 
 /// How many vertices of a lattice are among some. What is no vertex of it, fitting refuses.
-std::size_t countAmong(std::vector<Index> vertices, const Lattice& lattice) {
+Offset countAmong(std::vector<Index> vertices, const Lattice& lattice) {
     sortUnique(vertices);
-    return static_cast<std::size_t>(std::count_if(
-        vertices.begin(), vertices.end(),
-        [&](Index vertex) { return vertex >= 0 && vertex < lattice.complex.count(0); }));
+    return std::ranges::count_if(
+        vertices, [&](Index vertex) { return vertex >= 0 && vertex < lattice.complex.count(0); });
 }
 
 /// The vertices that stay, of --freeze and of --hold.
@@ -311,7 +309,7 @@ std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::v
     const auto& named = options.fit.frozen;
     std::vector<Index> frozen = named;
     frozen.insert(frozen.end(), held.begin(), held.end());
-    const std::size_t all = lattice.positions.size();
+    const Offset all = std::ssize(lattice.positions);
     if (countAmong(frozen, lattice) < all) return frozen;
     throw Error(fmt::format("{} all {} vertices of {}: none is left to move",
                             countAmong(held, lattice) == all    ? "--hold keeps"
@@ -327,7 +325,7 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
     for (const Point3& displacement : fit.displacements)
         largest = std::max(largest, std::hypot(displacement[0], displacement[1], displacement[2]));
     if (options.report == ReportFormat::Json) {
-        const nlohmann::ordered_json json = {
+        const OrderedJson json = {
             {"targets", wishes.targets.size()},
             {"left_out", leftOut},
             {"held_vertices", heldCount},
@@ -335,8 +333,7 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
             {"rms_miss", fit.meanMiss},
             {"largest_displacement", largest},
             // No number of JSON's is infinite.
-            {"condition", std::isinf(fit.condition) ? nlohmann::ordered_json()
-                                                    : nlohmann::ordered_json(fit.condition)}};
+            {"condition", std::isinf(fit.condition) ? OrderedJson() : OrderedJson(fit.condition)}};
         fmt::print("{}\n", json.dump(2));
         return;
     }

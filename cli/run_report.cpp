@@ -11,7 +11,6 @@
 namespace espalier::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using embed::PointStatus;
 
 /// Billions of bytes a second; nothing if the bytes are not known.
@@ -21,12 +20,12 @@ std::optional<double> gigabytesPerSecond(const Stages::Finished& stage) {
 }
 
 template <class Number>
-Json numberOrNull(const std::optional<Number>& number) {
-    return number ? Json(*number) : Json(nullptr);
+OrderedJson numberOrNull(const std::optional<Number>& number) {
+    return number ? OrderedJson(*number) : OrderedJson(nullptr);
 }
 
-Json toJson(const Stages& stages) {
-    Json array = Json::array();
+OrderedJson toJson(const Stages& stages) {
+    OrderedJson array = OrderedJson::array();
     for (const Stages::Finished& stage : stages.finished())
         array.push_back({{"name", stage.name},
                          {"seconds", stage.seconds},
@@ -57,9 +56,10 @@ void addReportOption(CLI::App& command, ReportFormat& format) {
                             "How to say what was done, on standard output");
 }
 
-Json toJson(const RunReport& report) {
+OrderedJson toJson(const RunReport& report) {
     const auto& table = report.binding.table;
-    Json json = Json::object();  // null is left broken if there is no memory to make it one
+    OrderedJson json =
+        OrderedJson::object();  // null is left broken if there is no memory to make it one
     if (report.points) {
         json["points"] = {{"inside", report.points->count(PointStatus::Inside)},
                           {"outside", report.points->count(PointStatus::Outside)},

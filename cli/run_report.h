@@ -12,6 +12,9 @@
 
 namespace espalier::cli {
 
+/// Keys stay in their order.
+using OrderedJson = nlohmann::ordered_json;
+
 /// How a command says what it did.
 enum class ReportFormat {
     Text,
@@ -50,7 +53,7 @@ struct RunReport {
     std::size_t peakMemory;
 };
 
-nlohmann::ordered_json toJson(const RunReport& report);
+OrderedJson toJson(const RunReport& report);
 
 void printText(const RunReport& report);
 

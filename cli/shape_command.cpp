@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/base/printable.h>
 #include <espalier/io/files/text_reader.h>
 #include <espalier/io/lattice_file.h>

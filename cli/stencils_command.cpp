@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 
 #include "bind_model.h"
 #include "commands.h"
@@ -104,12 +103,11 @@ std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) 
 std::vector<Export> exports(const StencilsOptions& options, Stages& stages) {
     if (!options.points.empty()) return deformation(options, stages);
     std::vector<Export> result;
-    const RefinedFile file = readAndRefine(options, FileKind::Refinable, stages);
+    const auto refiner = readAndRefine(options, FileKind::Refinable, stages).second;
     const auto& rules = options.common.rules;
     if (!options.levelTables) {
-        auto table = stages.run("building", [&] {
-            return stencils::buildStencils(file.refiner, options.level, rules);
-        });
+        auto table = stages.run(
+            "building", [&] { return stencils::buildStencils(refiner, options.level, rules); });
         result.push_back(
             {options.output, std::move(table),
              fmt::format("S_{} of {}: rows are the vertices of level {}, in the order of espalier "
@@ -118,7 +116,7 @@ std::vector<Export> exports(const StencilsOptions& options, Stages& stages) {
         return result;
     }
     auto tables = stages.run(
-        "building", [&] { return stencils::buildLevelTables(file.refiner, options.level, rules); });
+        "building", [&] { return stencils::buildLevelTables(refiner, options.level, rules); });
     for (int k = 1; k <= options.level; ++k)
         result.push_back(
             {levelPath(options, k), std::move(tables[k - 1]),

@@ -24,7 +24,6 @@
 #include <vector>
 
 #include "level_match.h"
-#include "memory_needs.h"
 #include "open_subdiv_refiner.h"
 
 namespace espalier::compare {

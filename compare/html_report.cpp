@@ -324,7 +324,7 @@ std::string figure(const Report& report, std::size_t index) {
     std::string caption = fmt::format("Level {}, {}. ", picture.level,
                                       counted(picture.faces.size(), "face", "faces"));
     if (const auto vertex = largestErrorVertex(picture)) {
-        const auto v = static_cast<std::size_t>(*vertex);
+        const std::size_t v = *vertex;
         caption += fmt::format(
             "Largest error <span class=\"value\">{}</span>, at vertex {}, "
             "<span class=\"value\">{}</span>.",

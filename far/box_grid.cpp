@@ -42,8 +42,7 @@ Corners cornersOf(const CellComplex& complex, CellId cell) {
 }
 
 std::size_t positionOf(const Corners& corners, Index vertex) {
-    return static_cast<std::size_t>(std::find(corners.begin(), corners.end(), vertex) -
-                                    corners.begin());
+    return std::find(corners.begin(), corners.end(), vertex) - corners.begin();
 }
 
 /// The three vertices that edges of the hexahedron join to one at a position.

@@ -21,7 +21,7 @@ struct BoxGrid {
     /// \param point 0 to cells[a] along axis a
     std::size_t indexOf(const std::array<Index, 3>& point) const {
         const Offset row = Offset{point[2]} * (cells[1] + 1) + point[1];
-        return static_cast<std::size_t>(row * (cells[0] + 1) + point[0]);
+        return row * (cells[0] + 1) + point[0];
     }
 
     Index vertexAt(const std::array<Index, 3>& point) const { return vertices[indexOf(point)]; }

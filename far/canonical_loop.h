@@ -13,8 +13,7 @@ namespace espalier::far {
 /// the same for all ways of writing one face.
 inline void appendCanonicalLoop(std::span<const Index> loop, std::vector<Index>& out) {
     const std::size_t n = loop.size();
-    const auto start =
-        static_cast<std::size_t>(std::min_element(loop.begin(), loop.end()) - loop.begin());
+    const std::size_t start = std::min_element(loop.begin(), loop.end()) - loop.begin();
     const bool forward = loop[(start + 1) % n] < loop[(start + n - 1) % n];
     for (std::size_t i = 0; i < n; ++i) out.push_back(loop[(start + (forward ? i : n - i)) % n]);
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <espalier/base/lazy.h>
 #include <espalier/base/loop_context.h>
 #include <espalier/far/cell_complex.h>
 
-#include <atomic>
 #include <cassert>
 #include <memory>
 #include <mutex>
@@ -19,29 +19,21 @@ namespace {
 /// derives it for itself, and who is ready first has derived it for all.
 class LazyRelation {
 public:
-    LazyRelation() = default;
-    ~LazyRelation() { delete known_.load(std::memory_order_relaxed); }
-    LazyRelation(const LazyRelation&) = delete;
-    LazyRelation& operator=(const LazyRelation&) = delete;
-
     template <class Derive>
     const Incidence& get(Derive derive) {
-        if (const Incidence* known = known_.load(std::memory_order_acquire)) return *known;
+        if (const Incidence* known = relation_.known()) return *known;
         LoopContext context = loopContext();
         std::unique_lock lock(mutex_, std::defer_lock);
         if (!std::exchange(context.isAwaited, true)) lock.lock();
-        if (const Incidence* known = known_.load(std::memory_order_acquire)) return *known;
-        const LoopContextScope scope(context);
-        auto derived = std::make_unique<const Incidence>(derive());
-        const Incidence* first = nullptr;
-        if (!known_.compare_exchange_strong(first, derived.get(), std::memory_order_acq_rel))
-            return *first;
-        return *derived.release();
+        return relation_.get([&] {
+            const LoopContextScope scope(context);
+            return derive();
+        });
     }
 
 private:
     std::mutex mutex_;
-    std::atomic<const Incidence*> known_ = nullptr;
+    Lazy<Incidence> relation_;
 };
 
 }  // namespace

@@ -131,7 +131,7 @@ Classes classify(std::size_t count, Less less) {
     Classes classes;
     classes.classOf.resize(count);
     for (std::size_t item = 0; item < count; ++item) {
-        const auto leader = static_cast<std::size_t>(first[item]);
+        const std::size_t leader = first[item];
         if (leader == item) {
             classes.classOf[item] = static_cast<Index>(classes.representative.size());
             classes.representative.push_back(static_cast<Index>(item));
@@ -145,8 +145,8 @@ Classes classify(std::size_t count, Less less) {
 /// +1 if two ways of writing one face run the same way round, else −1.
 int relativeDirection(std::span<const Index> loop, std::span<const Index> reference) {
     const std::size_t n = loop.size();
-    const auto at = static_cast<std::size_t>(
-        std::find(reference.begin(), reference.end(), loop[0]) - reference.begin());
+    const std::size_t at =
+        std::find(reference.begin(), reference.end(), loop[0]) - reference.begin();
     return reference[(at + 1) % n] == loop[1] ? 1 : -1;
 }
 
@@ -240,7 +240,7 @@ public:
             for (std::size_t next = 0; next < piece.size(); ++next) {
                 sum += turn[piece[next]];
                 for (const Link& link : links_[piece[next]]) {
-                    const auto other = static_cast<std::size_t>(link.loop);
+                    const std::size_t other = link.loop;
                     if (turn[other] != 0) continue;
                     turn[other] = link.sameTurn ? turn[piece[next]] : -turn[piece[next]];
                     piece.push_back(other);

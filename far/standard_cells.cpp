@@ -22,7 +22,7 @@ std::optional<Index> follower(const std::vector<Loop>& loops, Index a, Index b) 
 /// Whether two loops are the same, started at different places.
 bool isRotation(const Loop& a, const Loop& b) {
     if (a.size() != b.size()) return false;
-    const auto start = static_cast<std::size_t>(std::find(b.begin(), b.end(), a[0]) - b.begin());
+    const std::size_t start = std::find(b.begin(), b.end(), a[0]) - b.begin();
     if (start == b.size()) return false;
     for (std::size_t i = 0; i < a.size(); ++i)
         if (a[i] != b[(start + i) % b.size()]) return false;
@@ -152,7 +152,7 @@ std::optional<StandardCellVertices> asStandardCell(const CellComplex& complex, C
     for (const StandardCell kind : {StandardCell::Tetrahedron, StandardCell::Pyramid,
                                     StandardCell::Wedge, StandardCell::Hexahedron}) {
         const auto& pattern = faceLoops(kind);
-        const auto count = static_cast<std::size_t>(vertexCount(kind));
+        const std::size_t count = vertexCount(kind);
         if (!haveEqualSizes(pattern, loops)) continue;
         if (auto vertices = PatternMatch(pattern, loops, count).find())
             return StandardCellVertices{kind, std::move(*vertices)};

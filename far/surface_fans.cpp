@@ -79,8 +79,8 @@ void SurfaceFans::markDegenerate() {
 }
 
 SurfaceFans::VertexKind SurfaceFans::vertex(Index vertex) const {
-    const auto first = static_cast<std::size_t>(cornerOffsets_[vertex]);
-    const std::size_t count = static_cast<std::size_t>(cornerOffsets_[vertex + 1]) - first;
+    const std::size_t first = cornerOffsets_[vertex];
+    const std::size_t count = cornerOffsets_[vertex + 1] - first;
     if (count == 0) return VertexKind::None;
 
     // Each edge at the vertex with the corners that it bounds; a manifold edge has two.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/binding_file.h>
 #include <espalier/io/files/file.h>
-#include <zlib.h>
 
 #include <array>
 #include <cmath>
@@ -158,9 +157,7 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     const std::string_view checked = bytes.substr(0, bytes.size() - 4);
     const auto expected =
         loadNumber<std::uint32_t>(checked.data() + checked.size(), std::endian::little);
-    const auto got = static_cast<std::uint32_t>(crc32_z(
-        crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(checked.data()), checked.size()));
-    if (expected != got) throw CodingError("is corrupted: its checksum does not match");
+    if (expected != crc32Of(checked)) throw CodingError("is corrupted: its checksum does not match");
 
     // The checks below find nothing wrong in a file of ours, but in one that was made to mislead.
     if (sizes.columns < 0 || sizes.columns > kMaxIndex)

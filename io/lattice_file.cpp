@@ -4,12 +4,27 @@
 #include <espalier/io/lattice_file.h>
 #include <espalier/io/lattices/ovm.h>
 #include <espalier/io/models/obj_mesh.h>
+#include <espalier/io/read_notes.h>
 #include <espalier/io/vtk/vtk_legacy.h>
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
 namespace espalier::io {
+
+std::string describe(const std::filesystem::path& path, const ReadNotes& notes) {
+    constexpr std::size_t kMaxNamed = 5;
+    const std::vector<Index>& dropped = notes.droppedVertices;
+    if (dropped.empty()) return "";
+    const bool isOne = dropped.size() == 1;
+    std::string text = concat(shownPath(path), ": dropped ", dropped.size(),
+                              isOne ? " unused vertex (vertex " : " unused vertices (vertices ");
+    for (std::size_t i = 0; i < std::min(dropped.size(), kMaxNamed); ++i)
+        text += concat(i == 0 ? "" : ", ", dropped[i]);
+    return text + (dropped.size() > kMaxNamed ? ", ...)" : ")");
+}
+
 namespace {
 
 using Path = std::filesystem::path;

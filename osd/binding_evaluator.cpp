@@ -47,17 +47,6 @@ std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
     return points;
 }
 
-template <class Real, class Table>
-void writeKept(const embed::BindingOf<Table>& binding, MutableValues<Real> destination,
-               const BufferDescriptor& layout) {
-    const Index count = binding.table.rowCount();
-    checkEvaluation(count, 0, 0, kXyz, destination.size(), layout, {0, count});
-    for (std::size_t i = 0; i < binding.kept.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-            destination[static_cast<std::size_t>(layout.offset + binding.kept[i] * layout.stride) +
-                        c] = static_cast<Real>(binding.keptAt[i][c]);
-}
-
 template <class Real>
 using Rows = stencils::StencilTable<Real>;
 template <class Real>
@@ -71,22 +60,5 @@ template std::vector<Point3> evaluateBinding(const embed::BindingOf<Factors<floa
                                              std::span<const Point3>);
 template std::vector<Point3> evaluateBinding(const embed::BindingOf<Factors<double>>&,
                                              std::span<const Point3>);
-
-template void writeKept<float>(const embed::BindingOf<Rows<float>>&, MutableValues<float>,
-                               const BufferDescriptor&);
-template void writeKept<float>(const embed::BindingOf<Rows<double>>&, MutableValues<float>,
-                               const BufferDescriptor&);
-template void writeKept<float>(const embed::BindingOf<Factors<float>>&, MutableValues<float>,
-                               const BufferDescriptor&);
-template void writeKept<float>(const embed::BindingOf<Factors<double>>&, MutableValues<float>,
-                               const BufferDescriptor&);
-template void writeKept<double>(const embed::BindingOf<Rows<float>>&, MutableValues<double>,
-                                const BufferDescriptor&);
-template void writeKept<double>(const embed::BindingOf<Rows<double>>&, MutableValues<double>,
-                                const BufferDescriptor&);
-template void writeKept<double>(const embed::BindingOf<Factors<float>>&, MutableValues<double>,
-                                const BufferDescriptor&);
-template void writeKept<double>(const embed::BindingOf<Factors<double>>&, MutableValues<double>,
-                                const BufferDescriptor&);
 
 }  // namespace espalier::osd

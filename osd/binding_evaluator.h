@@ -37,7 +37,15 @@ ESPALIER_API std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& 
 ///         written then
 /// \cost O(kept points)
 template <class Real, class Table>
-ESPALIER_API void writeKept(const embed::BindingOf<Table>& binding, MutableValues<Real> destination,
-                            const BufferDescriptor& layout);
+void writeKept(const embed::BindingOf<Table>& binding, MutableValues<Real> destination,
+               const BufferDescriptor& layout) {
+    const Index count = binding.table.rowCount();
+    checkEvaluation(count, 0, 0, BufferDescriptor::packed(3), destination.size(), layout,
+                    {0, count});
+    for (std::size_t i = 0; i < binding.kept.size(); ++i)
+        for (Offset c = 0; c < 3; ++c)
+            destination[layout.offset + binding.kept[i] * layout.stride + c] =
+                static_cast<Real>(binding.keptAt[i][c]);
+}
 
 }  // namespace espalier::osd

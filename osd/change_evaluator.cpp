@@ -21,12 +21,12 @@ namespace {
 using kernels::kLanes;
 
 /// A set of numbers below a bound, in memory of somebody else's.
-class Marks {
+class BitSet {
 public:
     static constexpr Index kOfWord = 64;
     static Offset wordCount(Index bound) { return (Offset{bound} + kOfWord - 1) / kOfWord; }
 
-    explicit Marks(std::span<std::uint64_t> words) : words_(words) {
+    explicit BitSet(std::span<std::uint64_t> words) : words_(words) {
         std::fill(words.begin(), words.end(), 0);
     }
 
@@ -128,23 +128,23 @@ struct ChangeEvaluator<Real>::Data {
 
     /// What some columns change.
     struct Changes {
-        Marks columns;
-        Marks alone;
+        BitSet columns;
+        BitSet alone;
         std::span<const Index> groups;  ///< ascending
     };
 
     std::size_t roomForChanges() const {
-        return roomOf<std::uint64_t>(Marks::wordCount(table->columnCount)) +
-               roomOf<std::uint64_t>(Marks::wordCount(aloneCount())) +
-               roomOf<std::uint64_t>(Marks::wordCount(groupCount())) + roomOf<Index>(groupCount());
+        return roomOf<std::uint64_t>(BitSet::wordCount(table->columnCount)) +
+               roomOf<std::uint64_t>(BitSet::wordCount(aloneCount())) +
+               roomOf<std::uint64_t>(BitSet::wordCount(groupCount())) + roomOf<Index>(groupCount());
     }
 
     Changes changesBy(std::span<const Index> changed, Room& room) const {
         const auto marks = [&](Index bound) {
-            return Marks(room.take<std::uint64_t>(Marks::wordCount(bound)));
+            return BitSet(room.take<std::uint64_t>(BitSet::wordCount(bound)));
         };
-        Marks columns = marks(table->columnCount), rows = marks(aloneCount()),
-              isChanged = marks(groupCount());
+        BitSet columns = marks(table->columnCount), rows = marks(aloneCount()),
+               isChanged = marks(groupCount());
         for (const Index column : changed) {
             if (columns.contains(column)) continue;
             columns.add(column);
@@ -153,14 +153,14 @@ struct ChangeEvaluator<Real>::Data {
         }
         const std::span<Index> list = room.take<Index>(groupCount());
         std::size_t count = 0;
-        isChanged.forEach(0, Marks::wordCount(groupCount()), [&](Index g) { list[count++] = g; });
+        isChanged.forEach(0, BitSet::wordCount(groupCount()), [&](Index g) { list[count++] = g; });
         return {columns, rows, list.first(count)};
     }
 
     /// The rows of a group, with −1 for those that do not depend on what has changed: the kernels
     /// leave out what is not in their range.
     using RowsOfGroup = std::array<Index, kMaxRowsOfGroup>;
-    const Index* changedRows(Index g, const Marks& columns, RowsOfGroup& rows) const {
+    const Index* changedRows(Index g, const BitSet& columns, RowsOfGroup& rows) const {
         const Group& group = groupAt(g);
         const auto all = table->rowsOf(group), own = table->columnsOf(group);
         if (isMixed[g] == 0) return all.data();
@@ -176,7 +176,7 @@ struct ChangeEvaluator<Real>::Data {
     TaskNumbers<Real> taskNumbers(Offset length) const {
         const Offset tasks =
             std::max((groupCount() + kGroupsOfTask - 1) / kGroupsOfTask,
-                     (Marks::wordCount(aloneCount()) + kWordsOfTask - 1) / kWordsOfTask);
+                     (BitSet::wordCount(aloneCount()) + kWordsOfTask - 1) / kWordsOfTask);
         return {tasks, mostColumns * paddedLength(length)};
     }
 
@@ -187,14 +187,7 @@ struct ChangeEvaluator<Real>::Data {
 
 template <class Real>
 ChangeEvaluator<Real>::ChangeEvaluator(const CompiledTable<Real>& table)
-    : data_(std::make_unique<const Data>(table.data_)) {}
-
-template <class Real>
-ChangeEvaluator<Real>::~ChangeEvaluator() = default;
-template <class Real>
-ChangeEvaluator<Real>::ChangeEvaluator(ChangeEvaluator&&) noexcept = default;
-template <class Real>
-ChangeEvaluator<Real>& ChangeEvaluator<Real>::operator=(ChangeEvaluator&&) noexcept = default;
+    : data_(std::make_shared<const Data>(table.data_)) {}
 
 template <class Real>
 Index ChangeEvaluator<Real>::rowCount() const {
@@ -263,7 +256,7 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
     });
     const auto& runs = table.rows.runs;
     parallelFor(
-        Marks::wordCount(data_->aloneCount()), kWordsOfTask, [&](Offset first, Offset last) {
+        BitSet::wordCount(data_->aloneCount()), kWordsOfTask, [&](Offset first, Offset last) {
             typename TaskNumbers<Real>::Local entries(numbers, first / kWordsOfTask);
             auto run = runs.begin();
             changes.alone.forEach(first, last, [&](Index place) {
@@ -290,7 +283,7 @@ std::vector<Index> ChangeEvaluator<Real>::rowsOf(std::span<const Index> changed)
         std::copy_if(rows, rows + data_->groupAt(g).rowCount, std::back_inserter(result),
                      [](Index row) { return row >= 0; });
     }
-    changes.alone.forEach(0, Marks::wordCount(data_->aloneCount()),
+    changes.alone.forEach(0, BitSet::wordCount(data_->aloneCount()),
                           [&](Index place) { result.push_back(data_->table->rows.rows[place]); });
     std::sort(result.begin(), result.end());
     return result;

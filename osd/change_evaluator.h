@@ -3,7 +3,7 @@
 
 #include <espalier/base/api.h>
 #include <espalier/osd/compiled_table.h>
-#include <espalier/osd/workspace.h>
+#include <espalier/osd/evaluation.h>
 
 #include <cstddef>
 #include <memory>
@@ -26,16 +26,13 @@ namespace espalier::osd {
 /// (docs/performance.md). For whole tables: of a CompiledChain everything depends on what lies
 /// between its tables.
 ///
-/// Immutable, and so safe to share between threads.
+/// Immutable, and so safe to share between threads. Copies share the numbers.
 template <class Real>
 class ESPALIER_API ChangeEvaluator {
 public:
     /// \param table need not live longer than this call
     /// \cost O(entries)
     explicit ChangeEvaluator(const CompiledTable<Real>& table);
-    ~ChangeEvaluator();
-    ChangeEvaluator(ChangeEvaluator&&) noexcept;
-    ChangeEvaluator& operator=(ChangeEvaluator&&) noexcept;
 
     Index rowCount() const;
     Index columnCount() const;
@@ -58,7 +55,7 @@ public:
         evaluateChanged(source, sourceLayout, destination, destinationLayout, changed, own);
     }
 
-    /// The same in memory that is kept: for real time (workspace.h).
+    /// The same in memory that is kept: for real time (Workspace).
     void evaluateChanged(Values<Real> source, const BufferDescriptor& sourceLayout,
                          MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                          std::span<const Index> changed, Workspace& workspace) const;
@@ -73,7 +70,7 @@ public:
 
 private:
     struct Data;
-    std::unique_ptr<const Data> data_;
+    std::shared_ptr<const Data> data_;
 };
 
 }  // namespace espalier::osd

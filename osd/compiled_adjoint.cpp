@@ -72,17 +72,10 @@ CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd sim
         for (Offset place = 0; place < std::ssize(rows.groupColumns); ++place)
             found(rows.groupColumns[place], place);
     });
-    data_ = std::make_unique<const Data>(Data{table.rowCount(), table.columnCount(),
+    data_ = std::make_shared<const Data>(Data{table.rowCount(), table.columnCount(),
                                               kernels::kernelsFor<Real>(simd), std::move(rows),
                                               std::move(places), std::move(alone), mostColumns});
 }
-
-template <class Real>
-CompiledAdjoint<Real>::~CompiledAdjoint() = default;
-template <class Real>
-CompiledAdjoint<Real>::CompiledAdjoint(CompiledAdjoint&&) noexcept = default;
-template <class Real>
-CompiledAdjoint<Real>& CompiledAdjoint<Real>::operator=(CompiledAdjoint&&) noexcept = default;
 
 template <class Real>
 Index CompiledAdjoint<Real>::rowCount() const {

@@ -21,7 +21,7 @@ namespace espalier::osd {
 /// practice for each doubling of their number. A source value that is not finite may reach columns
 /// of its group whose weight for it is 0.
 ///
-/// Immutable, and so safe to share between threads.
+/// Immutable, and so safe to share between threads. Copies share the numbers.
 ///
 /// \cost of an evaluation: O(entries × components), in parallel, whatever the range; memory for the
 ///       sums of the groups
@@ -34,9 +34,6 @@ public:
     /// \throws Error if this processor does not have `simd`
     /// \cost O(entries + rows log rows)
     explicit CompiledAdjoint(const stencils::StencilTable<Real>& table, Simd simd = bestSimd());
-    ~CompiledAdjoint();
-    CompiledAdjoint(CompiledAdjoint&&) noexcept;
-    CompiledAdjoint& operator=(CompiledAdjoint&&) noexcept;
 
     Index rowCount() const;     ///< columns of the table
     Index columnCount() const;  ///< rows of the table
@@ -52,7 +49,7 @@ public:
 
 private:
     struct Data;
-    std::unique_ptr<const Data> data_;
+    std::shared_ptr<const Data> data_;
 };
 
 }  // namespace espalier::osd

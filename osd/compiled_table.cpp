@@ -32,13 +32,6 @@ CompiledTable<Real>::CompiledTable(const stencils::StencilTable<Real>& table, Si
 }
 
 template <class Real>
-CompiledTable<Real>::~CompiledTable() = default;
-template <class Real>
-CompiledTable<Real>::CompiledTable(CompiledTable&&) noexcept = default;
-template <class Real>
-CompiledTable<Real>& CompiledTable<Real>::operator=(CompiledTable&&) noexcept = default;
-
-template <class Real>
 Index CompiledTable<Real>::rowCount() const {
     return data_->rowCount;
 }

@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/osd/evaluation.h>
 #include <espalier/osd/kernels/simd.h>
-#include <espalier/osd/workspace.h>
 
 #include <cstddef>
 #include <memory>
@@ -30,7 +29,7 @@ public:
         evaluate(source, sourceLayout, destination, destinationLayout, rows, own);
     }
 
-    /// The same in memory that is kept: for real time (workspace.h).
+    /// The same in memory that is kept: for real time (Workspace).
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows, Workspace& workspace) const;
@@ -59,7 +58,7 @@ private:
 /// products are a little off. A source value that is not finite may reach rows beside its own,
 /// whose weight for it is 0.
 ///
-/// Immutable, and so safe to share between threads.
+/// Immutable, and so safe to share between threads. Copies share the numbers.
 ///
 /// \cost of an evaluation: O(entries of the range × components), in parallel, and a look at each
 ///       group of rows; a copy of the source, unless its stride is its length rounded up to a
@@ -74,9 +73,6 @@ public:
     /// \throws Error if this processor does not have `simd`
     /// \cost O(entries + rows log rows)
     explicit CompiledTable(const stencils::StencilTable<Real>& table, Simd simd = bestSimd());
-    ~CompiledTable();
-    CompiledTable(CompiledTable&&) noexcept;
-    CompiledTable& operator=(CompiledTable&&) noexcept;
 
     Index rowCount() const;
     Index columnCount() const;

@@ -45,7 +45,7 @@ void ReferenceEvaluator::evaluate(const stencils::StencilTable<Real>& table, Val
                                   const BufferDescriptor& destinationLayout, RowRange rows) {
     checkEvaluation(table, source, sourceLayout, destination, destinationLayout, rows);
     const auto at = [](const BufferDescriptor& layout, Index entry, Offset component) {
-        return static_cast<std::size_t>(layout.offset + entry * layout.stride + component);
+        return layout.offset + entry * layout.stride + component;
     };
     for (Index row = rows.first; row < rows.last; ++row)
         for (Offset component = 0; component < sourceLayout.length; ++component) {

@@ -12,8 +12,8 @@ namespace {
 /// multiplied: sums and products may overflow. An offset beyond the buffer is refused even where
 /// there are no entries, since evaluators add it to the address.
 bool holds(const BufferDescriptor& layout, std::size_t size, Offset entries) {
-    const auto offset = static_cast<std::size_t>(layout.offset);
-    const auto length = static_cast<std::size_t>(layout.length);
+    const std::size_t offset = layout.offset;
+    const std::size_t length = layout.length;
     if (offset > size) return false;
     if (entries == 0) return true;
     if (length > size - offset) return false;

@@ -11,10 +11,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include "evaluation.h"
@@ -28,7 +26,7 @@ using namespace py::literals;
 
 namespace {
 
-using Bound = std::shared_ptr<BoundPoints>;
+using BoundPointer = std::shared_ptr<BoundPoints>;
 
 /// \param hasDirections whether the binding to the limit keeps gradients, for directions of the
 /// model
@@ -60,8 +58,9 @@ void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Ba
     result.largestResidual = found.largestResidual;
 }
 
-Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
-           const std::string& outside, double tolerance, const std::string& basis, bool limit) {
+BoundPointer bind(const RefinerLike& lattice, const ArrayLike& points, int level,
+                  const std::string& outside, double tolerance, const std::string& basis,
+                  bool limit) {
     const auto refiner = refinerOf(lattice);
     const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),
                                           tolerance};
@@ -83,7 +82,7 @@ Bound bind(const RefinerLike& lattice, const ArrayLike& points, int level,
     return result;
 }
 
-Bound load(const std::filesystem::path& path) {
+BoundPointer load(const std::filesystem::path& path) {
     auto result = std::make_shared<BoundPoints>();
     result->bound = io::readBoundModel(path);
     try {
@@ -166,7 +165,7 @@ py::object statusesOf(const py::object& self) {
     return viewOf(bytesOf(bound.statuses), self);
 }
 
-void addPoints(py::class_<BoundPoints, Bound>& type) {
+void addPoints(py::class_<BoundPoints, BoundPointer>& type) {
     type.def_property_readonly(
             "points",
             [](const py::object& self) -> py::object {
@@ -215,7 +214,7 @@ std::optional<std::vector<Point3>> pointsIn(const io::BoundModel& bound) {
 }
 
 void addBinding(py::module_& module) {
-    py::class_<BoundPoints, Bound> type(module, "Binding", R"(
+    py::class_<BoundPoints, BoundPointer> type(module, "Binding", R"(
 Points that are bound to a lattice: the matrix D, with x' = D @ p' for a pose p' of the lattice.
 bind() and load_binding() make it. Any number of threads may use it.
 )");

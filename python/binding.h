@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <espalier/base/lazy.h>
 #include <espalier/base/point.h>
 #include <espalier/embed/point_location.h>
 #include <espalier/io/binding_file.h>
@@ -8,7 +9,6 @@
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -36,32 +36,6 @@ ModelFile modelOfPoints(std::span<const Point3> points);
 
 /// \param name whose extension is that of the format
 ModelFile modelOfBytes(std::string name, std::string bytes);
-
-/// A value that is made when it is first asked for.
-///
-/// Nobody waits for who is at it: a signal handler of Python, which runs in the midst of long work,
-/// may ask for the same. Whoever is first has made it for all.
-template <class T>
-class Lazy {
-public:
-    Lazy() = default;
-    ~Lazy() { delete known_.load(std::memory_order_relaxed); }
-    Lazy(const Lazy&) = delete;
-    Lazy& operator=(const Lazy&) = delete;
-
-    template <class Make>
-    const T& get(Make make) {
-        if (const T* known = known_.load(std::memory_order_acquire)) return *known;
-        auto made = std::make_unique<const T>(make());
-        const T* first = nullptr;
-        if (!known_.compare_exchange_strong(first, made.get(), std::memory_order_acq_rel))
-            return *first;
-        return *made.release();
-    }
-
-private:
-    std::atomic<const T*> known_ = nullptr;
-};
 
 /// Points that are bound to a lattice; what io::BoundModel has, where they were, how binding went,
 /// and the forms of D that were asked for.

@@ -6,7 +6,6 @@
 #include <pybind11/stl.h>
 
 #include <optional>
-#include <string>
 #include <utility>
 #include <variant>
 #include <vector>

@@ -21,7 +21,7 @@ struct Parts {
 };
 
 template <class Real>
-Parts partsOf(const Evaluation<Real>& evaluation, const py::array& values) {
+Parts partsOf(const ArrayEvaluation<Real>& evaluation, const py::array& values) {
     const auto& [source, sourceRows, rows, components, run] = evaluation;
     const py::ssize_t dimensions = values.ndim();
     const bool isVector = dimensions == 1 && !components;
@@ -68,7 +68,7 @@ py::array_t<Real> checkedOut(const py::handle& object, const Shape& shape,
 }  // namespace
 
 template <class Real>
-py::array evaluate(const Evaluation<Real>& evaluation, const ArrayLike& values,
+py::array evaluate(const ArrayEvaluation<Real>& evaluation, const ArrayLike& values,
                    const std::optional<ArrayLike>& out) {
     const auto source = realArray<Real>(values, evaluation.source);
     const Parts parts = partsOf(evaluation, source);
@@ -87,9 +87,9 @@ py::array evaluate(const Evaluation<Real>& evaluation, const ArrayLike& values,
     return result;
 }
 
-template py::array evaluate(const Evaluation<float>&, const ArrayLike&,
+template py::array evaluate(const ArrayEvaluation<float>&, const ArrayLike&,
                             const std::optional<ArrayLike>&);
-template py::array evaluate(const Evaluation<double>&, const ArrayLike&,
+template py::array evaluate(const ArrayEvaluation<double>&, const ArrayLike&,
                             const std::optional<ArrayLike>&);
 
 }  // namespace espalier::python

@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "arguments.h"
 
@@ -17,7 +16,7 @@ namespace espalier::python {
 /// What an evaluator is asked to do: `sets` times from an array of `sourceRows` × components to one
 /// of `rows` × components.
 template <class Real>
-struct Evaluation {
+struct ArrayEvaluation {
     std::string source;  ///< name of the argument
     Index sourceRows = 0;
     Index rows = 0;
@@ -32,7 +31,7 @@ struct Evaluation {
 /// \param out an array of the shape of the result, of Real, in C order, which gets it; or nothing
 /// \throws Error naming `values` or `out`, the shape that was expected and the one that it has
 template <class Real>
-py::array evaluate(const Evaluation<Real>& evaluation, const ArrayLike& values,
+py::array evaluate(const ArrayEvaluation<Real>& evaluation, const ArrayLike& values,
                    const std::optional<ArrayLike>& out);
 
 }  // namespace espalier::python

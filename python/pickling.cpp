@@ -245,7 +245,7 @@ std::optional<io::BoundGradients> gradientsOfState(const py::handle& state, cons
 }  // namespace
 
 py::tuple stateOfBinding(const py::object& self) {
-    const auto shared = self.cast<std::shared_ptr<BoundPoints>>();
+    const Shared<BoundPoints> shared = self.cast<Shared<BoundPoints>>();
     const auto& bound = shared->bound;
     const auto& binding = bound.binding;
     py::object at = py::none(), statuses = py::none(), residual = py::none();

@@ -4,7 +4,6 @@
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 
-#include <string>
 #include <utility>
 
 #include "arguments.h"

@@ -8,12 +8,10 @@
 #include <espalier/solve/lattice_fit.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "arguments.h"

@@ -2,10 +2,8 @@
 #include <espalier/io/matrices/matrix_file.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <algorithm>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "arguments.h"
 #include "binding.h"

@@ -17,7 +17,7 @@ Lattice extended(const Lattice& lattice, std::span<const NewVertex> newVertices)
     Lattice result = lattice;
     for (const NewVertex& vertex : newVertices) result.positions.push_back(vertex.position);
     for (VertexAttribute& attribute : result.attributes) {
-        const auto components = static_cast<std::size_t>(attribute.components);
+        const std::size_t components = attribute.components;
         for (const NewVertex& vertex : newVertices)
             for (std::size_t component = 0; component < components; ++component) {
                 double total = 0;

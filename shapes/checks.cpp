@@ -93,7 +93,7 @@ void requireConsistent(const std::string& who, const std::string& name, const La
     if (lattice.complex.dimension() != dimension)
         throw Error(who + ": " + name + " is a " + complexName(lattice.complex.dimension()) +
                     "; expected a " + complexName(dimension));
-    const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
+    const std::size_t vertexCount = lattice.complex.count(0);
     if (lattice.positions.size() != vertexCount)
         throw Error(concat(who, ": ", name, " has ", lattice.positions.size(),
                            " positions; expected ", vertexCount, ", one a vertex"));

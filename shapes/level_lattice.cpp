@@ -45,11 +45,11 @@ Lattice levelLattice(const far::TopologyRefiner& refiner, int level,
 
 std::vector<VertexIntegers> levelIntegers(const far::TopologyRefiner& refiner, int level,
                                           std::span<const VertexIntegers> integers) {
-    const auto vertexCount = static_cast<std::size_t>(refiner.level(level).complex.count(0));
-    const auto baseCount = static_cast<std::size_t>(refiner.level(0).complex.count(0));
+    const std::size_t vertexCount = refiner.level(level).complex.count(0);
+    const std::size_t baseCount = refiner.level(0).complex.count(0);
     std::vector<VertexIntegers> result(integers.begin(), integers.end());
     for (auto& [name, components, type, values] : result) {
-        const auto width = static_cast<std::size_t>(components);
+        const std::size_t width = components;
         if (components < 1 || values.size() != baseCount * width)
             throw Error(concat("the integers ", inQuotes(name), " have ", values.size(),
                                " values; expected ", components, " for each of the ", baseCount,

@@ -123,7 +123,7 @@ void appendMarks(const far::Marks& from, std::span<const Index> newVertex, far::
 /// Writes the values of vertices that first appear in `from`: those numbered `firstNew` and above.
 template <class Attribute>
 void appendValues(const Attribute& from, std::span<const Index> newVertex, Attribute& to) {
-    const auto components = static_cast<std::size_t>(to.components);
+    const std::size_t components = to.components;
     for (std::size_t vertex = 0; vertex < newVertex.size(); ++vertex) {
         // Numbers are given in the order of appearance, so a new vertex is the next one.
         if (static_cast<std::size_t>(newVertex[vertex]) * components != to.values.size()) continue;

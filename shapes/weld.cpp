@@ -68,7 +68,7 @@ private:
             std::uint64_t hash = 0;
             for (const std::int64_t coordinate : box)
                 hash = (hash ^ static_cast<std::uint64_t>(coordinate)) * 0x9E3779B97F4A7C15U;
-            return static_cast<std::size_t>(hash ^ (hash >> 32U));
+            return hash ^ (hash >> 32U);
         }
     };
 

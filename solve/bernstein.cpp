@@ -234,8 +234,7 @@ std::array<double, 3> bends(const Trivariate<Degree, Lanes>& polynomials, std::s
 
 template <std::size_t Count>
 std::size_t largestOf(const std::array<double, Count>& values) {
-    return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) -
-                                    values.begin());
+    return std::max_element(values.begin(), values.end()) - values.begin();
 }
 
 /// A part of the cube.

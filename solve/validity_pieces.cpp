@@ -117,7 +117,7 @@ Piece<1> CellPieces::tetrahedron(Index number, std::span<const Point3> positions
             apex[c] += offset[c] / static_cast<double>(vertices.size());
     }
     auto base = embed::tetrahedronBase(complex_, cell_, number);
-    const auto face = static_cast<std::size_t>(number / 2);
+    const std::size_t face = number / 2;
     if (complex_.boundary(3).signs(cell_.value)[face] < 0) std::swap(base[1], base[2]);
     Piece<1> piece;
     for (std::size_t axis = 0; axis < 3; ++axis) {

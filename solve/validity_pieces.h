@@ -101,7 +101,7 @@ public:
     /// positions: all Piece<1>, or all Piece<3>.
     template <class Visit, class... Positions>
     void forEachPiece(Index part, Visit visit, const Positions&... positions) const {
-        const auto number = static_cast<std::size_t>(part);
+        const std::size_t number = part;
         if (limit_ && number < limit_->patchCount()) {
             visit(pieceOf(limit_->bezierPatch(number, positions))...);
             return;

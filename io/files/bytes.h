@@ -188,20 +188,27 @@ private:
     std::uint64_t count_ = 0;
 };
 
-/// The same, with the CRC-32 of all that was written.
+/// The CRC-32 of some bytes that follow those of which `before` is the CRC-32.
+inline std::uint32_t crc32Of(std::string_view bytes, std::uint32_t before = 0) {
+    // zlib takes a null pointer for the start of a new checksum.
+    if (bytes.empty()) return before;
+    return static_cast<std::uint32_t>(
+        crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+/// A ByteOutput with the CRC-32 of all that was written.
 class ChecksummedOutput : public ByteOutput {
 public:
     using ByteOutput::ByteOutput;
 
     void bytes(std::string_view bytes) override {
-        if (bytes.empty()) return;  // zlib takes a null pointer for the start of a new checksum.
         ByteOutput::bytes(bytes);
-        crc_ = crc32_z(crc_, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+        crc_ = crc32Of(bytes, crc_);
     }
-    std::uint32_t checksum() const { return static_cast<std::uint32_t>(crc_); }
+    std::uint32_t checksum() const { return crc_; }
 
 private:
-    uLong crc_ = crc32_z(0, nullptr, 0);
+    std::uint32_t crc_ = 0;
 };
 
 }  // namespace espalier::io

@@ -60,7 +60,7 @@ bool DescriptorBuffer::write(const char* from, std::size_t count) {
             break;
         }
         from += written;
-        count -= static_cast<std::size_t>(written);
+        count -= written;
     }
     return error_ == 0;
 }

@@ -65,9 +65,9 @@ void ofFile(const fs::path& path, const std::string& what, Step step) {
     }
 }
 
-void writeInPlace(const Destination& to, const FileToWrite& toWrite) {
+void writeInPlace(const WriteTarget& to, const FileToWrite& toWrite) {
     const Descriptor file(uninterrupted([&] {
-        return to.kind == Destination::Kind::Descriptor
+        return to.kind == WriteTarget::Kind::Descriptor
                    ? ::fcntl(to.descriptor, F_DUPFD_CLOEXEC, 0)
                    : ::open(to.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
     }));
@@ -108,7 +108,7 @@ std::string readFile(const fs::path& path) {
     if (S_ISDIR(before.st_mode)) throw FileError(path, "is a directory");
     // One more than there are, to see the end. Pipes and the files of /proc do not say.
     constexpr std::size_t kBlock = 1 << 16;
-    const auto expected = static_cast<std::size_t>(before.st_size);
+    const std::size_t expected = before.st_size;
     requireMemory(expected, shownPath(path) + ":");
     std::string bytes(expected > 0 ? expected + 1 : kBlock, '\0');
     std::size_t size = 0;
@@ -121,7 +121,7 @@ std::string readFile(const fs::path& path) {
             [&] { return ::read(file.number(), bytes.data() + size, bytes.size() - size); });
         if (got < 0) fail(path, "cannot read", errno);
         if (got == 0) break;
-        size += static_cast<std::size_t>(got);
+        size += got;
     }
     bytes.resize(size);
     const struct ::stat after = statusOf(path, file);
@@ -132,7 +132,7 @@ std::string readFile(const fs::path& path) {
 }
 
 void checkWritable(const fs::path& path) {
-    destinationOf(path);
+    writeTargetOf(path);
 }
 
 void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& write) {
@@ -140,12 +140,12 @@ void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& w
 }
 
 void writeFiles(const std::vector<FileToWrite>& files) {
-    std::vector<Destination> destinations;
-    for (const FileToWrite& file : files) destinations.push_back(destinationOf(file.path));
+    std::vector<WriteTarget> destinations;
+    for (const FileToWrite& file : files) destinations.push_back(writeTargetOf(file.path));
     std::optional<SignalsBlocked> blocked;  // until `written` has removed names that failed
     std::deque<Written> written;
     for (std::size_t i = 0; i < files.size(); ++i) {
-        if (destinations[i].kind != Destination::Kind::File) {
+        if (destinations[i].kind != WriteTarget::Kind::File) {
             writeInPlace(destinations[i], files[i]);
             continue;
         }

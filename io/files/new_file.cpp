@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Kind = Destination::Kind;
+using Kind = WriteTarget::Kind;
 
 fs::path folderOf(const fs::path& path) {
     return path.has_parent_path() ? path.parent_path() : ".";
@@ -30,7 +30,7 @@ bool mayAccess(const fs::path& path, int mode) {
 }
 
 /// Follows links at the end of a path, up to one that stands for a descriptor of this process.
-Destination followed(const fs::path& path) {
+WriteTarget followed(const fs::path& path) {
     constexpr int kMaxLinks = 40;  // as the system has it
     std::error_code error;
     const fs::path own = fs::canonical("/proc/self/fd", error);
@@ -52,8 +52,8 @@ Destination followed(const fs::path& path) {
 
 }  // namespace
 
-Destination destinationOf(const fs::path& path) {
-    Destination to = followed(path);
+WriteTarget writeTargetOf(const fs::path& path) {
+    WriteTarget to = followed(path);
     if (to.kind == Kind::Descriptor) return to;
     std::error_code ignored;
     const fs::file_status status = fs::status(to.path, ignored);

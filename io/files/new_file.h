@@ -13,7 +13,7 @@
 namespace espalier::io {
 
 /// What is written to when a path is.
-struct Destination {
+struct WriteTarget {
     enum class Kind {
         File,       ///< made, or replaced
         Special,    ///< a device or a pipe: written to as it is
@@ -26,7 +26,7 @@ struct Destination {
 
 /// \throws FileError if it is a directory, if it must not be written to, or if its folder must not
 ///         be or is not there
-Destination destinationOf(const std::filesystem::path& path);
+WriteTarget writeTargetOf(const std::filesystem::path& path);
 
 /// A file that is to take the place of another when it is complete, in one step. Until then the
 /// system knows it without a name, and drops it when the process ends, however that comes; where

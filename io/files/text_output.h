@@ -74,7 +74,7 @@ public:
     /// Replaces `old`, a part of the text; parts ascend from call to call.
     template <class Number>
     void replace(std::string_view old, Number number) {
-        const auto begin = static_cast<std::size_t>(old.data() - text_.data());
+        const std::size_t begin = old.data() - text_.data();
         out_.put(text_.substr(position_, begin - position_));
         out_.put(number);
         position_ = begin + old.size();

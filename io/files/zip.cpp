@@ -171,9 +171,7 @@ std::string_view ZipReader::read(std::string_view name, std::string& room) const
         throw CodingError(concat("is compressed by method ", member.method,
                                  "; expected 8 (deflate) or 0 (none)"));
     }
-    const auto checksum = static_cast<std::uint32_t>(
-        crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-    if (bytes.size() != member.size || checksum != member.checksum)
+    if (bytes.size() != member.size || crc32Of(bytes) != member.checksum)
         throw CodingError("is damaged: its checksum does not match");
     return bytes;
 }

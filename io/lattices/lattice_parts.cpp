@@ -138,7 +138,7 @@ far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& l
     if (lattice.complex.dimension() != dimension)
         throw FileError(path, concat("cannot be written: the lattice is of dimension ",
                                      lattice.complex.dimension(), ", not ", dimension));
-    const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
+    const std::size_t vertexCount = lattice.complex.count(0);
     if (lattice.positions.size() != vertexCount)
         throw FileError(path, concat("cannot be written: the lattice has ", vertexCount,
                                      " vertices and ", lattice.positions.size(), " positions"));
@@ -149,7 +149,7 @@ far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& l
         if (attribute.name.starts_with(kReservedNames))
             throw FileError(path, "cannot be written: the attribute " + inQuotes(attribute.name) +
                                       " has a name that is kept for marks");
-        const auto components = static_cast<std::size_t>(std::max(attribute.components, 0));
+        const std::size_t components = std::max(attribute.components, 0);
         if (components == 0 || attribute.values.size() != components * vertexCount)
             throw FileError(
                 path, concat("cannot be written: the attribute ", inQuotes(attribute.name), " has ",

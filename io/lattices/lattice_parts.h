@@ -68,25 +68,16 @@ std::vector<double> vertexSharpnessForFile(const far::CellComplex& complex,
 std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::filesystem::path& path,
                                                     const std::vector<double>& sharpness);
 
-/// Calls f, and puts the path before the message of a TopologyError that it throws.
+/// Calls f, and puts the path, with the line if there is one, before the message of a TopologyError
+/// that it throws.
 template <class F>
-auto naming(const std::filesystem::path& path, F f) {
+auto naming(const std::filesystem::path& path, F f, std::optional<std::size_t> line = {}) {
     try {
         return f();
     } catch (const far::TopologyError& error) {
-        throw far::TopologyError(error.cause(), error.entity(),
-                                 shownPath(path) + ": " + error.what());
-    }
-}
-
-/// The same with path and line.
-template <class F>
-auto naming(const std::filesystem::path& path, std::size_t line, F f) {
-    try {
-        return f();
-    } catch (const far::TopologyError& error) {
-        throw far::TopologyError(error.cause(), error.entity(),
-                                 concat(shownPath(path), ":", line, ": ", error.what()));
+        throw far::TopologyError(
+            error.cause(), error.entity(),
+            concat(shownPath(path), line ? concat(":", *line) : "", ": ", error.what()));
     }
 }
 
@@ -102,7 +93,7 @@ std::optional<Index> numberWithout(std::span<const Index> dropped, Index vertex)
 template <class Value>
 void eraseVertices(std::span<const Index> dropped, int components, std::vector<Value>& values) {
     if (dropped.empty()) return;
-    const auto width = static_cast<std::size_t>(components);
+    const std::size_t width = components;
     const std::size_t count = values.size() / width;
     std::size_t kept = 0;
     auto next = dropped.begin();

@@ -196,7 +196,7 @@ private:
     }
 
     void readAttribute(const std::string& name, const PropertyType& type) {
-        const auto components = static_cast<std::size_t>(type.components);
+        const std::size_t components = type.components;
         if (isInteger(type.number))
             lattice_.integers.push_back(
                 {name, type.components, integerTypeOf(type.number),

@@ -75,7 +75,7 @@ private:
     }
 
     void writeAttribute(const VertexAttribute& attribute) {
-        const auto components = static_cast<std::size_t>(attribute.components);
+        const std::size_t components = attribute.components;
         const bool isVector = components > 4;
         const std::string type = components == 1 ? "double"
                                  : isVector      ? "vector_double"

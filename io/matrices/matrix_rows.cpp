@@ -80,8 +80,8 @@ StencilTable<double> tableOfRows(Index columnCount, Array<Offset> offsets, Array
         if (first > last || last > entryCount)
             throw CodingError(
                 concat("row ", row, " goes from entry ", first, " to ", last, " of ", entryCount));
-        const auto begin = static_cast<std::size_t>(first);
-        const auto count = static_cast<std::size_t>(last - first);
+        const std::size_t begin = first;
+        const std::size_t count = last - first;
         sorter.sort(row, std::span(columns).subspan(begin, count),
                     std::span(weights).subspan(begin, count));
     }

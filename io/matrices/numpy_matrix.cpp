@@ -83,7 +83,7 @@ StencilTable<double> readArchive(const ZipReader& zip) {
     if (offsets.size() != offsetCount)
         throw CodingError(concat("indptr.npy: has ", offsets.size(), " numbers for ", rowCount,
                                  " rows; expected one more than rows"));
-    const auto entries = static_cast<std::size_t>(std::max<Offset>(offsets[offsets.size() - 1], 0));
+    const std::size_t entries = std::max<Offset>(offsets[offsets.size() - 1], 0);
     auto columns = readArray(zip, "indices", entries, npyNumbers<Index>);
     auto weights = readArray(zip, "data", entries, npyNumbers<double>);
     return tableOfRows(columnCount, std::move(offsets), std::move(columns), std::move(weights));

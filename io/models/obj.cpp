@@ -259,7 +259,7 @@ private:
         const std::size_t first = additionsBefore_[anchor];
         const std::size_t last = additionsBefore_[anchor + 1];
         if (first == last) return;
-        const auto place = static_cast<std::size_t>(end - text_.data());
+        const std::size_t place = end - text_.data();
         const std::string_view lineEnd = text_.substr(place).starts_with("\r\n") ? "\r\n" : "\n";
         const auto add = [&](std::string_view text) { patch.insert(place, text); };
         // A backslash that ends the file must not take the first of them for its own.
@@ -316,7 +316,7 @@ private:
         positions_.push_back(point.position);
         CoordinatePlaces& place = places_.emplace_back();
         for (std::size_t axis = 0; axis < 3; ++axis)
-            place[axis] = static_cast<std::size_t>(point.words[axis].data() - text_.data());
+            place[axis] = point.words[axis].data() - text_.data();
     }
 
     void writeChecked(const std::filesystem::path& path, std::span<const Point3> moved,

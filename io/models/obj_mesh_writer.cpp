@@ -106,7 +106,6 @@ private:
 void writeObjMesh(const std::filesystem::path& path, const Lattice& mesh) {
     const int dimension = mesh.complex.dimension() == 1 ? 1 : 2;
     const far::Marks marks = checkedForWriting(path, mesh, dimension);
-    checkFinite(path, mesh.positions);
     if (!mesh.attributes.empty() || !mesh.integers.empty())
         throw FileError(path, "cannot be written: the mesh has the attribute " +
                                   inQuotes(mesh.attributes.empty() ? mesh.integers[0].name

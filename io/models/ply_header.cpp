@@ -124,7 +124,7 @@ private:
         if (found == elements.end()) lines_.fail("the header has no element 'vertex'");
         if (std::count_if(elements.begin(), elements.end(), isVertex) > 1)
             lines_.fail("the header has several elements 'vertex'");
-        header_.vertexElement = static_cast<std::size_t>(found - elements.begin());
+        header_.vertexElement = found - elements.begin();
         for (std::size_t axis = 0; axis < 3; ++axis) header_.axes[axis] = findAxis(*found, axis);
         addDirection(*found, {"nx", "ny", "nz"}, carryNormal);
         addDirection(*found, {"tx", "ty", "tz"}, carryTangent);
@@ -142,7 +142,7 @@ private:
             const auto found = std::find_if(properties.begin(), properties.end(), isNamed);
             if (std::count_if(properties.begin(), properties.end(), isNamed) != 1) return;
             if (found->lengthType || isInteger(found->type)) return;
-            direction.columns[axis] = static_cast<std::size_t>(found - properties.begin());
+            direction.columns[axis] = found - properties.begin();
         }
         header_.directions.push_back(direction);
     }
@@ -160,7 +160,7 @@ private:
             lines_.fail("the property " + inQuotes(name) + " of the vertices is " +
                         (found->lengthType ? "a list" : "an integer") +
                         ", and cannot hold a deformed position; expected float or double");
-        return static_cast<std::size_t>(found - properties.begin());
+        return found - properties.begin();
     }
 
     TextReader lines_;

@@ -36,134 +36,117 @@ public:
     std::string keyword(const char* what) { return lowerCase(text_.token(what)); }
 
     /// \throws FileError if the next word is another one, in upper or lower case
-    void expect(const char* word);
+    void expect(const char* word) {
+        const std::string got(text_.token(word));
+        if (lowerCase(got) != lowerCase(word))
+            text_.fail("expected " + std::string(word) + ", got " + inQuotes(got));
+    }
 
     /// A name, with its "%20" and the like resolved.
-    std::string name();
+    std::string name() {
+        const std::string_view token = text_.token("a name");
+        std::string name;
+        for (std::size_t i = 0; i < token.size(); ++i) {
+            unsigned code = 0;
+            const char* digits = token.data() + i + 1;
+            if (token[i] == '%' && i + 2 < token.size() &&
+                std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
+                name += static_cast<char>(code);
+                i += 2;
+            } else {
+                name += token[i];
+            }
+        }
+        return name;
+    }
 
     /// `count` numbers of a type in lower case: "float".
     /// \throws FileError if the type is unknown, or not of this kind, or so many are not there
     template <class Value>
-    std::vector<Value> numbers(const std::string& type, std::size_t count, const char* what);
+    std::vector<Value> numbers(const std::string& type, std::size_t count, const char* what) {
+        const std::optional<NumberType> number = numberOfLegacyName(type);
+        if (!number) text_.fail(inQuotes(type) + " is not a type of numbers");
+        if (std::is_integral_v<Value> && !isInteger(*number))
+            text_.fail(inQuotes(type) + " is not a type of integers");
+        if (isBinary_) {
+            beginBinary();
+            return decodeNumbers<Value>(
+                text_.bytes(saturatingProduct(count, byteSize(*number)), what), *number,
+                std::endian::big);
+        }
+        text_.checkRoom(count, 2, what);
+        std::vector<Value> values;
+        values.reserve(count);
+        for (std::size_t i = 0; i < count; ++i)
+            values.push_back(readNumber<Value>(text_, *number, what));
+        return values;
+    }
 
     /// `count` numbers of any type; nothing if they are bits or strings, which are skipped.
     std::optional<std::vector<double>> values(const std::string& type, std::size_t count,
-                                              const char* what);
+                                              const char* what) {
+        if (type == "bit")
+            skipBits(count);
+        else if (type == "string" || type == "utf8_string")
+            skipStrings(count);
+        else
+            return numbers<double>(type, count, what);
+        return std::nullopt;
+    }
 
     /// Skips colours: unsigned bytes if binary, else fractions.
-    void skipColours(std::size_t count);
+    void skipColours(std::size_t count) {
+        numbers<double>(isBinary_ ? "unsigned_char" : "float", count, "a colour");
+    }
 
     /// Skips METADATA, whose keyword has been read, to the empty line at its end.
-    void skipMetadata();
+    void skipMetadata() {
+        text_.restOfLine();
+        while (text_.remaining() > 0 &&
+               text_.restOfLine().find_first_not_of(" \t") != std::string::npos) {
+        }
+    }
 
 private:
-    void skipBits(std::size_t count);
-    void skipStrings(std::size_t count);
-    void skipBinaryString();
+    void skipBits(std::size_t count) {
+        if (!isBinary_) {
+            numbers<double>("int", count, "a bit");
+            return;
+        }
+        beginBinary();
+        text_.bytes(count / 8 + (count % 8 != 0 ? 1 : 0), "bits");
+    }
+
+    void skipStrings(std::size_t count) {
+        text_.restOfLine();
+        text_.checkRoom(count, 1, "strings");
+        for (std::size_t i = 0; i < count; ++i) {
+            if (isBinary_)
+                skipBinaryString();
+            else
+                text_.restOfLine();
+        }
+    }
+
+    /// The two highest bits of the first byte say how many bytes the length takes: 8, 4, 2 or 1.
+    /// The other bits of those are the length.
+    void skipBinaryString() {
+        const auto byte = [](std::string_view bytes) {
+            return static_cast<std::uint64_t>(static_cast<unsigned char>(bytes[0]));
+        };
+        const std::uint64_t first = byte(text_.bytes(1, "a string"));
+        const int lengthBytes = 8 >> (first >> 6);
+        std::uint64_t length = first & 0x3f;
+        for (int i = 1; i < lengthBytes; ++i)
+            length = length << 8 | byte(text_.bytes(1, "the length of a string"));
+        text_.bytes(length, "a string");
+    }
+
     void beginBinary() { text_.restOfLine(); }
 
     TextReader text_;
     bool isBinary_ = false;
 };
-
-void LegacyData::expect(const char* word) {
-    const std::string got(text_.token(word));
-    if (lowerCase(got) != lowerCase(word))
-        text_.fail("expected " + std::string(word) + ", got " + inQuotes(got));
-}
-
-std::string LegacyData::name() {
-    const std::string_view token = text_.token("a name");
-    std::string name;
-    for (std::size_t i = 0; i < token.size(); ++i) {
-        unsigned code = 0;
-        const char* digits = token.data() + i + 1;
-        if (token[i] == '%' && i + 2 < token.size() &&
-            std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
-            name += static_cast<char>(code);
-            i += 2;
-        } else {
-            name += token[i];
-        }
-    }
-    return name;
-}
-
-template <class Value>
-std::vector<Value> LegacyData::numbers(const std::string& type, std::size_t count,
-                                       const char* what) {
-    const std::optional<NumberType> number = numberOfLegacyName(type);
-    if (!number) text_.fail(inQuotes(type) + " is not a type of numbers");
-    if (std::is_integral_v<Value> && !isInteger(*number))
-        text_.fail(inQuotes(type) + " is not a type of integers");
-    if (isBinary_) {
-        beginBinary();
-        return decodeNumbers<Value>(text_.bytes(saturatingProduct(count, byteSize(*number)), what),
-                                    *number, std::endian::big);
-    }
-    text_.checkRoom(count, 2, what);
-    std::vector<Value> values;
-    values.reserve(count);
-    for (std::size_t i = 0; i < count; ++i)
-        values.push_back(readNumber<Value>(text_, *number, what));
-    return values;
-}
-
-std::optional<std::vector<double>> LegacyData::values(const std::string& type, std::size_t count,
-                                                      const char* what) {
-    if (type == "bit")
-        skipBits(count);
-    else if (type == "string" || type == "utf8_string")
-        skipStrings(count);
-    else
-        return numbers<double>(type, count, what);
-    return std::nullopt;
-}
-
-void LegacyData::skipColours(std::size_t count) {
-    numbers<double>(isBinary_ ? "unsigned_char" : "float", count, "a colour");
-}
-
-void LegacyData::skipMetadata() {
-    text_.restOfLine();
-    while (text_.remaining() > 0 &&
-           text_.restOfLine().find_first_not_of(" \t") != std::string::npos) {
-    }
-}
-
-void LegacyData::skipBits(std::size_t count) {
-    if (!isBinary_) {
-        numbers<double>("int", count, "a bit");
-        return;
-    }
-    beginBinary();
-    text_.bytes(count / 8 + (count % 8 != 0 ? 1 : 0), "bits");
-}
-
-void LegacyData::skipStrings(std::size_t count) {
-    text_.restOfLine();
-    text_.checkRoom(count, 1, "strings");
-    for (std::size_t i = 0; i < count; ++i) {
-        if (isBinary_)
-            skipBinaryString();
-        else
-            text_.restOfLine();
-    }
-}
-
-/// The two highest bits of the first byte say how many bytes the length takes: 8, 4, 2 or 1. The
-/// other bits of those are the length.
-void LegacyData::skipBinaryString() {
-    const auto byte = [](std::string_view bytes) {
-        return static_cast<std::uint64_t>(static_cast<unsigned char>(bytes[0]));
-    };
-    const std::uint64_t first = byte(text_.bytes(1, "a string"));
-    const int lengthBytes = 8 >> (first >> 6);
-    std::uint64_t length = first & 0x3f;
-    for (int i = 1; i < lengthBytes; ++i)
-        length = length << 8 | byte(text_.bytes(1, "the length of a string"));
-    text_.bytes(length, "a string");
-}
 
 class LegacyReader {
 public:
@@ -398,8 +381,8 @@ private:
             throw FileError(path_,
                             concat("has ", count, " cells and ", types_.size(), " cell types"));
         for (std::size_t cell = 0; cell < count; ++cell) {
-            const auto begin = static_cast<std::size_t>(cellOffsets_[cell]);
-            const auto end = static_cast<std::size_t>(cellOffsets_[cell + 1]);
+            const std::size_t begin = cellOffsets_[cell];
+            const std::size_t end = cellOffsets_[cell + 1];
             const auto row = std::span(std::as_const(connectivity_)).subspan(begin, end - begin);
             if (types_[cell] == kVtkPolyhedron)
                 cells.addPolyhedron(row);

@@ -83,7 +83,7 @@ private:
     }
 
     void writeIntegers(const VertexIntegers& integers) {
-        const auto components = static_cast<std::size_t>(integers.components);
+        const std::size_t components = integers.components;
         const char* const type = legacyName(numberOf(integers.type));
         if (integers.type == IntegerType::UInt64)
             array(integers.name, components, type,
@@ -101,7 +101,7 @@ private:
         for (std::size_t cell = 0; cell < cells.types.size(); ++cell) {
             const auto take = [](const std::vector<std::int64_t>& list, std::size_t& begin,
                                  std::int64_t endOffset) {
-                const auto end = static_cast<std::size_t>(endOffset);
+                const std::size_t end = endOffset;
                 const auto row = std::span(list).subspan(begin, end - begin);
                 begin = end;
                 return row;

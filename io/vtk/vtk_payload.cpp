@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <new>
-#include <variant>
+#include <optional>
 #include <vector>
 
 #include "../files/bytes.h"
@@ -20,38 +20,17 @@ namespace {
 /// As VTK's own writer.
 constexpr std::size_t kBlockSize = 32768;
 
-class RawReader {
-public:
-    explicit RawReader(std::string_view text) : text_(text) {}
-
-    std::size_t mostLeft() const { return text_.size(); }
-
-    std::string read(std::size_t count) {
-        if (count > text_.size())
-            throw CodingError(concat("the raw data ends too early: ", count, " bytes are claimed, ",
-                                     text_.size(), " are there"));
-        std::string result(text_.substr(0, count));
-        text_.remove_prefix(count);
-        return result;
-    }
-
-private:
-    std::string_view text_;
-};
-
 /// Reads the bytes and header words of one array, raw or in base64.
 class PayloadReader {
 public:
     PayloadReader(std::string_view text, PayloadForm form, const VtkCoding& coding)
-        : coding_(coding), reader_(RawReader(text)) {
-        if (form == PayloadForm::Base64) reader_ = Base64Reader(text);
+        : coding_(coding), raw_(text, coding.byteOrder) {
+        if (form == PayloadForm::Base64) base64_.emplace(text);
     }
 
-    std::size_t mostLeft() const {
-        return std::visit([](const auto& reader) { return reader.mostLeft(); }, reader_);
-    }
+    std::size_t mostLeft() const { return base64_ ? base64_->mostLeft() : raw_.left(); }
     std::string read(std::uint64_t count) {
-        return std::visit([&](auto& reader) { return reader.read(count); }, reader_);
+        return base64_ ? base64_->read(count) : std::string(raw_.bytes(count));
     }
     std::size_t wordSize() const { return coding_.has64BitHeader ? 8 : 4; }
     std::uint64_t readWord() {
@@ -62,7 +41,8 @@ public:
 
 private:
     VtkCoding coding_;
-    std::variant<RawReader, Base64Reader> reader_;
+    ByteInput raw_;
+    std::optional<Base64Reader> base64_;  ///< instead, if there is one
 };
 
 std::string decodeCompressed(PayloadReader& reader) {

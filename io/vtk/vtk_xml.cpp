@@ -44,7 +44,7 @@ template <class Value>
 std::vector<Value> VtkXmlFile::inlineText(const VtkDataArray& array) const {
     const std::string_view bytes = bytes_;
     const std::string_view tag = bytes.substr(array.begin, array.contentBegin - array.begin);
-    const auto tagLines = static_cast<std::size_t>(std::count(tag.begin(), tag.end(), '\n'));
+    const std::size_t tagLines = std::count(tag.begin(), tag.end(), '\n');
     TextReader text(path_, bytes.substr(array.contentBegin, array.contentEnd - array.contentBegin),
                     array.line + tagLines);
     const std::string what = "a number of the array " + inQuotes(array.name);

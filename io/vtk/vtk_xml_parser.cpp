@@ -125,7 +125,7 @@ private:
         const std::string_view value = node.attribute(name).value();
         if (value.empty()) return 0;
         const auto at = std::find(values.begin(), values.end(), value);
-        if (at != values.end()) return static_cast<std::size_t>(at - values.begin());
+        if (at != values.end()) return at - values.begin();
         std::string expected;
         for (const std::string_view one : values)
             expected += (expected.empty() ? "" : " or ") + std::string(one);

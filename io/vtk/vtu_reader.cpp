@@ -39,7 +39,7 @@ public:
     }
 
     std::span<const std::int64_t> operator[](std::size_t row) const {
-        const auto begin = static_cast<std::size_t>(row == 0 ? 0 : ends_[row - 1]);
+        const std::size_t begin = row == 0 ? 0 : ends_[row - 1];
         return std::span(values_).subspan(begin, static_cast<std::size_t>(ends_[row]) - begin);
     }
 
@@ -210,7 +210,7 @@ private:
                 addStandard(cell);
                 continue;
             }
-            const auto end = static_cast<std::size_t>(ends[cell]);
+            const std::size_t end = ends[cell];
             cells.addPolyhedron(std::span(faces).subspan(begin, end - begin));
             begin = end;
         }

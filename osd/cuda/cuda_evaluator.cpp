@@ -18,60 +18,15 @@
 
 namespace espalier::osd {
 
+namespace {
+
 /// \throws CudaError that names the call, if that has failed
-void check(cudaError_t error, const std::string& call);
-
-/// Makes a device current, and the one before it again.
-class DeviceScope {
-public:
-    explicit DeviceScope(int device);
-    ~DeviceScope();
-    DeviceScope(const DeviceScope&) = delete;
-    DeviceScope& operator=(const DeviceScope&) = delete;
-
-private:
-    int before_ = 0, device_ = 0;
-};
-
-/// The device that is current.
-int currentDevice();
-
-/// Memory of the current device; null for no bytes.
-void* allocateOnDevice(std::size_t bytes);
-
-/// Copies to memory of the current device, and waits until it is there, for any stream:
-/// cudaMemcpy() alone does not, where the memory of the host is not page-locked.
-void copyToDevice(void* to, const void* from, std::size_t bytes);
-
-/// Arrays in memory of the current device.
-class DeviceArrays {
-public:
-    DeviceArrays() = default;
-    ~DeviceArrays();
-    DeviceArrays(const DeviceArrays&) = delete;
-    DeviceArrays& operator=(const DeviceArrays&) = delete;
-
-    /// Copies one there.
-    template <class T>
-    const T* add(std::span<const T> values) {
-        return static_cast<const T*>(add(values.data(), values.size_bytes()));
-    }
-
-    std::size_t byteCount() const { return byteCount_; }
-
-private:
-    void* add(const void* values, std::size_t bytes);
-
-    std::vector<void*> arrays_;
-    std::size_t byteCount_ = 0;
-};
-
 void check(cudaError_t error, const std::string& call) {
     if (error == cudaSuccess) return;
     // It is told here, and not once more to whoever asks CUDA for the last error.
     cudaGetLastError();
-    throw CudaError(error, call + " has failed: " + cudaGetErrorString(error) + " (" +
-                               cudaGetErrorName(error) + ")");
+    throw CudaError(error, concat(call, " has failed: ", cudaGetErrorString(error), " (",
+                                  cudaGetErrorName(error), ")"));
 }
 
 int currentDevice() {
@@ -80,14 +35,23 @@ int currentDevice() {
     return device;
 }
 
-DeviceScope::DeviceScope(int device) : before_(currentDevice()), device_(device) {
-    if (before_ != device_) check(cudaSetDevice(device_), "cudaSetDevice");
-}
+/// Makes a device current, and the one before it again.
+class DeviceScope {
+public:
+    explicit DeviceScope(int device) : before_(currentDevice()), device_(device) {
+        if (before_ != device_) check(cudaSetDevice(device_), "cudaSetDevice");
+    }
+    ~DeviceScope() {
+        if (before_ != device_) cudaSetDevice(before_);
+    }
+    DeviceScope(const DeviceScope&) = delete;
+    DeviceScope& operator=(const DeviceScope&) = delete;
 
-DeviceScope::~DeviceScope() {
-    if (before_ != device_) cudaSetDevice(before_);
-}
+private:
+    int before_ = 0, device_ = 0;
+};
 
+/// Memory of the current device; null for no bytes.
 void* allocateOnDevice(std::size_t bytes) {
     if (bytes == 0) return nullptr;
     void* memory = nullptr;
@@ -95,27 +59,42 @@ void* allocateOnDevice(std::size_t bytes) {
     return memory;
 }
 
+/// Copies to memory of the current device, and waits until it is there, for any stream:
+/// cudaMemcpy() alone does not, where the memory of the host is not page-locked.
 void copyToDevice(void* to, const void* from, std::size_t bytes) {
     if (bytes == 0) return;
     check(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice), "cudaMemcpy to the device");
     check(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
 }
 
-DeviceArrays::~DeviceArrays() {
-    for (void* const array : arrays_) cudaFree(array);
-}
+/// Arrays in memory of the current device.
+class DeviceArrays {
+public:
+    DeviceArrays() = default;
+    ~DeviceArrays() {
+        for (void* const array : arrays_) cudaFree(array);
+    }
+    DeviceArrays(const DeviceArrays&) = delete;
+    DeviceArrays& operator=(const DeviceArrays&) = delete;
 
-void* DeviceArrays::add(const void* values, std::size_t bytes) {
-    arrays_.reserve(arrays_.size() + 1);
-    void* const memory = allocateOnDevice(bytes);
-    if (memory == nullptr) return nullptr;
-    arrays_.push_back(memory);
-    byteCount_ += bytes;
-    copyToDevice(memory, values, bytes);
-    return memory;
-}
+    /// Copies one there.
+    template <class T>
+    const T* add(std::span<const T> values) {
+        arrays_.reserve(arrays_.size() + 1);
+        void* const memory = allocateOnDevice(values.size_bytes());
+        if (memory == nullptr) return nullptr;
+        arrays_.push_back(memory);
+        byteCount_ += values.size_bytes();
+        copyToDevice(memory, values.data(), values.size_bytes());
+        return static_cast<const T*>(memory);
+    }
 
-namespace {
+    std::size_t byteCount() const { return byteCount_; }
+
+private:
+    std::vector<void*> arrays_;
+    std::size_t byteCount_ = 0;
+};
 
 /// Bytes of a part of a workspace. Parts start at multiples of 256, as what CUDA allocates does.
 template <class Real>
@@ -352,14 +331,7 @@ struct CudaEvaluator<Real>::Data {
 template <class Real>
 CudaEvaluator<Real>::CudaEvaluator(const stencils::StencilTable<Real>& table,
                                    const CudaTableOptions& options)
-    : data_(std::make_unique<const Data>(table, options)) {}
-
-template <class Real>
-CudaEvaluator<Real>::~CudaEvaluator() = default;
-template <class Real>
-CudaEvaluator<Real>::CudaEvaluator(CudaEvaluator&&) noexcept = default;
-template <class Real>
-CudaEvaluator<Real>& CudaEvaluator<Real>::operator=(CudaEvaluator&&) noexcept = default;
+    : data_(std::make_shared<const Data>(table, options)) {}
 
 template <class Real>
 Index CudaEvaluator<Real>::rowCount() const {
@@ -453,20 +425,13 @@ CudaKeptPoints<Real>::CudaKeptPoints(Index pointCount, std::span<const Index> ke
     std::vector<Real> positions;
     for (const Point3& position : keptAt)
         for (const double coordinate : position) positions.push_back(static_cast<Real>(coordinate));
-    auto data = std::make_unique<Data>();
+    auto data = std::make_shared<Data>();
     data->pointCount = pointCount;
     data->count = static_cast<Index>(kept.size());
     data->points = data->memory.add(kept);
     data->positions = data->memory.add(std::span<const Real>(positions));
     data_ = std::move(data);
 }
-
-template <class Real>
-CudaKeptPoints<Real>::~CudaKeptPoints() = default;
-template <class Real>
-CudaKeptPoints<Real>::CudaKeptPoints(CudaKeptPoints&&) noexcept = default;
-template <class Real>
-CudaKeptPoints<Real>& CudaKeptPoints<Real>::operator=(CudaKeptPoints&&) noexcept = default;
 
 template <class Real>
 void CudaKeptPoints<Real>::write(DeviceSpan<Real> destination, const BufferDescriptor& layout,

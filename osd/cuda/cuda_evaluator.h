@@ -190,7 +190,8 @@ struct CudaTableOptions {
 ///     …
 ///     table.evaluate(pose, xyz, points, xyz, {0, count}, workspace);  // for each pose
 ///
-/// Immutable, and so safe to share between threads, each with a workspace of its own. Calls put
+/// Immutable, and so safe to share between threads, each with a workspace of its own. Copies share
+/// the table; the last one, when it goes, waits for what the device is doing. Calls put
 /// work on the stream of the workspace, and may come from any thread, whatever its current device.
 /// From device to device they wait for nothing.
 template <class Real>
@@ -204,11 +205,6 @@ public:
     ///       takes on the device; ungrouped none, but for an adjoint that of the table
     explicit CudaEvaluator(const stencils::StencilTable<Real>& table,
                            const CudaTableOptions& options = {});
-
-    /// Waits for what the device is doing.
-    ~CudaEvaluator();
-    CudaEvaluator(CudaEvaluator&&) noexcept;
-    CudaEvaluator& operator=(CudaEvaluator&&) noexcept;
 
     Index rowCount() const;
     Index columnCount() const;
@@ -265,7 +261,7 @@ public:
 
 private:
     struct Data;
-    std::unique_ptr<const Data> data_;
+    std::shared_ptr<const Data> data_;
 };
 
 /// The kept points of a bound model on the device that is current when it is made: those that
@@ -277,9 +273,6 @@ public:
     /// \param kept, keptAt as Binding has them: which points, and where they stay
     /// \throws Error if these are not as many, or a point is not one of the model's; CudaError
     CudaKeptPoints(Index pointCount, std::span<const Index> kept, std::span<const Point3> keptAt);
-    ~CudaKeptPoints();
-    CudaKeptPoints(CudaKeptPoints&&) noexcept;
-    CudaKeptPoints& operator=(CudaKeptPoints&&) noexcept;
 
     /// Puts them where they were, behind what is on the stream.
     ///
@@ -290,7 +283,7 @@ public:
 
 private:
     struct Data;
-    std::unique_ptr<const Data> data_;
+    std::shared_ptr<const Data> data_;
 };
 
 }  // namespace espalier::osd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
-#include <gtest/gtest.h>
+#include "support/test.h"
 
 namespace espalier {
 namespace {

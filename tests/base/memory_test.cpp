@@ -1,25 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <chrono>
 #include <optional>
 #include <thread>
-#include <vector>
 
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::StartsWith;
-using testing::ThrowsMessage;
 
 constexpr std::uint64_t kGigabyte = 1'000'000'000;
 
@@ -63,8 +55,7 @@ TEST(MemoryLimit, StopsLoopsOnceThatMuchIsHeld) {
 }
 
 TEST(MemoryLimit, RefusesALevelBeforeThoseBelowItAreMade) {
-    TopologyRefiner refiner(test::grid({4, 4, 4}));
-    refiner.refineUniform(1);
+    TopologyRefiner refiner = refined(grid({4, 4, 4}), 1);
     const MemoryLimit limit(residentMemory() + kGigabyte);
     EXPECT_THAT([&] { refiner.refineUniform(7); },
                 ThrowsMessage<MemoryError>(StartsWith("level 7 takes some ")));
@@ -74,15 +65,11 @@ TEST(MemoryLimit, RefusesALevelBeforeThoseBelowItAreMade) {
 }
 
 TEST(TopologyRefiner, RefusesALevelOfTooManyEntities) {
-    TopologyRefiner refiner(test::grid({1, 1, 1}));
+    TopologyRefiner refiner(grid({1, 1, 1}));
     for (const int level : {11, 15, 1000}) {
-        try {
-            refiner.refineUniform(level);
-            FAIL() << level;
-        } catch (const TopologyError& error) {
-            EXPECT_EQ(error.cause(), TopologyCause::TooManyEntities);
-            EXPECT_THAT(error.what(), StartsWith("level " + std::to_string(level) + " would have"));
-        }
+        const auto error = topologyErrorOf([&] { refiner.refineUniform(level); });
+        EXPECT_EQ(error.cause(), TopologyCause::TooManyEntities);
+        EXPECT_THAT(error.what(), StartsWith("level " + std::to_string(level) + " would have"));
         EXPECT_EQ(refiner.maxLevel(), 0);
     }
 }

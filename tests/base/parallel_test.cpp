@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/parallel.h>
-#include <gtest/gtest.h>
 
 #include "support/parallel_contract.h"
+#include "support/test.h"
 #include "support/threads.h"
 
 namespace espalier::far {
@@ -10,18 +10,18 @@ namespace {
 
 TEST(ParallelFor, CoversEachItemOnceInFixedRanges) {
     for (const int threads : {1, 3, 8})
-        test::withThreads(threads, [] { test::expectEachItemOnceInFixedRanges(); });
+        withThreads(threads, [] { expectEachItemOnceInFixedRanges(); });
     parallelFor(0, 10, [](Offset, Offset) { FAIL() << "called for nothing"; });
 }
 
 TEST(ParallelFor, RethrowsTheErrorOfTheLowestRange) {
-    test::expectTheErrorOfTheLowestRange(50);
+    expectTheErrorOfTheLowestRange(50);
 }
 
 TEST(ParallelFor, WaitingThreadTakesUpNoOtherWork) {
     // More threads than the machine has cores: some must be free to help with the inner loop, so
     // that the one that began it has to wait for them.
-    test::withThreads(8, [] { test::expectNoOtherWorkWhileWaiting(300); });
+    withThreads(8, [] { expectNoOtherWorkWhileWaiting(300); });
 }
 
 }  // namespace

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/printable.h>
-#include <gtest/gtest.h>
 
-#include <string>
 #include <utility>
-#include <vector>
+
+#include "support/test.h"
 
 namespace espalier {
 namespace {
@@ -65,7 +64,7 @@ TEST(Printable, CutsBetweenCharacters) {
 
 TEST(Printable, LeavesWhatItHasMade) {
     std::string all;
-    for (int byte = 0; byte < 256; ++byte) all += static_cast<char>(byte);
+    for (int byte = 0; byte < 256; ++byte) all += char(byte);
     const std::string once = printable(all);
     EXPECT_EQ(printable(once, once.size()), once);
     for (const char c : once) EXPECT_TRUE(c >= ' ' && c <= '~') << int{c};

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/utf8.h>
-#include <gtest/gtest.h>
 
-#include <string>
+#include "support/test.h"
 
 namespace espalier {
 namespace {

@@ -32,4 +32,6 @@ static inline void fail(const char* file, int line, const char* what, const char
             fail(__FILE__, __LINE__, #call, espalier_last_error());                \
     } while (0)
 
+#define INVALID(call, text) REFUSED(call, ESPALIER_ERROR_INPUT, text)
+
 #endif

@@ -59,8 +59,20 @@ static espalier_table* table;
 
 static int tried, accepted;
 
-/* Counts a call; what it makes is destroyed by the caller. */
+/* What a call makes, until it is counted. */
+static espalier_lattice* made_lattice;
+static espalier_refiner* made_refiner;
+static espalier_binding* made_binding;
+static espalier_table* made_table;
+static espalier_validity* made_validity;
+
+/* Counts a call, and destroys what it made. */
 static int took(espalier_status status) {
+    espalier_lattice_destroy(made_lattice), made_lattice = NULL;
+    espalier_refiner_destroy(made_refiner), made_refiner = NULL;
+    espalier_binding_destroy(made_binding), made_binding = NULL;
+    espalier_table_destroy(made_table), made_table = NULL;
+    espalier_validity_destroy(made_validity), made_validity = NULL;
     ++tried;
     CHECK(status == ESPALIER_OK || status == ESPALIER_ERROR_INPUT ||
           status == ESPALIER_ERROR_MEMORY);
@@ -109,9 +121,7 @@ static void test_host(void) {
 }
 
 static void try_cells(const espalier_cells* c) {
-    espalier_lattice* l = NULL;
-    took(espalier_lattice_create(c, positions, &l));
-    espalier_lattice_destroy(l);
+    took(espalier_lattice_create(c, positions, &made_lattice));
 }
 
 static void test_cells(void) {
@@ -159,48 +169,45 @@ static void test_cells(void) {
         try_cells(&good);
         tetrahedron[1] = 2;
 
-        espalier_lattice* l = NULL;
-        CHECK(took(espalier_lattice_create_hexahedra(int32s[i], positions, BOX_CELLS, cells, &l)) ==
+        CHECK(took(espalier_lattice_create_hexahedra(int32s[i], positions, BOX_CELLS, cells,
+                                                     &made_lattice)) ==
               (int32s[i] == BOX_VERTICES));
-        espalier_lattice_destroy(l);
-        l = NULL;
         if (int32s[i] < BOX_CELLS)
-            REFUSES(
-                espalier_lattice_create_hexahedra(BOX_VERTICES, positions, int32s[i], cells, &l));
+            REFUSES(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, int32s[i], cells,
+                                                      &made_lattice));
         cells[3] = int32s[i];
-        took(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, &l));
-        espalier_lattice_destroy(l);
+        took(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells,
+                                               &made_lattice));
         make_box(positions, cells);
     }
     for (size_t i = 0; i < COUNT(doubles); ++i) {
-        espalier_lattice* l = NULL;
         positions[0] = doubles[i];
-        took(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, &l));
-        espalier_lattice_destroy(l);
+        took(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells,
+                                               &made_lattice));
     }
     make_box(positions, cells);
 }
 
 static void test_lattice(void) {
-    espalier_lattice* l = NULL;
-    OK(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, &l));
+    espalier_lattice* own = NULL;
+    OK(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, &own));
     const double sharp = ESPALIER_SHARP;
     for (size_t i = 0; i < COUNT(int32s); ++i) {
-        CHECK(took(espalier_lattice_set_positions(l, int32s[i], positions)) ==
+        CHECK(took(espalier_lattice_set_positions(own, int32s[i], positions)) ==
               (int32s[i] == BOX_VERTICES));
         const int32_t ends[2] = {0, int32s[i]}, vertex = int32s[i];
-        took(espalier_lattice_mark_edges(l, 1, ends, &sharp));
-        took(espalier_lattice_mark_vertices(l, 1, &vertex, &sharp));
+        took(espalier_lattice_mark_edges(own, 1, ends, &sharp));
+        took(espalier_lattice_mark_vertices(own, 1, &vertex, &sharp));
     }
     for (size_t i = 0; i < COUNT(lengths); ++i) {
-        REFUSES(espalier_lattice_mark_edges(l, lengths[i], cells, &sharp));
-        REFUSES(espalier_lattice_mark_vertices(l, lengths[i], cells, &sharp));
+        REFUSES(espalier_lattice_mark_edges(own, lengths[i], cells, &sharp));
+        REFUSES(espalier_lattice_mark_vertices(own, lengths[i], cells, &sharp));
     }
     for (size_t i = 0; i < COUNT(doubles); ++i) {
-        took(espalier_lattice_mark_edges(l, 1, cells, &doubles[i]));
-        took(espalier_lattice_mark_vertices(l, 1, cells, &doubles[i]));
+        took(espalier_lattice_mark_edges(own, 1, cells, &doubles[i]));
+        took(espalier_lattice_mark_vertices(own, 1, cells, &doubles[i]));
     }
-    espalier_lattice_destroy(l);
+    espalier_lattice_destroy(own);
 }
 
 static void test_refine_options(void) {
@@ -212,44 +219,35 @@ static void test_refine_options(void) {
                             SIZE_MAX / 2,
                             SIZE_MAX - 1,
                             SIZE_MAX};
-    espalier_refiner* r = NULL;
     for (size_t i = 0; i < COUNT(sizes); ++i) {
         espalier_refine_options options = espalier_default_refine_options();
         options.size = sizes[i];
-        REFUSES(espalier_refiner_create(lattice, &options, &r));
+        REFUSES(espalier_refiner_create(lattice, &options, &made_refiner));
     }
     for (size_t i = 0; i < COUNT(int32s); ++i)
         for (int field = 0; field < 5; ++field) {
             espalier_refine_options options = espalier_default_refine_options();
             *(&options.rules + field) = int32s[i];
-            took(espalier_refiner_create(lattice, &options, &r));
-            espalier_refiner_destroy(r);
-            r = NULL;
+            took(espalier_refiner_create(lattice, &options, &made_refiner));
         }
 }
 
 static void test_levels(void) {
-    espalier_refiner* r = NULL;
-    OK(espalier_refiner_create(lattice, NULL, &r));
+    espalier_refiner* own = NULL;
+    OK(espalier_refiner_create(lattice, NULL, &own));
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t level = int32s[i];
-        CHECK(took(espalier_refiner_refine(r, level)) == (level >= 0 && level <= 3));
+        CHECK(took(espalier_refiner_refine(own, level)) == (level >= 0 && level <= 3));
         int32_t counts[4];
         espalier_cells c;
         const int8_t* signs = NULL;
-        espalier_table* t = NULL;
         const int is_there = level == 0 || level == 1;
         CHECK(took(espalier_refiner_counts(refiner, level, counts)) == is_there);
         CHECK(took(espalier_refiner_cells(refiner, level, &c)) == is_there);
         CHECK(took(espalier_refiner_face_signs(refiner, level, &signs)) == is_there);
-        CHECK(took(espalier_table_create_stencils(refiner, level, &t)) == is_there);
-        espalier_table_destroy(t);
-        t = NULL;
-        CHECK(took(espalier_table_create_limits(refiner, level, &t)) == is_there);
-        espalier_table_destroy(t);
-        t = NULL;
-        CHECK(took(espalier_table_create_level(refiner, level, &t)) == (level == 1));
-        espalier_table_destroy(t);
+        CHECK(took(espalier_table_create_stencils(refiner, level, &made_table)) == is_there);
+        CHECK(took(espalier_table_create_limits(refiner, level, &made_table)) == is_there);
+        CHECK(took(espalier_table_create_level(refiner, level, &made_table)) == (level == 1));
         took(espalier_refiner_carry_values(refiner, level, 3, positions, 81, values, 81));
         took(espalier_refiner_carry_values(refiner, 0, level, positions, 81, values, 81));
     }
@@ -264,13 +262,12 @@ static void test_levels(void) {
                 REFUSES(espalier_refiner_carry_values(refiner, 0, int32s[k], positions, size,
                                                       values, size));
     }
-    espalier_refiner_destroy(r);
+    espalier_refiner_destroy(own);
 }
 
 static void try_bind(const espalier_bind_options* options) {
-    espalier_binding* b = NULL;
-    took(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, options, &b));
-    espalier_binding_destroy(b);
+    took(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, options,
+                                 &made_binding));
 }
 
 static void test_binding(void) {
@@ -288,15 +285,11 @@ static void test_binding(void) {
         options.outside = int32s[i];
         try_bind(&options);
 
-        espalier_binding* b = NULL;
-        CHECK(took(espalier_binding_create(refiner, int32s[i], positions, 1, point, NULL, &b)) ==
-              (int32s[i] == BOX_VERTICES));
-        espalier_binding_destroy(b);
-        b = NULL;
+        CHECK(took(espalier_binding_create(refiner, int32s[i], positions, 1, point, NULL,
+                                           &made_binding)) == (int32s[i] == BOX_VERTICES));
         if (int32s[i] <= 1) {
             CHECK(took(espalier_binding_create(refiner, BOX_VERTICES, positions, int32s[i], point,
-                                               NULL, &b)) == (int32s[i] >= 0));
-            espalier_binding_destroy(b);
+                                               NULL, &made_binding)) == (int32s[i] >= 0));
         }
         CHECK(took(espalier_binding_apply(binding, int32s[i], positions, 1, values)) ==
               (int32s[i] == BOX_VERTICES));
@@ -311,37 +304,28 @@ static void test_binding(void) {
         options.limit_tolerance = doubles[i];
         try_bind(&options);
         const double odd[3] = {0.5, doubles[i], 0.5};
-        espalier_binding* b = NULL;
-        took(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, odd, NULL, &b));
-        espalier_binding_destroy(b);
+        took(
+            espalier_binding_create(refiner, BOX_VERTICES, positions, 1, odd, NULL, &made_binding));
     }
 }
 
 static void test_tensor(void) {
     for (size_t i = 0; i < COUNT(int32s); ++i) {
-        espalier_binding* b = NULL;
-        took(espalier_binding_create_tensor(lattice, int32s[i], 1, point, NULL, &b));
-        espalier_binding_destroy(b);
-        b = NULL;
+        took(espalier_binding_create_tensor(lattice, int32s[i], 1, point, NULL, &made_binding));
         if (int32s[i] <= 1) {
-            CHECK(took(espalier_binding_create_tensor(lattice, 0, int32s[i], point, NULL, &b)) ==
-                  (int32s[i] >= 0));
-            espalier_binding_destroy(b);
+            CHECK(took(espalier_binding_create_tensor(lattice, 0, int32s[i], point, NULL,
+                                                      &made_binding)) == (int32s[i] >= 0));
         }
     }
     for (size_t i = 0; i < COUNT(doubles); ++i) {
         const double odd[3] = {0.5, doubles[i], 0.5};
         espalier_bind_options options = espalier_default_bind_options();
         for (int32_t outside = 0; outside < 3; ++outside) {
-            espalier_binding* b = NULL;
             options.outside = outside;
-            took(espalier_binding_create_tensor(lattice, 0, 1, odd, &options, &b));
-            espalier_binding_destroy(b);
+            took(espalier_binding_create_tensor(lattice, 0, 1, odd, &options, &made_binding));
         }
-        espalier_binding* b = NULL;
         options.tolerance = doubles[i];
-        took(espalier_binding_create_tensor(lattice, 0, 1, point, &options, &b));
-        espalier_binding_destroy(b);
+        took(espalier_binding_create_tensor(lattice, 0, 1, point, &options, &made_binding));
     }
 }
 
@@ -350,36 +334,23 @@ static void test_shapes(void) {
     for (size_t i = 0; i < COUNT(int32s); ++i)
         for (int k = 0; k < 3; ++k) {
             int32_t counts[3] = {3, 1, 1};
-            espalier_lattice* l = NULL;
             counts[k] = int32s[i];
-            took(espalier_lattice_create_box(counts, from, to, &l));
-            espalier_lattice_destroy(l);
-            l = NULL;
-            took(espalier_lattice_create_cylinder(3, 1, int32s[i], 1, 1, from, to, &l));
-            espalier_lattice_destroy(l);
-            l = NULL;
+            took(espalier_lattice_create_box(counts, from, to, &made_lattice));
+            took(espalier_lattice_create_cylinder(3, 1, int32s[i], 1, 1, from, to, &made_lattice));
             took(espalier_lattice_create_cylinder(counts[0], counts[1], 0, counts[2], 1, from, to,
-                                                  &l));
-            espalier_lattice_destroy(l);
+                                                  &made_lattice));
         }
     const espalier_lattice* both[2] = {lattice, lattice};
     for (size_t i = 0; i < COUNT(doubles); ++i) {
         const double odd[3] = {doubles[i], 0, 0};
         const int32_t ones[3] = {1, 1, 1};
-        espalier_lattice* l = NULL;
-        took(espalier_lattice_create_box(ones, odd, to, &l));
-        espalier_lattice_destroy(l);
-        l = NULL;
-        took(espalier_lattice_create_cylinder(3, 1, 0, 1, doubles[i], from, to, &l));
-        espalier_lattice_destroy(l);
-        l = NULL;
-        took(espalier_lattice_create_merged(1, both, doubles[i], &l));
-        espalier_lattice_destroy(l);
+        took(espalier_lattice_create_box(ones, odd, to, &made_lattice));
+        took(espalier_lattice_create_cylinder(3, 1, 0, 1, doubles[i], from, to, &made_lattice));
+        took(espalier_lattice_create_merged(1, both, doubles[i], &made_lattice));
     }
-    espalier_lattice* l = NULL;
     for (size_t i = 0; i < COUNT(lengths); ++i)
-        REFUSES(espalier_lattice_create_merged(lengths[i], both, 1e-6, &l));
-    REFUSES(espalier_lattice_create_merged(0, both, 1e-6, &l));
+        REFUSES(espalier_lattice_create_merged(lengths[i], both, 1e-6, &made_lattice));
+    REFUSES(espalier_lattice_create_merged(0, both, 1e-6, &made_lattice));
 }
 
 /* A shape with options: each number at the corners of its type, and sizes of the struct. `create`
@@ -389,7 +360,6 @@ static void test_shapes(void) {
     do {                                                                               \
         static const size_t sizes[] = {0, 1, 4, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX}; \
         espalier_##shape##_options options = espalier_default_##shape##_options();     \
-        espalier_lattice* l = NULL;                                                    \
         for (size_t i = 0; i < COUNT(sizes); ++i) {                                    \
             options.size = sizes[i];                                                   \
             REFUSES(create);                                                           \
@@ -398,31 +368,28 @@ static void test_shapes(void) {
             for (size_t i = 0; i < COUNT(int32s); ++i) {                               \
                 options = espalier_default_##shape##_options();                        \
                 *(&options.field + at) = int32s[i];                                    \
-                l = NULL;                                                              \
                 took(create);                                                          \
-                espalier_lattice_destroy(l);                                           \
             }                                                                          \
         for (int at = 0; at < (reals); ++at)                                           \
             for (size_t i = 0; i < COUNT(doubles); ++i) {                              \
                 options = espalier_default_##shape##_options();                        \
                 *(&options.length + at) = doubles[i];                                  \
-                l = NULL;                                                              \
                 took(create);                                                          \
-                espalier_lattice_destroy(l);                                           \
             }                                                                          \
     } while (0)
 
 static void test_inventory(void) {
-    TRY_SHAPE(torus, espalier_lattice_create_torus(&options, &l), segments, 6, major_radius, 2);
-    TRY_SHAPE(star, espalier_lattice_create_star(&options, &l), points, 4, inner_radius, 3);
-    TRY_SHAPE(barbell, espalier_lattice_create_barbell(&options, &l), end_segments, 6, end_radius,
-              5);
-    TRY_SHAPE(arm, espalier_lattice_create_arm(&options, &l), segments, 4, up[0], 3);
-    espalier_lattice* l = NULL;
+    TRY_SHAPE(torus, espalier_lattice_create_torus(&options, &made_lattice), segments, 6,
+              major_radius, 2);
+    TRY_SHAPE(star, espalier_lattice_create_star(&options, &made_lattice), points, 4, inner_radius,
+              3);
+    TRY_SHAPE(barbell, espalier_lattice_create_barbell(&options, &made_lattice), end_segments, 6,
+              end_radius, 5);
+    TRY_SHAPE(arm, espalier_lattice_create_arm(&options, &made_lattice), segments, 4, up[0], 3);
     for (size_t i = 0; i < COUNT(lengths); ++i) {
         espalier_arm_options options = espalier_default_arm_options();
         options.joint_count = lengths[i];
-        REFUSES(espalier_lattice_create_arm(&options, &l));
+        REFUSES(espalier_lattice_create_arm(&options, &made_lattice));
     }
     for (size_t i = 0; i < COUNT(doubles); ++i)
         for (int at = 0; at < 5; ++at) {
@@ -433,25 +400,21 @@ static void test_inventory(void) {
             *(at < 3    ? &joints[1].position[at]
               : at == 3 ? &joints[1].radius
                         : &joints[1].twist) = doubles[i];
-            l = NULL;
-            took(espalier_lattice_create_arm(&options, &l));
-            espalier_lattice_destroy(l);
+            took(espalier_lattice_create_arm(&options, &made_lattice));
         }
     for (size_t i = 0; i < COUNT(int32s); ++i)
         for (int at = 0; at < 3; ++at) {
-            l = NULL;
-            took(at == 0   ? espalier_lattice_create_regular_solid(int32s[i], 1, &l)
-                 : at == 1 ? espalier_lattice_create_polygonal_solid(int32s[i], 3, 1, 1, &l)
-                           : espalier_lattice_create_polygonal_solid(0, int32s[i], 1, 1, &l));
-            espalier_lattice_destroy(l);
+            took(at == 0 ? espalier_lattice_create_regular_solid(int32s[i], 1, &made_lattice)
+                 : at == 1
+                     ? espalier_lattice_create_polygonal_solid(int32s[i], 3, 1, 1, &made_lattice)
+                     : espalier_lattice_create_polygonal_solid(0, int32s[i], 1, 1, &made_lattice));
         }
     for (size_t i = 0; i < COUNT(doubles); ++i)
         for (int at = 0; at < 3; ++at) {
-            l = NULL;
-            took(at == 0 ? espalier_lattice_create_regular_solid(0, doubles[i], &l)
+            took(at == 0 ? espalier_lattice_create_regular_solid(0, doubles[i], &made_lattice)
                          : espalier_lattice_create_polygonal_solid(0, 3, at == 1 ? doubles[i] : 1,
-                                                                   at == 2 ? doubles[i] : 1, &l));
-            espalier_lattice_destroy(l);
+                                                                   at == 2 ? doubles[i] : 1,
+                                                                   &made_lattice));
         }
 }
 
@@ -465,10 +428,8 @@ static void test_nested(void) {
               : k == 2 ? &options.level
                        : &options.outside) = int32s[i];
             if (k == 4) options.tolerance = doubles[i % COUNT(doubles)];
-            espalier_table* t = NULL;
             took(espalier_table_create_nested(table, child, positions, refiner, parent, positions,
-                                              &options, &t));
-            espalier_table_destroy(t);
+                                              &options, &made_table));
         }
 }
 
@@ -531,7 +492,7 @@ static espalier_evaluator_f64 *empty_f64, *empty_adjoint_f64;
 static espalier_binding* empty;
 
 static void set_up_evaluators(void) {
-    espalier_table* t = NULL;
+    espalier_table* own = NULL;
     OK(espalier_evaluator_f64_create(table, &f64));
     OK(espalier_evaluator_f32_create(table, &f32));
     OK(espalier_evaluator_f64_create_adjoint(table, &adjoint_f64));
@@ -539,10 +500,10 @@ static void set_up_evaluators(void) {
     OK(espalier_change_evaluator_f64_create(f64, &changes_f64));
     OK(espalier_change_evaluator_f32_create(f32, &changes_f32));
     OK(espalier_binding_create(refiner, BOX_VERTICES, positions, 0, NULL, NULL, &empty));
-    OK(espalier_binding_table(empty, &t));
-    OK(espalier_evaluator_f64_create(t, &empty_f64));
-    OK(espalier_evaluator_f64_create_adjoint(t, &empty_adjoint_f64));
-    espalier_table_destroy(t);
+    OK(espalier_binding_table(empty, &own));
+    OK(espalier_evaluator_f64_create(own, &empty_f64));
+    OK(espalier_evaluator_f64_create_adjoint(own, &empty_adjoint_f64));
+    espalier_table_destroy(own);
 }
 
 static void evaluate_all(const buffers* b, const buffers* a) {
@@ -609,7 +570,7 @@ static void test_hold(void) {
 }
 
 static void test_validity(void) {
-    espalier_validity *own = NULL, *v = NULL;
+    espalier_validity* own = NULL;
     espalier_pose_validity result;
     espalier_largest_step step;
     static double ratios[ROOM];
@@ -619,21 +580,15 @@ static void test_validity(void) {
     OK(espalier_validity_create(refiner, BOX_VERTICES, positions, &options, &own));
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t n = int32s[i];
-        CHECK(took(espalier_validity_create(refiner, n, positions, &options, &v)) ==
+        CHECK(took(espalier_validity_create(refiner, n, positions, &options, &made_validity)) ==
               (n == BOX_VERTICES));
-        espalier_validity_destroy(v);
         for (int32_t limit = 0; limit < 2; ++limit) {
-            v = NULL;
             espalier_validity_options odd = {sizeof odd, n, limit};
-            took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd, &v));
-            espalier_validity_destroy(v);
+            took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd, &made_validity));
         }
-        v = NULL;
         espalier_validity_options odd = {sizeof odd, 1, n};
-        CHECK(took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd, &v)) ==
-              (n == 0 || n == 1));
-        espalier_validity_destroy(v);
-        v = NULL;
+        CHECK(took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd,
+                                            &made_validity)) == (n == 0 || n == 1));
         CHECK(took(espalier_validity_base_cell(own, n, &base)) == (n >= 0 && n < 8 * BOX_CELLS));
         CHECK(took(espalier_validity_check(own, n, positions, 64, ratios, &result)) ==
               (n == BOX_VERTICES));
@@ -647,9 +602,7 @@ static void test_validity(void) {
         values[5] = doubles[i];
         took(espalier_validity_largest_step(own, BOX_VERTICES, values, 1, &step));
         took(espalier_validity_check(own, BOX_VERTICES, values, 64, ratios, &result));
-        took(espalier_validity_create(refiner, BOX_VERTICES, values, &options, &v));
-        espalier_validity_destroy(v);
-        v = NULL;
+        took(espalier_validity_create(refiner, BOX_VERTICES, values, &options, &made_validity));
     }
     espalier_validity_destroy(own);
 }

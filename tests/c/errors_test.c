@@ -27,8 +27,6 @@ static void set_up(void) {
     OK(espalier_evaluator_f32_create(table, &f32));
 }
 
-#define REFUSED_INPUT(call, text) REFUSED(call, ESPALIER_ERROR_INPUT, text)
-
 static void test_null_is_destroyed_in_peace(void) {
     espalier_progress_scope_destroy(NULL);
     espalier_executor_scope_destroy(NULL);
@@ -72,151 +70,144 @@ static void test_null_is_refused(void) {
     espalier_cells c = {0, 0, 0, NULL, NULL, NULL, NULL};
     espalier_csr csr;
 
-    REFUSED_INPUT(espalier_progress_scope_create(NULL, NULL, 20, &progress), "callback is null");
-    REFUSED_INPUT(espalier_progress_scope_create(go_on, NULL, 20, NULL), "scope is null");
-    REFUSED_INPUT(espalier_executor_scope_create(NULL, NULL, NULL), "scope is null");
-    REFUSED_INPUT(espalier_thread_limit_create(1, NULL), "limit is null");
-    REFUSED_INPUT(espalier_memory_limit_create(1, NULL), "limit is null");
-    REFUSED_INPUT(espalier_workspace_create(NULL), "workspace is null");
+    INVALID(espalier_progress_scope_create(NULL, NULL, 20, &progress), "callback is null");
+    INVALID(espalier_progress_scope_create(go_on, NULL, 20, NULL), "scope is null");
+    INVALID(espalier_executor_scope_create(NULL, NULL, NULL), "scope is null");
+    INVALID(espalier_thread_limit_create(1, NULL), "limit is null");
+    INVALID(espalier_memory_limit_create(1, NULL), "limit is null");
+    INVALID(espalier_workspace_create(NULL), "workspace is null");
 
-    REFUSED_INPUT(espalier_lattice_create(NULL, positions, &l), "cells is null");
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, NULL), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "cell_offsets is null");
-    REFUSED_INPUT(espalier_lattice_create_hexahedra(BOX_VERTICES, NULL, BOX_CELLS, cells, &l),
-                  "positions is null");
-    REFUSED_INPUT(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, NULL, &l),
-                  "vertices is null");
-    REFUSED_INPUT(
-        espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, NULL),
-        "lattice is null");
-    REFUSED_INPUT(espalier_lattice_read(NULL, &l), "path is null");
-    REFUSED_INPUT(espalier_lattice_read("none.vtu", NULL), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_write(NULL, "none.vtu"), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_write(lattice, NULL), "path is null");
-    REFUSED_INPUT(espalier_lattice_counts(NULL, counts), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_counts(lattice, NULL), "counts is null");
-    REFUSED_INPUT(espalier_lattice_positions(NULL, &count, &view), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_positions(lattice, NULL, &view), "vertex_count is null");
-    REFUSED_INPUT(espalier_lattice_positions(lattice, &count, NULL), "positions is null");
-    REFUSED_INPUT(espalier_lattice_set_positions(NULL, BOX_VERTICES, positions), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_set_positions(lattice, BOX_VERTICES, NULL), "positions is null");
-    REFUSED_INPUT(espalier_lattice_mark_edges(NULL, 1, cells, point), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_mark_edges(lattice, 1, NULL, point), "vertices is null");
-    REFUSED_INPUT(espalier_lattice_mark_edges(lattice, 1, cells, NULL), "sharpness is null");
-    REFUSED_INPUT(espalier_lattice_mark_vertices(NULL, 1, cells, point), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_mark_vertices(lattice, 1, NULL, point), "vertices is null");
-    REFUSED_INPUT(espalier_lattice_mark_vertices(lattice, 1, cells, NULL), "sharpness is null");
-    REFUSED_INPUT(espalier_lattice_clear_marks(NULL), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_topology_hash(NULL, &hash), "lattice is null");
-    REFUSED_INPUT(espalier_lattice_topology_hash(lattice, NULL), "hash is null");
+    INVALID(espalier_lattice_create(NULL, positions, &l), "cells is null");
+    INVALID(espalier_lattice_create(&c, positions, NULL), "lattice is null");
+    INVALID(espalier_lattice_create(&c, positions, &l), "cell_offsets is null");
+    INVALID(espalier_lattice_create_hexahedra(BOX_VERTICES, NULL, BOX_CELLS, cells, &l),
+            "positions is null");
+    INVALID(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, NULL, &l),
+            "vertices is null");
+    INVALID(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, NULL),
+            "lattice is null");
+    INVALID(espalier_lattice_read(NULL, &l), "path is null");
+    INVALID(espalier_lattice_read("none.vtu", NULL), "lattice is null");
+    INVALID(espalier_lattice_write(NULL, "none.vtu"), "lattice is null");
+    INVALID(espalier_lattice_write(lattice, NULL), "path is null");
+    INVALID(espalier_lattice_counts(NULL, counts), "lattice is null");
+    INVALID(espalier_lattice_counts(lattice, NULL), "counts is null");
+    INVALID(espalier_lattice_positions(NULL, &count, &view), "lattice is null");
+    INVALID(espalier_lattice_positions(lattice, NULL, &view), "vertex_count is null");
+    INVALID(espalier_lattice_positions(lattice, &count, NULL), "positions is null");
+    INVALID(espalier_lattice_set_positions(NULL, BOX_VERTICES, positions), "lattice is null");
+    INVALID(espalier_lattice_set_positions(lattice, BOX_VERTICES, NULL), "positions is null");
+    INVALID(espalier_lattice_mark_edges(NULL, 1, cells, point), "lattice is null");
+    INVALID(espalier_lattice_mark_edges(lattice, 1, NULL, point), "vertices is null");
+    INVALID(espalier_lattice_mark_edges(lattice, 1, cells, NULL), "sharpness is null");
+    INVALID(espalier_lattice_mark_vertices(NULL, 1, cells, point), "lattice is null");
+    INVALID(espalier_lattice_mark_vertices(lattice, 1, NULL, point), "vertices is null");
+    INVALID(espalier_lattice_mark_vertices(lattice, 1, cells, NULL), "sharpness is null");
+    INVALID(espalier_lattice_clear_marks(NULL), "lattice is null");
+    INVALID(espalier_lattice_topology_hash(NULL, &hash), "lattice is null");
+    INVALID(espalier_lattice_topology_hash(lattice, NULL), "hash is null");
 
-    REFUSED_INPUT(espalier_refiner_create(NULL, NULL, &r), "lattice is null");
-    REFUSED_INPUT(espalier_refiner_create(lattice, NULL, NULL), "refiner is null");
-    REFUSED_INPUT(espalier_refiner_refine(NULL, 1), "refiner is null");
-    REFUSED_INPUT(espalier_refiner_max_level(NULL, &count), "refiner is null");
-    REFUSED_INPUT(espalier_refiner_max_level(refiner, NULL), "level is null");
-    REFUSED_INPUT(espalier_refiner_counts(NULL, 0, counts), "refiner is null");
-    REFUSED_INPUT(espalier_refiner_counts(refiner, 0, NULL), "counts is null");
-    REFUSED_INPUT(espalier_refiner_cells(NULL, 0, &c), "refiner is null");
-    REFUSED_INPUT(espalier_refiner_cells(refiner, 0, NULL), "cells is null");
-    REFUSED_INPUT(espalier_refiner_face_signs(NULL, 0, &signs), "refiner is null");
-    REFUSED_INPUT(espalier_refiner_face_signs(refiner, 0, NULL), "signs is null");
-    REFUSED_INPUT(espalier_refiner_carry_values(NULL, 0, 3, positions, 81, values, 81),
-                  "refiner is null");
-    REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, 3, NULL, 81, values, 81),
-                  "values is null");
-    REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, 3, positions, 81, NULL, 81),
-                  "result is null");
+    INVALID(espalier_refiner_create(NULL, NULL, &r), "lattice is null");
+    INVALID(espalier_refiner_create(lattice, NULL, NULL), "refiner is null");
+    INVALID(espalier_refiner_refine(NULL, 1), "refiner is null");
+    INVALID(espalier_refiner_max_level(NULL, &count), "refiner is null");
+    INVALID(espalier_refiner_max_level(refiner, NULL), "level is null");
+    INVALID(espalier_refiner_counts(NULL, 0, counts), "refiner is null");
+    INVALID(espalier_refiner_counts(refiner, 0, NULL), "counts is null");
+    INVALID(espalier_refiner_cells(NULL, 0, &c), "refiner is null");
+    INVALID(espalier_refiner_cells(refiner, 0, NULL), "cells is null");
+    INVALID(espalier_refiner_face_signs(NULL, 0, &signs), "refiner is null");
+    INVALID(espalier_refiner_face_signs(refiner, 0, NULL), "signs is null");
+    INVALID(espalier_refiner_carry_values(NULL, 0, 3, positions, 81, values, 81),
+            "refiner is null");
+    INVALID(espalier_refiner_carry_values(refiner, 0, 3, NULL, 81, values, 81), "values is null");
+    INVALID(espalier_refiner_carry_values(refiner, 0, 3, positions, 81, NULL, 81),
+            "result is null");
 
-    REFUSED_INPUT(espalier_table_create_stencils(NULL, 0, &t), "refiner is null");
-    REFUSED_INPUT(espalier_table_create_stencils(refiner, 0, NULL), "table is null");
-    REFUSED_INPUT(espalier_table_create_level(NULL, 1, &t), "refiner is null");
-    REFUSED_INPUT(espalier_table_create_level(refiner, 1, NULL), "table is null");
-    REFUSED_INPUT(espalier_table_csr(NULL, &csr), "table is null");
-    REFUSED_INPUT(espalier_table_csr(table, NULL), "csr is null");
+    INVALID(espalier_table_create_stencils(NULL, 0, &t), "refiner is null");
+    INVALID(espalier_table_create_stencils(refiner, 0, NULL), "table is null");
+    INVALID(espalier_table_create_level(NULL, 1, &t), "refiner is null");
+    INVALID(espalier_table_create_level(refiner, 1, NULL), "table is null");
+    INVALID(espalier_table_csr(NULL, &csr), "table is null");
+    INVALID(espalier_table_csr(table, NULL), "csr is null");
 
-    REFUSED_INPUT(espalier_binding_create(NULL, BOX_VERTICES, positions, 1, point, NULL, &b),
-                  "refiner is null");
-    REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, NULL, 1, point, NULL, &b),
-                  "positions is null");
-    REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, NULL, NULL, &b),
-                  "points is null");
-    REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, NULL, NULL),
-                  "binding is null");
-    REFUSED_INPUT(espalier_binding_save(NULL, "none.espb"), "binding is null");
-    REFUSED_INPUT(espalier_binding_save(binding, NULL), "path is null");
-    REFUSED_INPUT(espalier_binding_load(NULL, &b), "path is null");
-    REFUSED_INPUT(espalier_binding_load("none.espb", NULL), "binding is null");
-    REFUSED_INPUT(espalier_binding_table(NULL, &t), "binding is null");
-    REFUSED_INPUT(espalier_binding_table(binding, NULL), "table is null");
-    REFUSED_INPUT(espalier_binding_topology_hash(NULL, &hash), "binding is null");
-    REFUSED_INPUT(espalier_binding_topology_hash(binding, NULL), "hash is null");
-    REFUSED_INPUT(espalier_binding_statuses(NULL, &count, &statuses), "binding is null");
-    REFUSED_INPUT(espalier_binding_statuses(binding, NULL, &statuses), "point_count is null");
-    REFUSED_INPUT(espalier_binding_statuses(binding, &count, NULL), "statuses is null");
-    REFUSED_INPUT(espalier_binding_largest_residual(NULL, values), "binding is null");
-    REFUSED_INPUT(espalier_binding_largest_residual(binding, NULL), "residual is null");
-    REFUSED_INPUT(espalier_binding_kept(NULL, &count, &numbers, &view), "binding is null");
-    REFUSED_INPUT(espalier_binding_kept(binding, NULL, &numbers, &view), "count is null");
-    REFUSED_INPUT(espalier_binding_kept(binding, &count, NULL, &view), "points is null");
-    REFUSED_INPUT(espalier_binding_kept(binding, &count, &numbers, NULL), "positions is null");
-    REFUSED_INPUT(espalier_binding_apply(NULL, BOX_VERTICES, positions, 1, values),
-                  "binding is null");
-    REFUSED_INPUT(espalier_binding_apply(binding, BOX_VERTICES, NULL, 1, values), "pose is null");
-    REFUSED_INPUT(espalier_binding_apply(binding, BOX_VERTICES, positions, 1, NULL),
-                  "points is null");
-    REFUSED_INPUT(espalier_binding_put_kept_f64(NULL, values, 3, xyz), "binding is null");
-    REFUSED_INPUT(espalier_binding_put_kept_f64(binding, NULL, 3, xyz), "destination is null");
-    REFUSED_INPUT(espalier_binding_put_kept_f32(NULL, singles, 3, xyz), "binding is null");
-    REFUSED_INPUT(espalier_binding_put_kept_f32(binding, NULL, 3, xyz), "destination is null");
+    INVALID(espalier_binding_create(NULL, BOX_VERTICES, positions, 1, point, NULL, &b),
+            "refiner is null");
+    INVALID(espalier_binding_create(refiner, BOX_VERTICES, NULL, 1, point, NULL, &b),
+            "positions is null");
+    INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, NULL, NULL, &b),
+            "points is null");
+    INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, NULL, NULL),
+            "binding is null");
+    INVALID(espalier_binding_save(NULL, "none.espb"), "binding is null");
+    INVALID(espalier_binding_save(binding, NULL), "path is null");
+    INVALID(espalier_binding_load(NULL, &b), "path is null");
+    INVALID(espalier_binding_load("none.espb", NULL), "binding is null");
+    INVALID(espalier_binding_table(NULL, &t), "binding is null");
+    INVALID(espalier_binding_table(binding, NULL), "table is null");
+    INVALID(espalier_binding_topology_hash(NULL, &hash), "binding is null");
+    INVALID(espalier_binding_topology_hash(binding, NULL), "hash is null");
+    INVALID(espalier_binding_statuses(NULL, &count, &statuses), "binding is null");
+    INVALID(espalier_binding_statuses(binding, NULL, &statuses), "point_count is null");
+    INVALID(espalier_binding_statuses(binding, &count, NULL), "statuses is null");
+    INVALID(espalier_binding_largest_residual(NULL, values), "binding is null");
+    INVALID(espalier_binding_largest_residual(binding, NULL), "residual is null");
+    INVALID(espalier_binding_kept(NULL, &count, &numbers, &view), "binding is null");
+    INVALID(espalier_binding_kept(binding, NULL, &numbers, &view), "count is null");
+    INVALID(espalier_binding_kept(binding, &count, NULL, &view), "points is null");
+    INVALID(espalier_binding_kept(binding, &count, &numbers, NULL), "positions is null");
+    INVALID(espalier_binding_apply(NULL, BOX_VERTICES, positions, 1, values), "binding is null");
+    INVALID(espalier_binding_apply(binding, BOX_VERTICES, NULL, 1, values), "pose is null");
+    INVALID(espalier_binding_apply(binding, BOX_VERTICES, positions, 1, NULL), "points is null");
+    INVALID(espalier_binding_put_kept_f64(NULL, values, 3, xyz), "binding is null");
+    INVALID(espalier_binding_put_kept_f64(binding, NULL, 3, xyz), "destination is null");
+    INVALID(espalier_binding_put_kept_f32(NULL, singles, 3, xyz), "binding is null");
+    INVALID(espalier_binding_put_kept_f32(binding, NULL, 3, xyz), "destination is null");
 
-    REFUSED_INPUT(espalier_evaluator_f64_create(NULL, &e), "table is null");
-    REFUSED_INPUT(espalier_evaluator_f64_create(table, NULL), "evaluator is null");
-    REFUSED_INPUT(espalier_evaluator_f32_create(NULL, &s), "table is null");
-    REFUSED_INPUT(espalier_evaluator_f32_create(table, NULL), "evaluator is null");
-    REFUSED_INPUT(espalier_evaluator_f64_create_adjoint(NULL, &e), "table is null");
-    REFUSED_INPUT(espalier_evaluator_f64_create_adjoint(table, NULL), "evaluator is null");
-    REFUSED_INPUT(espalier_evaluator_f32_create_adjoint(NULL, &s), "table is null");
-    REFUSED_INPUT(espalier_evaluator_f32_create_adjoint(table, NULL), "evaluator is null");
-    REFUSED_INPUT(
-        espalier_evaluator_f64_evaluate(NULL, positions, 81, xyz, values, 3, xyz, 0, 1, NULL),
-        "evaluator is null");
-    REFUSED_INPUT(espalier_evaluator_f64_evaluate(f64, NULL, 81, xyz, values, 3, xyz, 0, 1, NULL),
-                  "source is null");
-    REFUSED_INPUT(
-        espalier_evaluator_f64_evaluate(f64, positions, 81, xyz, NULL, 3, xyz, 0, 1, NULL),
-        "destination is null");
-    REFUSED_INPUT(
-        espalier_evaluator_f32_evaluate(NULL, singles, 81, xyz, singles, 3, xyz, 0, 1, NULL),
-        "evaluator is null");
-    REFUSED_INPUT(espalier_evaluator_f32_evaluate(f32, NULL, 81, xyz, singles, 3, xyz, 0, 1, NULL),
-                  "source is null");
-    REFUSED_INPUT(espalier_evaluator_f32_evaluate(f32, singles, 81, xyz, NULL, 3, xyz, 0, 1, NULL),
-                  "destination is null");
+    INVALID(espalier_evaluator_f64_create(NULL, &e), "table is null");
+    INVALID(espalier_evaluator_f64_create(table, NULL), "evaluator is null");
+    INVALID(espalier_evaluator_f32_create(NULL, &s), "table is null");
+    INVALID(espalier_evaluator_f32_create(table, NULL), "evaluator is null");
+    INVALID(espalier_evaluator_f64_create_adjoint(NULL, &e), "table is null");
+    INVALID(espalier_evaluator_f64_create_adjoint(table, NULL), "evaluator is null");
+    INVALID(espalier_evaluator_f32_create_adjoint(NULL, &s), "table is null");
+    INVALID(espalier_evaluator_f32_create_adjoint(table, NULL), "evaluator is null");
+    INVALID(espalier_evaluator_f64_evaluate(NULL, positions, 81, xyz, values, 3, xyz, 0, 1, NULL),
+            "evaluator is null");
+    INVALID(espalier_evaluator_f64_evaluate(f64, NULL, 81, xyz, values, 3, xyz, 0, 1, NULL),
+            "source is null");
+    INVALID(espalier_evaluator_f64_evaluate(f64, positions, 81, xyz, NULL, 3, xyz, 0, 1, NULL),
+            "destination is null");
+    INVALID(espalier_evaluator_f32_evaluate(NULL, singles, 81, xyz, singles, 3, xyz, 0, 1, NULL),
+            "evaluator is null");
+    INVALID(espalier_evaluator_f32_evaluate(f32, NULL, 81, xyz, singles, 3, xyz, 0, 1, NULL),
+            "source is null");
+    INVALID(espalier_evaluator_f32_evaluate(f32, singles, 81, xyz, NULL, 3, xyz, 0, 1, NULL),
+            "destination is null");
 
     espalier_change_evaluator_f64* changes = NULL;
     espalier_change_evaluator_f32* changes_f32 = NULL;
-    REFUSED_INPUT(espalier_change_evaluator_f64_create(NULL, &changes), "evaluator is null");
-    REFUSED_INPUT(espalier_change_evaluator_f64_create(f64, NULL), "changes is null");
-    REFUSED_INPUT(espalier_change_evaluator_f32_create(NULL, &changes_f32), "evaluator is null");
-    REFUSED_INPUT(espalier_change_evaluator_f32_create(f32, NULL), "changes is null");
+    INVALID(espalier_change_evaluator_f64_create(NULL, &changes), "evaluator is null");
+    INVALID(espalier_change_evaluator_f64_create(f64, NULL), "changes is null");
+    INVALID(espalier_change_evaluator_f32_create(NULL, &changes_f32), "evaluator is null");
+    INVALID(espalier_change_evaluator_f32_create(f32, NULL), "changes is null");
     const int32_t one = 0;
-    REFUSED_INPUT(espalier_change_evaluator_f64_evaluate(NULL, positions, 81, xyz, values, 3, xyz,
-                                                         1, &one, NULL),
-                  "changes is null");
-    REFUSED_INPUT(espalier_change_evaluator_f32_evaluate(NULL, singles, 81, xyz, singles, 3, xyz, 1,
-                                                         &one, NULL),
-                  "changes is null");
+    INVALID(espalier_change_evaluator_f64_evaluate(NULL, positions, 81, xyz, values, 3, xyz, 1,
+                                                   &one, NULL),
+            "changes is null");
+    INVALID(espalier_change_evaluator_f32_evaluate(NULL, singles, 81, xyz, singles, 3, xyz, 1, &one,
+                                                   NULL),
+            "changes is null");
     OK(espalier_change_evaluator_f64_create(f64, &changes));
-    REFUSED_INPUT(espalier_change_evaluator_f64_evaluate(changes, NULL, 81, xyz, values, 3, xyz, 1,
-                                                         &one, NULL),
-                  "source is null");
-    REFUSED_INPUT(espalier_change_evaluator_f64_evaluate(changes, positions, 81, xyz, NULL, 3, xyz,
-                                                         1, &one, NULL),
-                  "destination is null");
-    REFUSED_INPUT(espalier_change_evaluator_f64_evaluate(changes, positions, 81, xyz, values, 3,
-                                                         xyz, 1, NULL, NULL),
-                  "changed is null");
+    INVALID(espalier_change_evaluator_f64_evaluate(changes, NULL, 81, xyz, values, 3, xyz, 1, &one,
+                                                   NULL),
+            "source is null");
+    INVALID(espalier_change_evaluator_f64_evaluate(changes, positions, 81, xyz, NULL, 3, xyz, 1,
+                                                   &one, NULL),
+            "destination is null");
+    INVALID(espalier_change_evaluator_f64_evaluate(changes, positions, 81, xyz, values, 3, xyz, 1,
+                                                   NULL, NULL),
+            "changed is null");
     espalier_change_evaluator_f64_destroy(changes);
 
     CHECK(progress == NULL && l == NULL && r == NULL && t == NULL && b == NULL && e == NULL &&
@@ -226,11 +217,11 @@ static void test_null_is_refused(void) {
 
 static void test_bad_cells(void) {
     espalier_lattice* l = NULL;
-    REFUSED_INPUT(espalier_lattice_create_hexahedra(-1, positions, BOX_CELLS, cells, &l), "-1");
-    REFUSED_INPUT(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, -1, cells, &l), "-1");
-    REFUSED_INPUT(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, 0, NULL, &l), "cell");
-    REFUSED_INPUT(espalier_lattice_create_hexahedra(26, positions, BOX_CELLS, cells, &l),
-                  "names vertex 26");
+    INVALID(espalier_lattice_create_hexahedra(-1, positions, BOX_CELLS, cells, &l), "-1");
+    INVALID(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, -1, cells, &l), "-1");
+    INVALID(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, 0, NULL, &l), "cell");
+    INVALID(espalier_lattice_create_hexahedra(26, positions, BOX_CELLS, cells, &l),
+            "names vertex 26");
 
     int64_t cell_offsets[2] = {0, 4};
     int64_t face_offsets[5] = {0, 3, 6, 9, 12};
@@ -238,35 +229,35 @@ static void test_bad_cells(void) {
     const int32_t tetrahedron[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
     espalier_cells c = {4, 4, 1, cell_offsets, cell_faces, face_offsets, tetrahedron};
     cell_offsets[0] = 1;
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "cell_offsets[0] is 1");
+    INVALID(espalier_lattice_create(&c, positions, &l), "cell_offsets[0] is 1");
     cell_offsets[0] = 0;
     face_offsets[2] = 2;
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "face_offsets[2] is 2");
+    INVALID(espalier_lattice_create(&c, positions, &l), "face_offsets[2] is 2");
     face_offsets[2] = 6;
     cell_faces[3] = 4;
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "cell 0 names face 4");
+    INVALID(espalier_lattice_create(&c, positions, &l), "cell 0 names face 4");
     cell_faces[3] = -1;
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "cell 0 names face -1");
+    INVALID(espalier_lattice_create(&c, positions, &l), "cell 0 names face -1");
     cell_offsets[1] = 3;
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "face 3 is in no cell");
+    INVALID(espalier_lattice_create(&c, positions, &l), "face 3 is in no cell");
     c.face_count = 3;
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "edge");
+    INVALID(espalier_lattice_create(&c, positions, &l), "edge");
     c.face_count = 4;
     cell_offsets[1] = 5;
     c.cell_faces = NULL;
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "cell 0 names face 4");
+    INVALID(espalier_lattice_create(&c, positions, &l), "cell 0 names face 4");
     c.face_count = -1;
-    REFUSED_INPUT(espalier_lattice_create(&c, positions, &l), "face_offsets");
+    INVALID(espalier_lattice_create(&c, positions, &l), "face_offsets");
     CHECK(l == NULL);
 }
 
 static void test_bad_marks(void) {
     const int32_t none[2] = {0, 26}, beyond = 27;
     const double sharp = ESPALIER_SHARP, negative = -1;
-    REFUSED_INPUT(espalier_lattice_mark_edges(lattice, 1, none, &sharp), "26");
-    REFUSED_INPUT(espalier_lattice_mark_vertices(lattice, 1, &beyond, &sharp), "27");
-    REFUSED_INPUT(espalier_lattice_mark_vertices(lattice, 1, cells, &negative), "-1");
-    REFUSED_INPUT(espalier_lattice_mark_vertices(lattice, -1, cells, &sharp), "-1");
+    INVALID(espalier_lattice_mark_edges(lattice, 1, none, &sharp), "26");
+    INVALID(espalier_lattice_mark_vertices(lattice, 1, &beyond, &sharp), "27");
+    INVALID(espalier_lattice_mark_vertices(lattice, 1, cells, &negative), "-1");
+    INVALID(espalier_lattice_mark_vertices(lattice, -1, cells, &sharp), "-1");
     /* Nothing was marked. */
     espalier_refiner* r = NULL;
     OK(espalier_refiner_create(lattice, NULL, &r));
@@ -278,8 +269,7 @@ static void test_bad_options(void) {
     espalier_binding* b = NULL;
     espalier_refine_options refine = espalier_default_refine_options();
     refine.size = 0;
-    REFUSED_INPUT(espalier_refiner_create(lattice, &refine, &r),
-                  "espalier_default_refine_options()");
+    INVALID(espalier_refiner_create(lattice, &refine, &r), "espalier_default_refine_options()");
     static const int32_t beyond[5] = {3, 3, 2, 2, 2};
     static const char* const names[5] = {"rules", "boundary", "sharp_edges", "creasing",
                                          "triangles"};
@@ -288,9 +278,9 @@ static void test_bad_options(void) {
         int32_t* const fields[5] = {&refine.rules, &refine.boundary, &refine.sharp_edges,
                                     &refine.creasing, &refine.triangles};
         *fields[i] = -1;
-        REFUSED_INPUT(espalier_refiner_create(lattice, &refine, &r), names[i]);
+        INVALID(espalier_refiner_create(lattice, &refine, &r), names[i]);
         *fields[i] = beyond[i];
-        REFUSED_INPUT(espalier_refiner_create(lattice, &refine, &r), names[i]);
+        INVALID(espalier_refiner_create(lattice, &refine, &r), names[i]);
         --*fields[i];
         OK(espalier_refiner_create(lattice, &refine, &r));
         espalier_refiner_destroy(r);
@@ -299,30 +289,30 @@ static void test_bad_options(void) {
 
     espalier_bind_options bind = espalier_default_bind_options();
     bind.size += 8;
-    REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
-                  "espalier_default_bind_options()");
+    INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
+            "espalier_default_bind_options()");
     bind = espalier_default_bind_options();
     bind.outside = 3;
-    REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
-                  "outside is 3");
+    INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
+            "outside is 3");
     bind = espalier_default_bind_options();
     bind.level = 0;
-    REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
-                  "level 0");
+    INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
+            "level 0");
     bind = espalier_default_bind_options();
     bind.tolerance = NAN;
-    REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
-                  "tolerance");
+    INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
+            "tolerance");
     bind = espalier_default_bind_options();
     bind.limit_tolerance = -1;
-    REFUSED_INPUT(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
-                  "tolerance of the limit");
+    INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
+            "tolerance of the limit");
     espalier_progress_scope* progress = NULL;
-    REFUSED_INPUT(espalier_progress_scope_create(go_on, NULL, -1, &progress), "milliseconds is -1");
+    INVALID(espalier_progress_scope_create(go_on, NULL, -1, &progress), "milliseconds is -1");
     espalier_thread_limit* limit = NULL;
-    REFUSED_INPUT(espalier_thread_limit_create(0, &limit), "threads is 0");
+    INVALID(espalier_thread_limit_create(0, &limit), "threads is 0");
     espalier_memory_limit* memory = NULL;
-    REFUSED_INPUT(espalier_memory_limit_create(0, &memory), "bytes is 0");
+    INVALID(espalier_memory_limit_create(0, &memory), "bytes is 0");
     CHECK(b == NULL && limit == NULL && progress == NULL);
 }
 
@@ -333,40 +323,36 @@ static void test_bad_sizes(void) {
     espalier_table* t = NULL;
     const espalier_buffer_layout xyz = espalier_packed_layout(3), xy = espalier_packed_layout(2);
     const espalier_buffer_layout senseless = {0, 3, 2};
-    REFUSED_INPUT(espalier_lattice_set_positions(lattice, 26, positions), "expected 27");
-    REFUSED_INPUT(espalier_refiner_refine(refiner, -1), "level is -1");
-    REFUSED_INPUT(espalier_refiner_counts(refiner, 1, counts), "level 1");
-    REFUSED_INPUT(espalier_table_create_stencils(refiner, 1, &t), "level 1");
-    REFUSED_INPUT(espalier_table_create_level(refiner, 0, &t), "level 0");
-    REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, 3, positions, 80, values, 81), "80");
-    REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, 3, positions, 81, values, 80), "80");
-    REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, 0, positions, 0, values, 0),
-                  "components is 0");
-    REFUSED_INPUT(espalier_refiner_carry_values(refiner, 0, -1, positions, 0, values, 0),
-                  "components is -1");
-    REFUSED_INPUT(espalier_binding_create(refiner, 26, positions, 1, point, NULL, &b), "26");
-    REFUSED_INPUT(espalier_binding_apply(binding, 26, positions, 1, values), "26");
-    REFUSED_INPUT(espalier_binding_apply(binding, BOX_VERTICES, positions, 2, values), "got 2");
-    REFUSED_INPUT(espalier_binding_put_kept_f64(binding, values, 2, xyz), "destination");
-    REFUSED_INPUT(espalier_binding_put_kept_f64(binding, values, 3, xy), "components");
+    INVALID(espalier_lattice_set_positions(lattice, 26, positions), "expected 27");
+    INVALID(espalier_refiner_refine(refiner, -1), "level is -1");
+    INVALID(espalier_refiner_counts(refiner, 1, counts), "level 1");
+    INVALID(espalier_table_create_stencils(refiner, 1, &t), "level 1");
+    INVALID(espalier_table_create_level(refiner, 0, &t), "level 0");
+    INVALID(espalier_refiner_carry_values(refiner, 0, 3, positions, 80, values, 81), "80");
+    INVALID(espalier_refiner_carry_values(refiner, 0, 3, positions, 81, values, 80), "80");
+    INVALID(espalier_refiner_carry_values(refiner, 0, 0, positions, 0, values, 0),
+            "components is 0");
+    INVALID(espalier_refiner_carry_values(refiner, 0, -1, positions, 0, values, 0),
+            "components is -1");
+    INVALID(espalier_binding_create(refiner, 26, positions, 1, point, NULL, &b), "26");
+    INVALID(espalier_binding_apply(binding, 26, positions, 1, values), "26");
+    INVALID(espalier_binding_apply(binding, BOX_VERTICES, positions, 2, values), "got 2");
+    INVALID(espalier_binding_put_kept_f64(binding, values, 2, xyz), "destination");
+    INVALID(espalier_binding_put_kept_f64(binding, values, 3, xy), "components");
     values[0] = -7;
-    REFUSED_INPUT(
-        espalier_evaluator_f64_evaluate(f64, positions, 80, xyz, values, 3, xyz, 0, 1, NULL),
-        "source");
-    REFUSED_INPUT(
-        espalier_evaluator_f64_evaluate(f64, positions, 81, xyz, values, 2, xyz, 0, 1, NULL),
-        "destination");
-    REFUSED_INPUT(
-        espalier_evaluator_f64_evaluate(f64, positions, 81, xyz, values, 3, xy, 0, 1, NULL),
-        "components");
-    REFUSED_INPUT(
+    INVALID(espalier_evaluator_f64_evaluate(f64, positions, 80, xyz, values, 3, xyz, 0, 1, NULL),
+            "source");
+    INVALID(espalier_evaluator_f64_evaluate(f64, positions, 81, xyz, values, 2, xyz, 0, 1, NULL),
+            "destination");
+    INVALID(espalier_evaluator_f64_evaluate(f64, positions, 81, xyz, values, 3, xy, 0, 1, NULL),
+            "components");
+    INVALID(
         espalier_evaluator_f64_evaluate(f64, positions, 81, senseless, values, 3, xyz, 0, 1, NULL),
         "stride 2");
-    REFUSED_INPUT(
-        espalier_evaluator_f64_evaluate(f64, positions, 81, xyz, values, 3, xyz, 0, 2, NULL),
-        "rows 0 to 2");
-    REFUSED_INPUT(
-        espalier_evaluator_f64_evaluate(f64, positions, -1, xyz, values, 3, xyz, 0, 1, NULL), "-1");
+    INVALID(espalier_evaluator_f64_evaluate(f64, positions, 81, xyz, values, 3, xyz, 0, 2, NULL),
+            "rows 0 to 2");
+    INVALID(espalier_evaluator_f64_evaluate(f64, positions, -1, xyz, values, 3, xyz, 0, 1, NULL),
+            "-1");
     CHECK(values[0] == -7 && b == NULL && t == NULL);
 }
 

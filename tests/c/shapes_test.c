@@ -50,14 +50,13 @@ static void test_torus(void) {
             "torus: minor_radius is 3; allowed: numbers below major_radius, which is 2");
     options = espalier_default_torus_options();
     options.section = 2;
-    REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT, "section is 2");
+    INVALID(espalier_lattice_create_torus(&options, &l), "section is 2");
     options = espalier_default_torus_options();
     options.core = -1;
-    REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT, "core is -1");
+    INVALID(espalier_lattice_create_torus(&options, &l), "core is -1");
     options.size = 4;
-    REFUSED(espalier_lattice_create_torus(&options, &l), ESPALIER_ERROR_INPUT,
-            "espalier_default_torus_options()");
-    REFUSED(espalier_lattice_create_torus(NULL, NULL), ESPALIER_ERROR_INPUT, "lattice is null");
+    INVALID(espalier_lattice_create_torus(&options, &l), "espalier_default_torus_options()");
+    INVALID(espalier_lattice_create_torus(NULL, NULL), "lattice is null");
     CHECK(l == NULL);
 }
 
@@ -77,11 +76,10 @@ static void test_star(void) {
     CHECK(fabs(largest(l, 0) - 3) < 1e-12 && fabs(largest(l, 2) - 1) < 1e-12);
     check_counts(&l, 5 * 12, 4 * 7);
     options.inner_radius = 0;
-    REFUSED(espalier_lattice_create_star(&options, &l), ESPALIER_ERROR_INPUT, "inner_radius is ");
+    INVALID(espalier_lattice_create_star(&options, &l), "inner_radius is ");
     options.size = 0;
-    REFUSED(espalier_lattice_create_star(&options, &l), ESPALIER_ERROR_INPUT,
-            "espalier_default_star_options()");
-    REFUSED(espalier_lattice_create_star(NULL, NULL), ESPALIER_ERROR_INPUT, "lattice is null");
+    INVALID(espalier_lattice_create_star(&options, &l), "espalier_default_star_options()");
+    INVALID(espalier_lattice_create_star(NULL, NULL), "lattice is null");
     CHECK(l == NULL);
 }
 
@@ -122,15 +120,14 @@ static void test_barbell(void) {
     espalier_lattice_destroy(round);
     l = NULL;
     options.roundness = 2;
-    REFUSED(espalier_lattice_create_barbell(&options, &l), ESPALIER_ERROR_INPUT, "roundness");
+    INVALID(espalier_lattice_create_barbell(&options, &l), "roundness");
     options = espalier_default_barbell_options();
     options.end_segments = 2;
     REFUSED(espalier_lattice_create_barbell(&options, &l), ESPALIER_ERROR_INPUT,
             "barbell: end_segments is 2; allowed: ");
     options.size = 0;
-    REFUSED(espalier_lattice_create_barbell(&options, &l), ESPALIER_ERROR_INPUT,
-            "espalier_default_barbell_options()");
-    REFUSED(espalier_lattice_create_barbell(NULL, NULL), ESPALIER_ERROR_INPUT, "lattice is null");
+    INVALID(espalier_lattice_create_barbell(&options, &l), "espalier_default_barbell_options()");
+    INVALID(espalier_lattice_create_barbell(NULL, NULL), "lattice is null");
     CHECK(l == NULL);
 }
 
@@ -145,20 +142,19 @@ static void test_arm(void) {
     options.joint_count = 2;
     options.segments = 3;
     options.core = ESPALIER_CORE_WEDGES;
-    REFUSED(espalier_lattice_create_arm(&options, &l), ESPALIER_ERROR_INPUT, "up");
+    INVALID(espalier_lattice_create_arm(&options, &l), "up");
     options.up[0] = 1;
     options.up[2] = 0;
     OK(espalier_lattice_create_arm(&options, &l));
     CHECK(fabs(largest(l, 0) - 0.5) < 1e-12 && fabs(largest(l, 2) - 4) < 1e-12);
     check_counts(&l, 4 * 5, 3 * 4);
     options.joint_count = 1;
-    REFUSED(espalier_lattice_create_arm(&options, &l), ESPALIER_ERROR_INPUT, "joints");
+    INVALID(espalier_lattice_create_arm(&options, &l), "joints");
     options.joints = NULL;
-    REFUSED(espalier_lattice_create_arm(&options, &l), ESPALIER_ERROR_INPUT, "joints is null");
+    INVALID(espalier_lattice_create_arm(&options, &l), "joints is null");
     options.size = 0;
-    REFUSED(espalier_lattice_create_arm(&options, &l), ESPALIER_ERROR_INPUT,
-            "espalier_default_arm_options()");
-    REFUSED(espalier_lattice_create_arm(NULL, NULL), ESPALIER_ERROR_INPUT, "lattice is null");
+    INVALID(espalier_lattice_create_arm(&options, &l), "espalier_default_arm_options()");
+    INVALID(espalier_lattice_create_arm(NULL, NULL), "lattice is null");
     CHECK(l == NULL);
 }
 
@@ -178,15 +174,12 @@ static void test_solids(void) {
         CHECK(fabs(largest(l, 0) - 2) < 1e-12 && fabs(largest(l, 2) - 1.5) < 1e-12);
         check_counts(&l, over_pentagon[solid], 1);
     }
-    REFUSED(espalier_lattice_create_regular_solid(5, 1, &l), ESPALIER_ERROR_INPUT, "solid is 5");
-    REFUSED(espalier_lattice_create_regular_solid(0, 0, &l), ESPALIER_ERROR_INPUT, "radius");
-    REFUSED(espalier_lattice_create_regular_solid(0, 1, NULL), ESPALIER_ERROR_INPUT,
-            "lattice is null");
-    REFUSED(espalier_lattice_create_polygonal_solid(3, 3, 1, 1, &l), ESPALIER_ERROR_INPUT,
-            "solid is 3");
-    REFUSED(espalier_lattice_create_polygonal_solid(0, 2, 1, 1, &l), ESPALIER_ERROR_INPUT, "sides");
-    REFUSED(espalier_lattice_create_polygonal_solid(0, 3, 1, 1, NULL), ESPALIER_ERROR_INPUT,
-            "lattice is null");
+    INVALID(espalier_lattice_create_regular_solid(5, 1, &l), "solid is 5");
+    INVALID(espalier_lattice_create_regular_solid(0, 0, &l), "radius");
+    INVALID(espalier_lattice_create_regular_solid(0, 1, NULL), "lattice is null");
+    INVALID(espalier_lattice_create_polygonal_solid(3, 3, 1, 1, &l), "solid is 3");
+    INVALID(espalier_lattice_create_polygonal_solid(0, 2, 1, 1, &l), "sides");
+    INVALID(espalier_lattice_create_polygonal_solid(0, 3, 1, 1, NULL), "lattice is null");
     CHECK(l == NULL);
 }
 

@@ -58,23 +58,23 @@ static void test_fit(void) {
         for (int k = 0; k < 3; ++k) CHECK(moved[3 * frozen[i] + k] == 0);
     options.undetermined = ESPALIER_UNDETERMINED_REFUSE;
     moved[0] = -7;
-    REFUSED(espalier_lattice_fit(table, lattice, 1, &second, misses, &options, BOX_VERTICES, moved,
+    INVALID(espalier_lattice_fit(table, lattice, 1, &second, misses, &options, BOX_VERTICES, moved,
                                  NULL),
-            ESPALIER_ERROR_INPUT, "vertex");
+            "vertex");
     const int32_t none = POINTS;
-    REFUSED(espalier_lattice_fit(table, lattice, 1, &none, misses, NULL, BOX_VERTICES, moved, NULL),
-            ESPALIER_ERROR_INPUT, "no row 2");
+    INVALID(espalier_lattice_fit(table, lattice, 1, &none, misses, NULL, BOX_VERTICES, moved, NULL),
+            "no row 2");
     CHECK(moved[0] == -7);
-    REFUSED(espalier_lattice_fit(NULL, lattice, 1, &none, misses, NULL, BOX_VERTICES, moved, NULL),
-            ESPALIER_ERROR_INPUT, "deformation is null");
-    REFUSED(espalier_lattice_fit(table, NULL, 1, &none, misses, NULL, BOX_VERTICES, moved, NULL),
-            ESPALIER_ERROR_INPUT, "lattice is null");
-    REFUSED(
+    INVALID(espalier_lattice_fit(NULL, lattice, 1, &none, misses, NULL, BOX_VERTICES, moved, NULL),
+            "deformation is null");
+    INVALID(espalier_lattice_fit(table, NULL, 1, &none, misses, NULL, BOX_VERTICES, moved, NULL),
+            "lattice is null");
+    INVALID(
         espalier_lattice_fit(table, lattice, POINTS, NULL, NULL, NULL, BOX_VERTICES, moved, NULL),
-        ESPALIER_ERROR_INPUT, "misses is null");
-    REFUSED(
+        "misses is null");
+    INVALID(
         espalier_lattice_fit(table, lattice, POINTS, NULL, misses, NULL, BOX_VERTICES, NULL, NULL),
-        ESPALIER_ERROR_INPUT, "displacements is null");
+        "displacements is null");
 }
 
 /* The side x = 0 of the box: its 9 vertices in place, and the next layer for tangent planes. */
@@ -118,46 +118,36 @@ static void test_hold(void) {
 
     count = -7;
     held[0] = -7;
-    REFUSED(espalier_hold_faces(refiner, 0, NULL, 0, BOX_VERTICES, held, &count),
-            ESPALIER_ERROR_INPUT, "face");
+    INVALID(espalier_hold_faces(refiner, 0, NULL, 0, BOX_VERTICES, held, &count), "face");
     side[0] = topology.face_count;
-    REFUSED(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, held, &count),
-            ESPALIER_ERROR_INPUT, "face");
+    INVALID(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, held, &count), "face");
     side[0] = 0;
-    REFUSED(espalier_hold_faces(refiner, 4, side, 3, BOX_VERTICES, held, &count),
-            ESPALIER_ERROR_INPUT, "continuity is 3");
-    REFUSED(espalier_hold_faces(NULL, 4, side, 0, BOX_VERTICES, held, &count), ESPALIER_ERROR_INPUT,
+    INVALID(espalier_hold_faces(refiner, 4, side, 3, BOX_VERTICES, held, &count),
+            "continuity is 3");
+    INVALID(espalier_hold_faces(NULL, 4, side, 0, BOX_VERTICES, held, &count), "refiner is null");
+    INVALID(espalier_hold_faces(refiner, 4, NULL, 0, BOX_VERTICES, held, &count), "faces is null");
+    INVALID(espalier_hold_faces(refiner, 4, side, 0, 26, held, &count), "got 26");
+    INVALID(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, NULL, &count), "held is null");
+    INVALID(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, held, NULL),
+            "held_count is null");
+    INVALID(espalier_hold_points(NULL, BOX_VERTICES, rest, 1, corner, 0, NULL, held, &count),
             "refiner is null");
-    REFUSED(espalier_hold_faces(refiner, 4, NULL, 0, BOX_VERTICES, held, &count),
-            ESPALIER_ERROR_INPUT, "faces is null");
-    REFUSED(espalier_hold_faces(refiner, 4, side, 0, 26, held, &count), ESPALIER_ERROR_INPUT,
-            "got 26");
-    REFUSED(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, NULL, &count),
-            ESPALIER_ERROR_INPUT, "held is null");
-    REFUSED(espalier_hold_faces(refiner, 4, side, 0, BOX_VERTICES, held, NULL),
-            ESPALIER_ERROR_INPUT, "held_count is null");
-    REFUSED(espalier_hold_points(NULL, BOX_VERTICES, rest, 1, corner, 0, NULL, held, &count),
-            ESPALIER_ERROR_INPUT, "refiner is null");
-    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, NULL, 1, corner, 0, NULL, held, &count),
-            ESPALIER_ERROR_INPUT, "positions is null");
-    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, NULL, 0, NULL, held, &count),
-            ESPALIER_ERROR_INPUT, "points is null");
-    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, NULL, NULL, &count),
-            ESPALIER_ERROR_INPUT, "held is null");
-    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, NULL, held, NULL),
-            ESPALIER_ERROR_INPUT, "held_count is null");
+    INVALID(espalier_hold_points(refiner, BOX_VERTICES, NULL, 1, corner, 0, NULL, held, &count),
+            "positions is null");
+    INVALID(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, NULL, 0, NULL, held, &count),
+            "points is null");
+    INVALID(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, NULL, NULL, &count),
+            "held is null");
+    INVALID(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, NULL, held, NULL),
+            "held_count is null");
     espalier_bind_options options = espalier_default_bind_options();
     options.limit_tolerance = 1e-6;
-    REFUSED(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, &options, held, &count),
-            ESPALIER_ERROR_INPUT, "limit_tolerance");
-    REFUSED(espalier_hold_rows(NULL, 1, &first, BOX_VERTICES, held, &count), ESPALIER_ERROR_INPUT,
-            "deformation is null");
-    REFUSED(espalier_hold_rows(table, 1, NULL, BOX_VERTICES, held, &count), ESPALIER_ERROR_INPUT,
-            "got 1 rows");
-    REFUSED(espalier_hold_rows(table, 1, &first, BOX_VERTICES, NULL, &count), ESPALIER_ERROR_INPUT,
-            "held is null");
-    REFUSED(espalier_hold_rows(table, 1, &first, BOX_VERTICES, held, NULL), ESPALIER_ERROR_INPUT,
-            "held_count is null");
+    INVALID(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, 0, &options, held, &count),
+            "limit_tolerance");
+    INVALID(espalier_hold_rows(NULL, 1, &first, BOX_VERTICES, held, &count), "deformation is null");
+    INVALID(espalier_hold_rows(table, 1, NULL, BOX_VERTICES, held, &count), "got 1 rows");
+    INVALID(espalier_hold_rows(table, 1, &first, BOX_VERTICES, NULL, &count), "held is null");
+    INVALID(espalier_hold_rows(table, 1, &first, BOX_VERTICES, held, NULL), "held_count is null");
     CHECK(count == -7 && held[0] == -7);
 }
 
@@ -199,42 +189,30 @@ static void check_poses(int32_t of_limit) {
     CHECK(step.limiting_cell >= 0 && step.limiting_cell < cell_count && step.is_tight == 1);
 
     ratios[0] = result.smallest_ratio = step.length = -7;
-    REFUSED(espalier_validity_check(validity, 26, pose, 0, NULL, &result), ESPALIER_ERROR_INPUT,
-            "got 26");
-    REFUSED(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count - 1, ratios, &result),
-            ESPALIER_ERROR_INPUT, "cells of room");
-    REFUSED(espalier_validity_check(NULL, BOX_VERTICES, pose, 0, NULL, &result),
-            ESPALIER_ERROR_INPUT, "validity is null");
-    REFUSED(espalier_validity_check(validity, BOX_VERTICES, NULL, 0, NULL, &result),
-            ESPALIER_ERROR_INPUT, "pose is null");
-    REFUSED(espalier_validity_check(validity, BOX_VERTICES, pose, 0, NULL, NULL),
-            ESPALIER_ERROR_INPUT, "result is null");
-    REFUSED(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 0, &step),
-            ESPALIER_ERROR_INPUT, "0");
-    REFUSED(espalier_validity_largest_step(validity, BOX_VERTICES, NULL, 1, &step),
-            ESPALIER_ERROR_INPUT, "pose is null");
-    REFUSED(espalier_validity_largest_step(NULL, BOX_VERTICES, pose, 1, &step),
-            ESPALIER_ERROR_INPUT, "validity is null");
-    REFUSED(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 1, NULL),
-            ESPALIER_ERROR_INPUT, "step is null");
-    pose[4] = NAN;
-    REFUSED(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count, ratios, &result),
-            ESPALIER_ERROR_INPUT, "finite");
-    CHECK(ratios[0] == -7 && result.smallest_ratio == -7 && step.length == -7);
-    REFUSED(espalier_validity_base_cell(validity, cell_count, &count), ESPALIER_ERROR_INPUT,
-            "there is no cell");
-    REFUSED(espalier_validity_base_cell(NULL, 0, &count), ESPALIER_ERROR_INPUT, "validity is null");
-    REFUSED(espalier_validity_base_cell(validity, 0, NULL), ESPALIER_ERROR_INPUT,
-            "base_cell is null");
-    REFUSED(espalier_validity_bad_at_rest(NULL, &count, &bad), ESPALIER_ERROR_INPUT,
+    INVALID(espalier_validity_check(validity, 26, pose, 0, NULL, &result), "got 26");
+    INVALID(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count - 1, ratios, &result),
+            "cells of room");
+    INVALID(espalier_validity_check(NULL, BOX_VERTICES, pose, 0, NULL, &result),
             "validity is null");
-    REFUSED(espalier_validity_bad_at_rest(validity, NULL, &bad), ESPALIER_ERROR_INPUT,
-            "cell_count is null");
-    REFUSED(espalier_validity_bad_at_rest(validity, &count, NULL), ESPALIER_ERROR_INPUT,
-            "cells is null");
-    REFUSED(espalier_validity_cell_count(NULL, &count), ESPALIER_ERROR_INPUT, "validity is null");
-    REFUSED(espalier_validity_cell_count(validity, NULL), ESPALIER_ERROR_INPUT,
-            "cell_count is null");
+    INVALID(espalier_validity_check(validity, BOX_VERTICES, NULL, 0, NULL, &result),
+            "pose is null");
+    INVALID(espalier_validity_check(validity, BOX_VERTICES, pose, 0, NULL, NULL), "result is null");
+    INVALID(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 0, &step), "0");
+    INVALID(espalier_validity_largest_step(validity, BOX_VERTICES, NULL, 1, &step), "pose is null");
+    INVALID(espalier_validity_largest_step(NULL, BOX_VERTICES, pose, 1, &step), "validity is null");
+    INVALID(espalier_validity_largest_step(validity, BOX_VERTICES, pose, 1, NULL), "step is null");
+    pose[4] = NAN;
+    INVALID(espalier_validity_check(validity, BOX_VERTICES, pose, cell_count, ratios, &result),
+            "finite");
+    CHECK(ratios[0] == -7 && result.smallest_ratio == -7 && step.length == -7);
+    INVALID(espalier_validity_base_cell(validity, cell_count, &count), "there is no cell");
+    INVALID(espalier_validity_base_cell(NULL, 0, &count), "validity is null");
+    INVALID(espalier_validity_base_cell(validity, 0, NULL), "base_cell is null");
+    INVALID(espalier_validity_bad_at_rest(NULL, &count, &bad), "validity is null");
+    INVALID(espalier_validity_bad_at_rest(validity, NULL, &bad), "cell_count is null");
+    INVALID(espalier_validity_bad_at_rest(validity, &count, NULL), "cells is null");
+    INVALID(espalier_validity_cell_count(NULL, &count), "validity is null");
+    INVALID(espalier_validity_cell_count(validity, NULL), "cell_count is null");
     espalier_validity_destroy(validity);
 }
 
@@ -266,25 +244,21 @@ static void test_validity(void) {
 
     espalier_validity_destroy(NULL);
     options.level = 0;
-    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
-            ESPALIER_ERROR_INPUT, "level is 0");
+    INVALID(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            "level is 0");
     options.of_limit = 1;
-    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
-            ESPALIER_ERROR_INPUT, "0");
+    INVALID(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity), "0");
     options.of_limit = 2;
-    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
-            ESPALIER_ERROR_INPUT, "of_limit is 2");
+    INVALID(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            "of_limit is 2");
     options.size = 4;
-    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
-            ESPALIER_ERROR_INPUT, "espalier_default_validity_options()");
-    REFUSED(espalier_validity_create(NULL, BOX_VERTICES, rest, NULL, &validity),
-            ESPALIER_ERROR_INPUT, "refiner is null");
-    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, NULL, NULL, &validity),
-            ESPALIER_ERROR_INPUT, "positions is null");
-    REFUSED(espalier_validity_create(refiner, 26, rest, NULL, &validity), ESPALIER_ERROR_INPUT,
-            "got 26");
-    REFUSED(espalier_validity_create(refiner, BOX_VERTICES, rest, NULL, NULL), ESPALIER_ERROR_INPUT,
-            "validity is null");
+    INVALID(espalier_validity_create(refiner, BOX_VERTICES, rest, &options, &validity),
+            "espalier_default_validity_options()");
+    INVALID(espalier_validity_create(NULL, BOX_VERTICES, rest, NULL, &validity), "refiner is null");
+    INVALID(espalier_validity_create(refiner, BOX_VERTICES, NULL, NULL, &validity),
+            "positions is null");
+    INVALID(espalier_validity_create(refiner, 26, rest, NULL, &validity), "got 26");
+    INVALID(espalier_validity_create(refiner, BOX_VERTICES, rest, NULL, NULL), "validity is null");
     CHECK(validity == NULL);
 }
 
@@ -306,15 +280,15 @@ static void test_nested(void) {
     espalier_evaluator_f64_destroy(evaluator);
     espalier_table_destroy(nested);
     nested = NULL;
-    REFUSED(espalier_table_create_nested(table, BOX_VERTICES, rest, refiner, BOX_VERTICES, parent,
+    INVALID(espalier_table_create_nested(table, BOX_VERTICES, rest, refiner, BOX_VERTICES, parent,
                                          NULL, &nested),
-            ESPALIER_ERROR_INPUT, "vertex");
-    REFUSED(espalier_table_create_nested(NULL, BOX_VERTICES, rest, refiner, BOX_VERTICES, parent,
+            "vertex");
+    INVALID(espalier_table_create_nested(NULL, BOX_VERTICES, rest, refiner, BOX_VERTICES, parent,
                                          NULL, &nested),
-            ESPALIER_ERROR_INPUT, "child is null");
-    REFUSED(
+            "child is null");
+    INVALID(
         espalier_table_create_nested(table, 26, rest, refiner, BOX_VERTICES, parent, NULL, &nested),
-        ESPALIER_ERROR_INPUT, "got 26");
+        "got 26");
     CHECK(nested == NULL);
 }
 
@@ -350,12 +324,10 @@ static void test_shapes(void) {
     espalier_lattice_destroy(round);
     one = NULL;
     parts[1] = NULL;
-    REFUSED(espalier_lattice_create_merged(1, parts + 1, 1e-6, &one), ESPALIER_ERROR_INPUT,
+    INVALID(espalier_lattice_create_merged(1, parts + 1, 1e-6, &one),
             "one of the lattices is null");
-    REFUSED(espalier_lattice_create_box(NULL, origin, corner, &one), ESPALIER_ERROR_INPUT,
-            "cells is null");
-    REFUSED(espalier_lattice_create_cylinder(8, 1, 0, 1, 1, NULL, top, &one), ESPALIER_ERROR_INPUT,
-            "from is null");
+    INVALID(espalier_lattice_create_box(NULL, origin, corner, &one), "cells is null");
+    INVALID(espalier_lattice_create_cylinder(8, 1, 0, 1, 1, NULL, top, &one), "from is null");
     CHECK(one == NULL);
 }
 
@@ -372,9 +344,8 @@ static void test_limits(void) {
     CHECK(fabs(csr.weights[first + BOX_CENTRE] - 8.0 / 27) < tolerance);
     espalier_table_destroy(limits);
     limits = NULL;
-    REFUSED(espalier_table_create_limits(refiner, 1, &limits), ESPALIER_ERROR_INPUT, "level 1");
-    REFUSED(espalier_table_create_limits(NULL, 0, &limits), ESPALIER_ERROR_INPUT,
-            "refiner is null");
+    INVALID(espalier_table_create_limits(refiner, 1, &limits), "level 1");
+    INVALID(espalier_table_create_limits(NULL, 0, &limits), "refiner is null");
     CHECK(limits == NULL);
 }
 
@@ -442,38 +413,38 @@ static void test_limit_stencils(void) {
 
     const int32_t none[PLACES] = {0, BOX_CELLS};
     const double outside[3 * PLACES] = {0.5, 0.5, 0.5, 0.5, 1.5, 0.5};
-    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, none, places, &options, TABLES,
+    INVALID(espalier_table_create_limit_stencils(refiner, 0, PLACES, none, places, &options, TABLES,
                                                  tables),
-            ESPALIER_ERROR_INPUT, "8");
-    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, outside, &options,
+            "8");
+    INVALID(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, outside, &options,
                                                  TABLES, tables),
-            ESPALIER_ERROR_INPUT, "1.5");
-    REFUSED(espalier_table_create_limit_stencils(refiner, 1, PLACES, some, places, &options, TABLES,
+            "1.5");
+    INVALID(espalier_table_create_limit_stencils(refiner, 1, PLACES, some, places, &options, TABLES,
                                                  tables),
-            ESPALIER_ERROR_INPUT, "level 1");
-    REFUSED(
+            "level 1");
+    INVALID(
         espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, 4, tables),
-        ESPALIER_ERROR_INPUT, "got 4 tables");
-    REFUSED(espalier_table_create_limit_stencils(NULL, 0, PLACES, some, places, &options, TABLES,
+        "got 4 tables");
+    INVALID(espalier_table_create_limit_stencils(NULL, 0, PLACES, some, places, &options, TABLES,
                                                  tables),
-            ESPALIER_ERROR_INPUT, "refiner is null");
-    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, NULL, places, &options, TABLES,
+            "refiner is null");
+    INVALID(espalier_table_create_limit_stencils(refiner, 0, PLACES, NULL, places, &options, TABLES,
                                                  tables),
-            ESPALIER_ERROR_INPUT, "cells is null");
-    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, NULL, &options, TABLES,
+            "cells is null");
+    INVALID(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, NULL, &options, TABLES,
                                                  tables),
-            ESPALIER_ERROR_INPUT, "uvw is null");
-    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+            "uvw is null");
+    INVALID(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
                                                  NULL),
-            ESPALIER_ERROR_INPUT, "tables is null");
+            "tables is null");
     options.derivatives = 3;
-    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+    INVALID(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
                                                  tables),
-            ESPALIER_ERROR_INPUT, "derivatives is 3");
+            "derivatives is 3");
     options.size = 0;
-    REFUSED(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
+    INVALID(espalier_table_create_limit_stencils(refiner, 0, PLACES, some, places, &options, TABLES,
                                                  tables),
-            ESPALIER_ERROR_INPUT, "espalier_default_limit_stencil_options()");
+            "espalier_default_limit_stencil_options()");
     for (int t = 0; t < TABLES; ++t) CHECK(tables[t] == NULL);
 }
 
@@ -495,8 +466,8 @@ static void test_tensor(void) {
     espalier_table_destroy(t);
     espalier_binding_destroy(b);
     b = NULL;
-    REFUSED(espalier_binding_create_tensor(lattice, ESPALIER_BASIS_BSPLINE, 1, middle, NULL, &b),
-            ESPALIER_ERROR_INPUT, "cells");
+    INVALID(espalier_binding_create_tensor(lattice, ESPALIER_BASIS_BSPLINE, 1, middle, NULL, &b),
+            "cells");
 
     OK(espalier_lattice_create_box(fours, zero, one, &fine));
     OK(espalier_binding_create_tensor(fine, ESPALIER_BASIS_BSPLINE, 1, middle, NULL, &b));
@@ -512,21 +483,15 @@ static void test_tensor(void) {
 
     const double sharp = ESPALIER_SHARP;
     OK(espalier_lattice_mark_vertices(fine, 1, &vertex, &sharp));
-    REFUSED(espalier_binding_create_tensor(fine, 0, 1, middle, NULL, &b), ESPALIER_ERROR_INPUT,
-            "marks");
+    INVALID(espalier_binding_create_tensor(fine, 0, 1, middle, NULL, &b), "marks");
     espalier_lattice_destroy(fine);
     espalier_bind_options options = espalier_default_bind_options();
     options.limit_tolerance = 1e-6;
-    REFUSED(espalier_binding_create_tensor(lattice, 0, 1, middle, &options, &b),
-            ESPALIER_ERROR_INPUT, "limit_tolerance");
-    REFUSED(espalier_binding_create_tensor(lattice, 2, 1, middle, NULL, &b), ESPALIER_ERROR_INPUT,
-            "basis is 2");
-    REFUSED(espalier_binding_create_tensor(NULL, 0, 1, middle, NULL, &b), ESPALIER_ERROR_INPUT,
-            "lattice is null");
-    REFUSED(espalier_binding_create_tensor(lattice, 0, 1, NULL, NULL, &b), ESPALIER_ERROR_INPUT,
-            "points is null");
-    REFUSED(espalier_binding_create_tensor(lattice, 0, 1, middle, NULL, NULL), ESPALIER_ERROR_INPUT,
-            "binding is null");
+    INVALID(espalier_binding_create_tensor(lattice, 0, 1, middle, &options, &b), "limit_tolerance");
+    INVALID(espalier_binding_create_tensor(lattice, 2, 1, middle, NULL, &b), "basis is 2");
+    INVALID(espalier_binding_create_tensor(NULL, 0, 1, middle, NULL, &b), "lattice is null");
+    INVALID(espalier_binding_create_tensor(lattice, 0, 1, NULL, NULL, &b), "points is null");
+    INVALID(espalier_binding_create_tensor(lattice, 0, 1, middle, NULL, NULL), "binding is null");
     CHECK(b == NULL);
 }
 
@@ -545,9 +510,9 @@ static void test_files(const char* path) {
     other = NULL;
     REFUSED(espalier_table_read("none.npz", &other), ESPALIER_ERROR_FILE, "none.npz");
     REFUSED(espalier_table_read("none.npy", &other), ESPALIER_ERROR_FILE, "none.npy");
-    REFUSED(espalier_table_read(NULL, &other), ESPALIER_ERROR_INPUT, "path is null");
-    REFUSED(espalier_table_read(path, NULL), ESPALIER_ERROR_INPUT, "table is null");
-    REFUSED(espalier_table_write(NULL, path), ESPALIER_ERROR_INPUT, "table is null");
+    INVALID(espalier_table_read(NULL, &other), "path is null");
+    INVALID(espalier_table_read(path, NULL), "table is null");
+    INVALID(espalier_table_write(NULL, path), "table is null");
     REFUSED(espalier_table_write(table, "no/such/table.npz"), ESPALIER_ERROR_FILE, "no/such");
     CHECK(other == NULL);
 }

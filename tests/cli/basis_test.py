@@ -39,13 +39,6 @@ class Basis(CliTest):
     def write_box(self, name, cells):
         self.run_program("shape", "box", "--cells", *cells, "--max", *cells, "-o", name, "--quiet")
 
-    def write_pose(self, name, rest, move):
-        moved = map(move, self.read_ovm_positions(rest))
-        lines = (self.path / rest).read_text().splitlines()
-        at = lines.index("Vertices") + 2
-        lines[at:at + int(lines[at - 1])] = ["%.17g %.17g %.17g" % p for p in moved]
-        (self.path / name).write_text("\n".join(lines) + "\n")
-
     def deformed(self, *options, rest="rest.ovm", pose="pose.ovm"):
         self.run_program("deform", "model.obj", "--rest", rest, "--to", pose, "-o", "out.obj",
                          *options)
@@ -83,11 +76,9 @@ class Basis(CliTest):
     def test_bind_and_apply_do_what_deform_does(self):
         for basis in ["bezier", "bspline"]:
             self.deformed("--basis", basis)
-            self.run_program("bind", "model.obj", "--rest", "rest.ovm", "--basis", basis, "-o",
-                             "m.espb")
+            self.bind("model.obj", "rest.ovm", "--basis", basis, out="m.espb")
             self.run_program("apply", "m.espb", "--to", "pose.ovm", "-o", "applied.obj")
-            self.assertEqual((self.path / "applied.obj").read_bytes(),
-                             (self.path / "out.obj").read_bytes())
+            self.assertEqual(self.bytes("applied.obj"), self.bytes("out.obj"))
 
     def test_points_outside(self):
         self.write_pose("affine.ovm", "rest.ovm", lambda p: (2 * p[0], p[1] - p[2], p[2] + 1))
@@ -127,8 +118,7 @@ class Basis(CliTest):
                       self.refusal_of("thin.ovm", "bspline"))
         count = len(self.read_ovm_positions("rest.ovm"))
         sharp = ["VProp double \"espalier:vertex_sharpness\"", "10", *["-1"] * (count - 1)]
-        (self.path / "marked.ovm").write_text((self.path / "rest.ovm").read_text() +
-                                              "\n".join(sharp) + "\n")
+        self.put("marked.ovm", self.text("rest.ovm") + "\n".join(sharp) + "\n")
         self.assertIn("marked.ovm: has marks", self.refusal_of("marked.ovm"))
 
 

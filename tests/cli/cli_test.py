@@ -7,7 +7,6 @@
 
 import math
 import os
-import pty
 import struct
 import subprocess
 import sys
@@ -73,10 +72,10 @@ class Shapes(CliTest):
     def test_a_merge_does_not_replace_an_input(self):
         self.run_program("shape", "box", "-o", "a.ovm")
         self.run_program("shape", "box", "--min", 1, 0, 0, "--max", 2, 1, 1, "-o", "b.ovm")
-        before = (self.path / "b.ovm").read_bytes()
+        before = self.bytes("b.ovm")
         self.assertIn("b.ovm: is also an input",
                       self.error_of("shape", "merge", "a.ovm", "b.ovm", "-o", "b.ovm"))
-        self.assertEqual((self.path / "b.ovm").read_bytes(), before)
+        self.assertEqual(self.bytes("b.ovm"), before)
 
 
 class Info(CliTest):
@@ -119,7 +118,7 @@ class Info(CliTest):
         lines += [f"CELLS {len(cells)} {sum(map(len, streams))}"]
         lines += [" ".join(map(str, stream)) for stream in streams]
         lines += [f"CELL_TYPES {len(cells)}"] + ["42"] * len(cells)
-        (self.path / name).write_text("\n".join(lines) + "\n")
+        self.put(name, "\n".join(lines) + "\n")
 
     def test_rules_and_boundary_are_heard(self):
         self.run_program("shape", "cylinder", "--sectors", 6, "-o", "c.ovm")
@@ -137,8 +136,7 @@ class RefineAndStencils(CliTest):
         self.run_program("stencils", "o.ovm", "-n", 2, "-o", "s.mtx")
         base = self.read_ovm_positions("o.ovm")
         refined = self.read_ovm_positions("r.ovm")
-        lines = [line for line in (self.path / "s.mtx").read_text().splitlines()
-                 if not line.startswith("%")]
+        lines = [line for line in self.text("s.mtx").splitlines() if not line.startswith("%")]
         rows, columns, entries = map(int, lines[0].split())
         self.assertEqual((rows, columns, entries), (len(refined), len(base), len(lines) - 1))
         self.assert_close(self.product("s.mtx", base), refined, 1e-15)
@@ -153,7 +151,7 @@ class RefineAndStencils(CliTest):
         self.assert_close(self.product("s.mtx", self.read_points("mesh.obj")), refined, 1e-15)
         # Sharpness that is left goes on in the next step.
         self.run_program("refine", "mesh.obj", "-n", 1, "-o", "r1.obj")
-        self.assertIn("t crease 2/1/0 5 ", (self.path / "r1.obj").read_text())
+        self.assertIn("t crease 2/1/0 5 ", self.text("r1.obj"))
         self.run_program("refine", "r1.obj", "-n", 1, "-o", "r11.obj")
         self.assert_close(sorted(self.read_points("r11.obj")), sorted(refined), 1e-14)
         # A smooth mesh is another.
@@ -163,7 +161,7 @@ class RefineAndStencils(CliTest):
 
     def test_refining_twice_keeps_corners_under_every_boundary_mode(self):
         # Vertex 0 is sharp by hand; under edge-only that is all that makes it so.
-        (self.path / "cube.ovm").write_text("".join([
+        self.put("cube.ovm", "".join([
             "OVM ASCII\nVertices\n8\n", *(f"{i & 1} {i >> 1 & 1} {i >> 2}\n" for i in range(8)),
             "Edges\n12\n0 1\n1 3\n3 2\n2 0\n4 5\n5 7\n7 6\n6 4\n0 4\n1 5\n2 6\n3 7\n",
             "Faces\n6\n4 0 2 4 6\n4 8 10 12 14\n4 0 18 9 17\n4 2 22 11 19\n4 4 20 13 23\n"
@@ -204,7 +202,7 @@ class RefineAndStencils(CliTest):
         self.assertEqual(points_of([]),
                          points_of(["t creasemethod 0/0/1 chaikin"], "--creasing", "uniform"))
 
-        (self.path / "t.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+        self.put("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
                                          "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
         self.run_program("refine", "t.obj", "-n", 1, "-o", "a.obj")
         self.run_program("refine", "t.obj", "-n", 1, "-o", "b.obj", "--triangles", "smooth")
@@ -225,14 +223,14 @@ class RefineAndStencils(CliTest):
     def test_attributes_are_refined_with_the_positions(self):
         # z of a cube as an attribute: on the refined lattice it is z again.
         self.run_program("shape", "box", "-o", "b.vtk")
-        text = (self.path / "b.vtk").read_text()
+        text = self.text("b.vtk")
         points = text.split("double\n")[1].split("CELLS")[0].split()
         self.assertEqual(len(points), 24)
         with open(self.path / "b.vtk", "a") as file:
             file.write("POINT_DATA 8\nSCALARS height double 1\nLOOKUP_TABLE default\n" +
                        "\n".join(points[2::3]) + "\n")
         self.run_program("refine", "b.vtk", "-n", 2, "-o", "r.ovm")
-        lines = (self.path / "r.ovm").read_text().splitlines()
+        lines = self.text("r.ovm").splitlines()
         at = next(i for i, line in enumerate(lines) if "height" in line)
         heights = [float(line) for line in lines[at + 1:at + 1 + 125]]
         self.assertEqual(heights, [p[2] for p in self.read_ovm_positions("r.ovm")])
@@ -251,7 +249,7 @@ class RefineAndStencils(CliTest):
         self.run_program("refine", "b.vtk", "-n", 0, "-o", "b.vtu")
         for source in ("b.vtk", "b.vtu"):
             self.run_program("refine", source, "-n", 1, "-o", "r.vtk")
-            text = (self.path / "r.vtk").read_text()
+            text = self.text("r.vtk")
             for name, type_, values, none in (
                     ("gid", "vtktypeint64", gids, -1),
                     ("large", "vtktypeuint64", large, 2**64 - 1),
@@ -264,14 +262,14 @@ class RefineAndStencils(CliTest):
             self.assertEqual(self.info(source, "-n", 0)["attributes"],
                              ["heat", "material", "gid", "large"])
         self.run_program("refine", "b.vtu", "-n", 2, "-o", "r.ovm")
-        text = (self.path / "r.ovm").read_text()
+        text = self.text("r.ovm")
         self.assertEqual(list(map(int, text.split('VProp long "gid"\n')[1].split()[:125])),
                          gids + [-1] * 117)
 
     def test_attributes_that_are_not_finite_are_named(self):
         self.run_program("shape", "box", "-o", "b.vtk")
-        plain = (self.path / "b.vtk").read_text()
-        (self.path / "b.vtk").write_text(
+        plain = self.text("b.vtk")
+        self.put("b.vtk",
             plain + "POINT_DATA 8\nFIELD f 4\n"
             "fine 1 8 double\n1 2 3 4 5 6 7 8\n"
             "heat 1 8 double\n1 2 3 nan 5 6 -inf 8\n"
@@ -287,7 +285,7 @@ class RefineAndStencils(CliTest):
                           lines[1])
             self.assertIn("at vertex 0 (nan)", lines[2])
             self.assertNotIn("\x1b", lines[2])
-        (self.path / "b.vtk").write_text(plain.replace("double\n0", "double\nnan", 1))
+        self.put("b.vtk", plain.replace("double\n0", "double\nnan", 1))
         self.assertIn("b.vtk: ", self.error_of("refine", "b.vtk", "-n", 1, "-o", "r.vtu"))
 
     def test_marks_keep_the_strata_of_a_refined_lattice(self):
@@ -336,7 +334,7 @@ class Compare(CliTest):
         self.write_mesh()
         self.run_program("shape", "torus", "-o", "torus.ovm")
         self.run_program("compare", "mesh.obj", "torus.ovm", "-n", 2, "--html", "report.html")
-        report = (self.path / "report.html").read_text()
+        report = self.text("report.html")
         for text in ["<!DOCTYPE html>", "mesh.obj", "torus.ovm", "<svg"]:
             self.assertIn(text, report)
         for outside in ["<script src", "<link", "@import", "src=\"http"]:
@@ -352,7 +350,7 @@ class Compare(CliTest):
                      (1, 4): 2.9, (1, 5): 1.4, (2, 4): 2.3, (2, 5): 1.1, (3, 4): 3.4, (3, 5): 1.7}
         lines = [f"v {position}" for position in positions] + [f"f {face}" for face in faces]
         lines += [f"t crease 2/1/0 {a} {b} {value}" for (a, b), value in sharpness.items()]
-        (self.path / name).write_text("\n".join(lines) + "\n")
+        self.put(name, "\n".join(lines) + "\n")
 
     def test_differences_have_an_exit_code_of_their_own(self):
         self.write_mesh()
@@ -367,13 +365,13 @@ class Compare(CliTest):
         self.assertRegex(result.stdout, r"\ncreased.obj  level 3 [^\n]* DIFFERS\n")
         self.assertIn("note: Where three or more semi-sharp values meet", result.stdout)
         self.assertNotIn("files agree", result.stdout)
-        self.assertIn("differs", (self.path / "report.html").read_text())
+        self.assertIn("differs", self.text("report.html"))
         self.assertEqual(self.run_program("compare", *arguments, "--quiet", code=3).stdout, "")
         # A file that cannot be compared counts for more.
         self.run_program("compare", *arguments, "none.obj", "--quiet", code=1)
         # The tags are what differs: without them both agree.
-        text = (self.path / "creased.obj").read_text()
-        (self.path / "creased.obj").write_text(text.split("t crease")[0])
+        text = self.text("creased.obj")
+        self.put("creased.obj", text.split("t crease")[0])
         self.run_program("compare", *arguments)
 
     def test_what_cannot_be_compared_is_named_and_fails(self):
@@ -389,7 +387,7 @@ class Compare(CliTest):
         error = self.error_of("compare", "box.ovm", "--boundary", "open")
         self.assertIn("box.ovm: without boundary control", error)
         # Without boundary control nothing is left of so small a mesh.
-        (self.path / "small.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+        self.put("small.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
         self.error_of("compare", "small.obj", "--boundary", "open")
         self.assertIn("no folder", self.error_of("compare", "mesh.obj", "--html", "none/r.html"))
 
@@ -406,37 +404,28 @@ class Deform(CliTest):
         self.expected = [(4 * x - 1, 2 * y - 1, 3 * z - 1) for x, y, z in self.points]
 
     def test_affine_pose_moves_the_model_by_the_same_map(self):
-        out = self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk",
-                               "-n", 2, "-o", "out.obj").stdout
+        out = self.deform("model.obj", "rest.vtu", "pose.vtk", "-n", 2, out="out.obj").stdout
         self.assert_close(self.read_points("out.obj"), self.expected, 1e-13)
         self.assertIn("500 inside, 0 outside, 0 not converged", out)
         for word in ["largest residual", "entries a bound row", "peak memory", "binding"]:
             self.assertIn(word, out)
-        text = (self.path / "out.obj").read_text()
+        text = self.text("out.obj")
         self.assertTrue(text.startswith("# a comment\nv "))
         self.assertTrue(text.endswith("vt 0 0\nf 1/1 2/1 3/1\n"))
 
     def test_rest_pose_gives_the_model_back(self):
-        self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "-o",
-                         "out.obj")
+        self.deform("model.obj", "rest.vtu", "rest.vtu", out="out.obj")
         self.assert_close(self.read_points("out.obj"), self.points, 1e-12)
 
     def test_example_of_the_readme_does_what_the_program_does(self):
-        self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk", "-n", 3,
-                         "-o", "out.obj")
+        self.deform("model.obj", "rest.vtu", "pose.vtk", "-n", 3, out="out.obj")
         subprocess.run([EXAMPLE, "model.obj", "rest.vtu", "pose.vtk", "example.obj"],
                        cwd=self.path, check=True, timeout=120)
-        self.assertEqual((self.path / "example.obj").read_bytes(),
-                         (self.path / "out.obj").read_bytes())
+        self.assertEqual(self.bytes("example.obj"), self.bytes("out.obj"))
 
     def test_terminal_shows_progress(self):
-        terminal, other_end = pty.openpty()
-        subprocess.run([program.ESPALIER, "deform", "model.obj", "--rest", "rest.vtu", "--to",
-                        "pose.vtk", "-o", "out.obj"], cwd=self.path, check=True, timeout=120,
-                       stdout=subprocess.DEVNULL, stderr=other_end)
-        os.close(other_end)
-        shown = os.read(terminal, 100000).decode()
-        os.close(terminal)
+        shown = self.shown_on_a_terminal("deform", "model.obj", "--rest", "rest.vtu", "--to",
+                                         "pose.vtk", "-o", "out.obj")
         self.assertIn("binding ...", shown)
         self.assertIn("binding ... 100 %", shown)
         self.assertTrue(shown.endswith("\r\x1b[K"), "the line is cleared at the end")
@@ -447,19 +436,16 @@ class Deform(CliTest):
         self.assertEqual(result.stdout + result.stderr, "")
 
     def test_bind_and_apply_do_what_deform_does(self):
-        self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk", "-n", 2,
-                         "-o", "deformed.obj")
-        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-n", 2, "-o", "m.espb")
+        self.deform("model.obj", "rest.vtu", "pose.vtk", "-n", 2, out="deformed.obj")
+        self.bind("model.obj", "rest.vtu", "-n", 2, out="m.espb")
         os.remove(self.path / "model.obj")
         self.run_program("apply", "m.espb", "--to", "pose.vtk", "-o", "applied.obj")
-        self.assertEqual((self.path / "applied.obj").read_bytes(),
-                         (self.path / "deformed.obj").read_bytes())
+        self.assertEqual(self.bytes("applied.obj"), self.bytes("deformed.obj"))
 
     def test_several_poses_are_numbered(self):
         for pattern, names in [("out.obj", ["out.0000.obj", "out.0001.obj"]),
                                ("p%02d.obj", ["p00.obj", "p01.obj"])]:
-            self.run_program("deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu",
-                             "pose.vtk", "-n", 1, "-o", pattern)
+            self.deform("model.obj", "rest.vtu", "rest.vtu", "pose.vtk", "-n", 1, out=pattern)
             self.assert_close(self.read_points(names[0]), self.points, 1e-12)
             self.assert_close(self.read_points(names[1]), self.expected, 1e-12)
 
@@ -472,8 +458,8 @@ class Deform(CliTest):
             error = self.error_of(*arguments)
             self.assertIn("out.0001.obj: is the same file as out.0000.obj, through a link", error)
             link.unlink()
-            (self.path / "out.0000.obj").write_text("kept")
-        self.assertEqual((self.path / "out.0000.obj").read_text(), "kept")
+            self.put("out.0000.obj", "kept")
+        self.assertEqual(self.text("out.0000.obj"), "kept")
         # Another file, and a device that takes several.
         link.symlink_to("else.obj")
         self.run_program(*arguments)
@@ -486,9 +472,8 @@ class Deform(CliTest):
     def test_result_does_not_depend_on_the_number_of_threads(self):
         outputs = set()
         for threads in [1, 2, 5]:
-            self.run_program("bind", "model.obj", "--rest", "rest.vtu", "--threads", threads,
-                             "-o", "m.espb")
-            outputs.add((self.path / "m.espb").read_bytes())
+            self.bind("model.obj", "rest.vtu", "--threads", threads, out="m.espb")
+            outputs.add(self.bytes("m.espb"))
         self.assertEqual(len(outputs), 1)
 
     def test_points_outside(self):
@@ -501,35 +486,34 @@ class Deform(CliTest):
         self.assertEqual(self.read_points("out.obj")[-1], (1.5, 0.5, 0.5))
         self.run_program(*arguments, "nearest")
         self.assert_close(self.read_points("out.obj")[-1:], [(5, 0, 0.5)], 1e-12)
-        before = (self.path / "out.obj").read_bytes()
+        before = self.bytes("out.obj")
         self.assertIn("point 500 at (1.5", self.error_of(*arguments, "error"))
-        self.assertEqual((self.path / "out.obj").read_bytes(), before, "the old file stays")
+        self.assertEqual(self.bytes("out.obj"), before, "the old file stays")
 
     def test_models_of_all_formats(self):
         stl = "solid s\n facet normal 0 0 1\n  outer loop\n   vertex .1 .1 .5\n" \
               "   vertex .9 .1 .5\n   vertex .1 .9 .5\n  endloop\n endfacet\nendsolid s\n"
         ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n" \
               "property float z\nend_header\n0.5 0.25 0.75\n"
-        (self.path / "m.stl").write_text(stl)
-        (self.path / "m.ply").write_text(ply)
+        self.put("m.stl", stl)
+        self.put("m.ply", ply)
         self.run_program("shape", "tetrahedron", "--radius", 0.1, "-o", "m.vtu")
         for extension in ["stl", "ply", "vtu"]:
-            self.run_program("deform", f"m.{extension}", "--rest", "rest.vtu", "--to", "pose.vtk",
-                             "--outside", "nearest", "-o", f"out.{extension}")
-            self.assertNotEqual((self.path / f"out.{extension}").read_bytes(),
-                                (self.path / f"m.{extension}").read_bytes())
-        self.assertIn("1 -0.5 1.25", (self.path / "out.ply").read_text())
+            self.deform(f"m.{extension}", "rest.vtu", "pose.vtk", "--outside", "nearest",
+                        out=f"out.{extension}")
+            self.assertNotEqual(self.bytes(f"out.{extension}"), self.bytes(f"m.{extension}"))
+        self.assertIn("1 -0.5 1.25", self.text("out.ply"))
 
     def add_unused_vertex(self, name, to):
         """The same .ovm with one vertex more, before the others, that no edge uses."""
-        lines = (self.path / name).read_text().splitlines()
+        lines = self.text(name).splitlines()
         at, edges = lines.index("Vertices"), lines.index("Edges")
         count = int(lines[edges + 1])
         lines[edges + 2:edges + 2 + count] = [
             " ".join(str(int(end) + 1) for end in line.split())
             for line in lines[edges + 2:edges + 2 + count]]
         lines[at + 1:at + 2] = [str(int(lines[at + 1]) + 1), "9 9 9"]
-        (self.path / to).write_text("\n".join(lines) + "\n")
+        self.put(to, "\n".join(lines) + "\n")
 
     def test_unused_vertices_are_dropped_with_a_note(self):
         self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "rest.ovm")
@@ -546,12 +530,12 @@ class Deform(CliTest):
                                     "-o", out, "--quiet").stderr
 
         deform("rest.ovm", "pose.ovm", out="plain.obj")
-        plain = (self.path / "plain.obj").read_bytes()
+        plain = self.bytes("plain.obj")
         for rest, pose in [("rest+.ovm", "pose+.ovm"), ("rest.ovm", "pose+.ovm"),
                            ("rest+.ovm", "pose.ovm")]:
             names = [name for name in [rest, pose] if "+" in name]
             self.assertEqual(deform(rest, pose), note(*names))
-            self.assertEqual((self.path / "out.obj").read_bytes(), plain)
+            self.assertEqual(self.bytes("out.obj"), plain)
         # Of many poses with the same vertex, the first has the note.
         self.assertEqual(deform("rest+.ovm", "pose+.ovm", "rest+.ovm", "pose.ovm", "pose+.ovm"),
                          note("rest+.ovm", "pose+.ovm", "pose+.ovm"))
@@ -569,7 +553,7 @@ class Deform(CliTest):
         self.assertEqual(self.info("rest+.ovm", "-n", 0)["levels"][0]["counts"]["vertices"], 27)
         self.assertEqual(self.run_program("apply", "m.espb", "--to", "pose+.ovm", "-o", "out.obj",
                                           "--quiet").stderr, note("pose+.ovm"))
-        self.assertEqual((self.path / "out.obj").read_bytes(), plain)
+        self.assertEqual(self.bytes("out.obj"), plain)
         self.assertEqual(self.run_program("check", "pose+.ovm", "--rest", "rest+.ovm", *quiet).stderr,
                          note("rest+.ovm", "pose+.ovm"))
         # A pose that is written lacks the vertex, and is one of either lattice.
@@ -581,7 +565,7 @@ class Deform(CliTest):
 
     def test_pose_of_another_topology_is_refused(self):
         self.run_program("shape", "box", "--cells", 2, 2, 1, "-o", "other.ovm")
-        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-o", "m.espb")
+        self.bind("model.obj", "rest.vtu", out="m.espb")
         for arguments in [["deform", "model.obj", "--rest", "rest.vtu"], ["apply", "m.espb"]]:
             error = self.error_of(*arguments, "--to", "other.ovm", "-o", "out.obj")
             self.assertIn("other.ovm: is not a pose of", error)
@@ -589,8 +573,8 @@ class Deform(CliTest):
             self.assertFalse((self.path / "out.obj").exists())
 
     def test_damaged_bindings_are_refused(self):
-        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-o", "m.espb")
-        data = (self.path / "m.espb").read_bytes()
+        self.bind("model.obj", "rest.vtu", out="m.espb")
+        data = self.bytes("m.espb")
         (self.path / "cut.espb").write_bytes(data[:-100])
         (self.path / "bad.espb").write_bytes(data[:2000] + b"?" + data[2001:])
         for name, cause in [("cut", "truncated"), ("bad", "checksum")]:
@@ -598,10 +582,10 @@ class Deform(CliTest):
                                                "out.obj"))
 
     def test_bad_files_are_named_with_line_and_cause(self):
-        (self.path / "bad.obj").write_text("v 0 0 0\nv 1 x 0\n")
+        self.put("bad.obj", "v 0 0 0\nv 1 x 0\n")
         self.assertIn("bad.obj:2: ", self.error_of("deform", "bad.obj", "--rest", "rest.vtu",
                                                    "--to", "pose.vtk", "-o", "out.obj"))
-        (self.path / "bad.ovm").write_text("OVM ASCII\nVertices\n2\n0 0 0\n1 nonsense 0\n")
+        self.put("bad.ovm", "OVM ASCII\nVertices\n2\n0 0 0\n1 nonsense 0\n")
         self.assertIn("bad.ovm:5: ", self.error_of("info", "bad.ovm"))
         self.assertIn("none.vtu: ", self.error_of("info", "none.vtu"))
         self.assertIn("model.xyz", self.error_of("deform", "model.xyz", "--rest", "rest.vtu",
@@ -610,7 +594,7 @@ class Deform(CliTest):
                                             "pose.vtk", "-o", "out.ply"))
 
     def test_outputs_do_not_replace_inputs(self):
-        self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-o", "m.espb")
+        self.bind("model.obj", "rest.vtu", out="m.espb")
         for arguments in [["stencils", "rest.vtu", "-o", "rest.vtu"],
                           ["refine", "rest.vtu", "-o", "./rest.vtu"],
                           ["bind", "model.obj", "--rest", "rest.vtu", "-o", "model.obj"],
@@ -618,10 +602,9 @@ class Deform(CliTest):
                           ["apply", "m.espb", "--to", "pose.vtk", "-o", "m.espb"],
                           ["deform", "model.obj", "--rest", "rest.vtu", "--to", "pose.vtk", "-o",
                            "model.obj"]]:
-            before = {name: (self.path / name).read_bytes() for name in os.listdir(self.path)}
+            before = {name: self.bytes(name) for name in os.listdir(self.path)}
             self.error_of(*arguments)
-            self.assertEqual(before, {name: (self.path / name).read_bytes()
-                                      for name in os.listdir(self.path)})
+            self.assertEqual(before, {name: self.bytes(name) for name in os.listdir(self.path)})
 
     def test_full_standard_output_is_an_error(self):
         with open("/dev/full", "w") as full:
@@ -636,9 +619,8 @@ class Deform(CliTest):
         numbers = [x for point in self.points for x in point]
         (self.path / "m.ply").write_bytes(header.encode() + struct.pack(f"<{len(numbers)}f",
                                                                        *numbers))
-        self.run_program("deform", "m.ply", "--rest", "rest.vtu", "--to", "rest.vtu", "-o",
-                         "out.ply")
-        self.assertEqual((self.path / "out.ply").read_bytes(), (self.path / "m.ply").read_bytes())
+        self.deform("m.ply", "rest.vtu", "rest.vtu", out="out.ply")
+        self.assertEqual(self.bytes("out.ply"), self.bytes("m.ply"))
 
     def test_rules_reach_the_weights(self):
         # Five wedges meet in the axis of a pentagonal cylinder: there they all differ.
@@ -646,7 +628,7 @@ class Deform(CliTest):
         outputs = set()
         for rules in ["siggraph96", "cse96", "mlca"]:
             self.run_program("stencils", "c.ovm", "-n", 1, "--rules", rules, "-o", "s.mtx")
-            outputs.add((self.path / "s.mtx").read_text())
+            outputs.add(self.text("s.mtx"))
         self.assertEqual(len(outputs), 3)
         error = self.error_of("refine", "c.ovm", "-n", 1, "--rules", "mlca", "--triangles", "smooth",
                               "-o", "out.ovm")

@@ -16,14 +16,14 @@ from program import CliTest
 class Curves(CliTest):
     def write_polygon(self, *lines, name="polygon.obj"):
         points = ["v 0 0 0", "v 1 2 0", "v 3 2 1", "v 4 0 0"]
-        (self.path / name).write_text("\n".join([*points, *(lines or ["l 1 2 3 4"])]) + "\n")
+        self.put(name, "\n".join([*points, *(lines or ["l 1 2 3 4"])]) + "\n")
 
     def refined(self, *options, level=1):
         self.run_program("refine", "polygon.obj", "-n", level, "-o", "r.obj", *options)
         return self.read_points("r.obj")
 
     def statements(self, word):
-        lines = (self.path / "r.obj").read_text().splitlines()
+        lines = self.text("r.obj").splitlines()
         return [line for line in lines if line.startswith(word + " ")]
 
     def test_open_polygon(self):

@@ -242,8 +242,7 @@ class ElasticLattice(CliTest):
         weight, x = 1e-6, 5
         self.deflection(self.tip(), weight)
         self.write_model([(x, 0.5, 0.5), (x, 0.5, -0.5)], "probes.obj")
-        self.run_program("deform", "probes.obj", "--rest", "rest.ovm", "--to", "pose.ovm", "-n", 2,
-                         "-o", "moved.obj")
+        self.deform("probes.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         above, below = np.array(self.read_points("moved.obj"))[:, 1] - 0.5
         stretch = weight * (self.LENGTH - x) * 12 * 0.5  # moment / (width · height³ / 12) · z
         # It bends some 3 % too little, as above.
@@ -280,7 +279,7 @@ class ElasticLattice(CliTest):
         turn = np.array([[1, -1, 0], [1, 1, 0], [0, 0, math.sqrt(2)]]) / math.sqrt(2)
         positions = positions @ turn.T
         lines[rows] = [" ".join(f"{x:.17g}" for x in p) for p in positions]
-        (self.path / "rest.ovm").write_text("\n".join(lines) + "\n")
+        self.put("rest.ovm", "\n".join(lines) + "\n")
         self.write_model([tuple(positions.mean(axis=0))])
         edge = positions[:, 0].min() + 1e-9
         self.assertEqual((positions[:, 0] <= edge).sum(), 5)

@@ -100,24 +100,13 @@ class Export(CliTest):
         self.assertEqual(matrix[50].nnz, 0)
         # As deform moves them.
         pose = base * [1, 1.5, 1] + [0, 0, 0.25]
-        lines = (self.path / "c.ovm").read_text().splitlines()
-        at = lines.index("Vertices") + 2
-        lines[at:at + len(pose)] = ["%.17g %.17g %.17g" % tuple(p) for p in pose]
-        (self.path / "pose.ovm").write_text("\n".join(lines) + "\n")
-        self.run_program("deform", "model.obj", "--rest", "c.ovm", "--to", "pose.ovm", "-n", 2,
-                         "-o", "moved.obj")
+        self.write_positions("pose.ovm", "c.ovm", pose)
+        self.deform("model.obj", "c.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         numpy.testing.assert_allclose((matrix @ pose)[:50], self.read_points("moved.obj")[:50],
                                       rtol=0, atol=1e-14)
         # And the nearest cell carries it, if it is asked to.
         self.write("-n", 2, "--points", "model.obj", "--outside", "nearest", "-o", "n.npz")
         numpy.testing.assert_allclose(self.npz("n.npz") @ base, points, rtol=0, atol=1e-12)
-
-    def write_pose(self, name, rest, pose):
-        """A lattice with other positions."""
-        lines = (self.path / rest).read_text().splitlines()
-        at = lines.index("Vertices") + 2
-        lines[at:at + len(pose)] = ["%.17g %.17g %.17g" % tuple(p) for p in pose]
-        (self.path / name).write_text("\n".join(lines) + "\n")
 
     def bent(self, rest):
         base = numpy.array(self.read_ovm_positions(rest))
@@ -128,16 +117,14 @@ class Export(CliTest):
         points = icosphere_points(50) + [(9, 9, 9)]
         self.write_model(points)
         base, pose = self.bent("c.ovm")
-        self.write_pose("pose.ovm", "c.ovm", pose)
-        self.run_program("deform", "model.obj", "--rest", "c.ovm", "--to", "pose.ovm", "--limit",
-                         "-o", "moved.obj")
+        self.write_positions("pose.ovm", "c.ovm", pose)
+        self.deform("model.obj", "c.ovm", "pose.ovm", "--limit", out="moved.obj")
         moved = self.read_points("moved.obj")
         for name in ["d.npz", "d.mtx"]:
             out = self.write("--points", "model.obj", "--limit", "-o", name)
             self.assertEqual(len(out.splitlines()), 1)
         matrix = self.npz("d.npz")
-        self.assertIn("D in the limit: rows are the points of model.obj",
-                      (self.path / "d.mtx").read_text())
+        self.assertIn("D in the limit: rows are the points of model.obj", self.text("d.mtx"))
         self.assert_same(scipy.io.mmread(self.path / "d.mtx").tocsr(), matrix)
         numpy.testing.assert_allclose((matrix @ base)[:50], points[:50], rtol=0, atol=1e-14)
         numpy.testing.assert_allclose((matrix @ pose)[:50], moved[:50], rtol=0, atol=1e-14)
@@ -185,13 +172,12 @@ class Export(CliTest):
         points = [(1.25 + 0.1 * i, 1.5 + 0.2 * i, 1.75) for i in range(5)]
         self.write_model(points)
         base, pose = self.bent("c.ovm")
-        self.write_pose("pose.ovm", "c.ovm", pose)
+        self.write_positions("pose.ovm", "c.ovm", pose)
         for basis, title in [("bezier", "D of the Bézier volume"),
                              ("bspline", "D of the uniform cubic B-splines"),
                              ("subdivision", "D at level 2")]:
             options = ["--basis", basis, *(["-n", 2] if basis == "subdivision" else [])]
-            self.run_program("deform", "model.obj", "--rest", "c.ovm", "--to", "pose.ovm", *options,
-                             "-o", "moved.obj")
+            self.deform("model.obj", "c.ovm", "pose.ovm", *options, out="moved.obj")
             self.write("--points", "model.obj", *options, "-o", "d.npz")
             matrix = self.npz("d.npz")
             numpy.testing.assert_allclose(matrix.sum(axis=1), 1, rtol=0, atol=1e-14)
@@ -199,14 +185,14 @@ class Export(CliTest):
             numpy.testing.assert_allclose(matrix @ pose, self.read_points("moved.obj"),
                                           rtol=0, atol=1e-13)
             self.write("--points", "model.obj", *options, "-o", "d.mtx")
-            self.assertIn(title, (self.path / "d.mtx").read_text())
+            self.assertIn(title, self.text("d.mtx"))
 
     def test_a_full_disk(self):
         for name in ["s.mtx", "s.npz", "s.petsc"]:
             self.assert_nothing_is_lost_on_a_full_disk("stencils", "c.ovm", "-n", 2, output=name)
         # Three files: there is room for the first of them, of the offsets of rows.
         for name in ["indptr", "indices", "data"]:
-            (self.path / f"s.{name}.npy").write_text("old")
+            self.put(f"s.{name}.npy", "old")
         self.assert_nothing_is_lost_on_a_full_disk("stencils", "c.ovm", "-n", 2, output="s.npy",
                                                    named="s.indices.npy")
 

@@ -54,7 +54,7 @@ class OnATerminal(FaultsTest):
     def setUp(self):
         super().setUp()
         self.write_model(icosphere_points(20000))
-        (self.path / "m.espb").write_text("old")
+        self.put("m.espb", "old")
         # A test that runs in the background may have been told to ignore some.
         for number in [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]:
             self.handle(number, signal.SIG_DFL)
@@ -93,10 +93,10 @@ class OnATerminal(FaultsTest):
 
     def test_a_signal_while_writing_leaves_the_old_file_or_the_new_one(self):
         self.run_program("bind", "model.obj", "--rest", "rest.vtu", "-n", 2, "-o", "whole.espb")
-        whole = (self.path / "whole.espb").read_bytes()
+        whole = self.bytes("whole.espb")
         before = self.contents()
         for number in [signal.SIGINT, signal.SIGTERM, signal.SIGKILL]:
-            (self.path / "m.espb").write_text("old")
+            self.put("m.espb", "old")
             code, _ = self.bind_until("writing", lambda it: it.send_signal(number), level=2)
             self.assertIn(code, [-number, 0])
             after = self.contents()
@@ -128,7 +128,7 @@ class OnATerminal(FaultsTest):
         os.read(master, 1)
         os.close(master)
         self.assertEqual(process.wait(timeout=120), 0)
-        self.assertNotEqual((self.path / "m.espb").read_bytes(), b"old")
+        self.assertNotEqual(self.bytes("m.espb"), b"old")
 
 
 class Signals(FaultsTest):
@@ -183,7 +183,7 @@ class Files(FaultsTest):
     def setUp(self):
         super().setUp()
         self.write_model(icosphere_points(500))
-        (self.path / "m.espb").write_text("old")
+        self.put("m.espb", "old")
 
     def bind(self, output="m.espb"):
         return ["bind", "model.obj", "--rest", "rest.vtu", "-n", 2, "-o", output]
@@ -205,7 +205,7 @@ class Files(FaultsTest):
         (self.path / "m.espb").chmod(0o444)
         (self.path / "out").mkdir(mode=0o555)
         # The model is none: nothing is read before.
-        (self.path / "model.obj").write_text("nonsense")
+        self.put("model.obj", "nonsense")
         self.assert_fails("m.espb: cannot write: Permission denied", *self.bind(), **who)
         self.assert_fails("out/m.espb: cannot create a file beside it: Permission denied",
                           *self.bind("out/m.espb"), **who)
@@ -223,8 +223,8 @@ class Files(FaultsTest):
 
     def test_an_input_that_goes_while_another_is_read(self):
         os.mkfifo(self.path / "slow.obj")
-        text = (self.path / "model.obj").read_text()
-        rest = (self.path / "rest.vtu").read_bytes()
+        text = self.text("model.obj")
+        rest = self.bytes("rest.vtu")
 
         def with_model_after(change):
             process = self.start("bind", "slow.obj", "--rest", "rest.vtu", "-o", "m.espb",
@@ -234,7 +234,7 @@ class Files(FaultsTest):
                 model.write(text)
             _, error = process.communicate(timeout=120)
             self.assertEqual(process.returncode, 1)
-            self.assertEqual((self.path / "m.espb").read_text(), "old")
+            self.assertEqual(self.text("m.espb"), "old")
             return error
 
         self.assertEqual(with_model_after((self.path / "rest.vtu").unlink),
@@ -316,7 +316,7 @@ class Files(FaultsTest):
         os.mkfifo(self.path / "pipe.vtu")
         process = self.start("deform", "model.obj", "--rest", "rest.vtu", "--to", "pipe.vtu", "-n",
                              2, "-o", "out.obj", "--quiet")
-        (self.path / "pipe.vtu").write_bytes((self.path / "rest.vtu").read_bytes())
+        (self.path / "pipe.vtu").write_bytes(self.bytes("rest.vtu"))
         self.assertEqual(process.wait(timeout=120), 0)
         self.assertTrue((self.path / "out.obj").exists())
 
@@ -345,7 +345,7 @@ class Files(FaultsTest):
             self.start("deform", "model.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "-n", 2,
                        "-o", "/dev/stdout", stdout=log).wait(timeout=120)
             print("after", file=log)
-        text = (self.path / "log").read_text()
+        text = self.text("log")
         self.assertTrue(text.startswith("before\n# a comment\nv "), text[:50])
         self.assertEqual(text.count("\nv "), 500)
         self.assertIn("\npeak memory", text)
@@ -392,13 +392,12 @@ class StandardStreams(FaultsTest):
         self.run_program("refine", "rest.vtu", "-n", 1, "-o", "expected.vtu")
         for closed in [">&-", "2>&-", "<&- >&- 2>&-"]:
             self.shell(f'"$E" refine rest.vtu -n 1 -o r.vtu --quiet {closed}', 0)
-            self.assertEqual((self.path / "r.vtu").read_bytes(),
-                             (self.path / "expected.vtu").read_bytes())
+            self.assertEqual(self.bytes("r.vtu"), self.bytes("expected.vtu"))
 
 
 class Memory(FaultsTest):
     def test_too_little_of_it_is_one_line(self):
-        (self.path / "r.vtu").write_text("old")
+        self.put("r.vtu", "old")
         for kind, megabytes in [(resource.RLIMIT_AS, 150), (resource.RLIMIT_DATA, 20),
                                 (resource.RLIMIT_DATA, 100)]:
             size = megabytes << 20
@@ -411,7 +410,7 @@ class Memory(FaultsTest):
             self.skipTest("without the library for it")
         self.run_program("shape", "box", "-o", "one.vtu", "--quiet")
         self.write_model(icosphere_points(5))
-        (self.path / "out.obj").write_text("old")
+        self.put("out.obj", "old")
         deform = ["deform", "model.obj", "--rest", "one.vtu", "--to", "one.vtu", "-n", 1, "-o",
                   "out.obj", "--threads", 1]
         count = self.allocations_of(*deform)

@@ -35,8 +35,7 @@ class DeformOnGpu(CliTest):
 
     def assert_deformed(self, result):
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "narrow.ovm",
-                         "-n", 3, "-o", "expected.obj")
+        self.deform("model.obj", "rest.ovm", "narrow.ovm", "-n", 3, out="expected.obj")
         expected = numpy.array(self.read_points("expected.obj"))
         self.assertEqual(list(expected[7]), [9, 8, 7])
         # In float: some roundings of 1e-7, of numbers up to 9.

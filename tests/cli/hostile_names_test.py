@@ -82,7 +82,7 @@ class HostileNames(CliTest):
         for i, name in enumerate(HOSTILE):
             lattice, model = name + b".vtu", name + b".obj"
             for source, target in [("rest.vtu", lattice), ("model.obj", model)]:
-                (self.path / os.fsdecode(target)).write_bytes((self.path / source).read_bytes())
+                (self.path / os.fsdecode(target)).write_bytes(self.bytes(source))
             for command in self.commands(lattice, model, b"out" + name, name + b".espb"):
                 if "merge" not in command:  # a lattice with itself is none
                     self.succeeds(*command)
@@ -123,7 +123,7 @@ class HostileNames(CliTest):
 
     def test_names_of_attributes(self):
         self.run_program("refine", "rest.vtu", "-n", 0, "-o", "rest.ovm")
-        plain = (self.path / "rest.ovm").read_bytes()
+        plain = self.bytes("rest.ovm")
         count = int(plain.split(b"Vertices\n")[1].split()[0])
         for name in HOSTILE:
             if b"\n" in name or b"\r" in name:
@@ -141,7 +141,7 @@ class HostileNames(CliTest):
     def test_json_of_names_that_are_not_utf8(self):
         for name in HOSTILE:
             path = name + b".vtu"
-            (self.path / os.fsdecode(path)).write_bytes((self.path / "rest.vtu").read_bytes())
+            (self.path / os.fsdecode(path)).write_bytes(self.bytes("rest.vtu"))
             report = json.loads(self.succeeds("info", path, "-n", 0, "--json"))
             self.assertEqual(report["lattice"], path.decode(errors="replace"))
 

@@ -30,7 +30,7 @@ class LimitTest(CliTest):
             length = math.sqrt(sum(c * c for c in p))
             lines.append("vn " + " ".join(f"{c / length:.9f}" for c in p))
         lines.append("f 1//1 2//2 3//3 4//4")
-        (self.path / "model.obj").write_text("\n".join(lines) + "\n")
+        self.put("model.obj", "\n".join(lines) + "\n")
 
     def write_lattice(self):
         self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 2, "--from", 0, 0, -1,
@@ -38,16 +38,12 @@ class LimitTest(CliTest):
 
     def pose(self, move, name="pose.ovm"):
         """The lattice with each vertex moved."""
-        lines = (self.path / "rest.ovm").read_text().splitlines()
-        first = lines.index("Vertices") + 2
-        for i, position in enumerate(self.read_ovm_positions("rest.ovm"), first):
-            lines[i] = "%.17g %.17g %.17g" % move(position)
-        (self.path / name).write_text("\n".join(lines) + "\n")
+        self.write_pose(name, "rest.ovm", move)
         return name
 
     def vectors(self, name, word):
         return [[float(c) for c in line.split()[1:]]
-                for line in (self.path / name).read_text().splitlines() if line.startswith(word + " ")]
+                for line in self.text(name).splitlines() if line.startswith(word + " ")]
 
     def setUp(self):
         super().setUp()
@@ -68,7 +64,7 @@ class LimitTest(CliTest):
         points = self.deform("--limit", to="rest.ovm")
         self.assert_near(points, self.vectors("model.obj", "v"), 1e-15)
         # Nothing moves: normals keep their text.
-        lines = [[line for line in (self.path / name).read_text().splitlines() if "v " not in line]
+        lines = [[line for line in self.text(name).splitlines() if "v " not in line]
                  for name in ("out.obj", "model.obj")]
         self.assertEqual(lines[0], lines[1])
 
@@ -100,8 +96,7 @@ class LimitTest(CliTest):
         self.assertEqual(report["points"], {"inside": 4, "outside": 0, "not_converged": 0})
         self.run_program("apply", "bound.espb", "--to", "pose.ovm", "-o", "applied.obj")
         self.assertEqual(self.vectors("applied.obj", "v"), expected)
-        self.assertEqual((self.path / "applied.obj").read_bytes(),
-                         (self.path / "out.obj").read_bytes())
+        self.assertEqual(self.bytes("applied.obj"), self.bytes("out.obj"))
         self.assertNotEqual(self.vectors("applied.obj", "vn"), self.vectors("model.obj", "vn"))
 
     def models_with_directions(self):
@@ -111,7 +106,7 @@ class LimitTest(CliTest):
         points.append([9, 9, 9])  # stays where it is
         normals.append([0, 0, 1])
         rows = ["%r %r %r %r %r %r 0 0.6 0.8" % (*p, *n) for p, n in zip(points, normals)]
-        (self.path / "model.ply").write_text("\n".join(
+        self.put("model.ply", "\n".join(
             ["ply", "format ascii 1.0", f"element vertex {len(rows)}",
              *(f"property double {name}" for name in "x y z nx ny nz tx ty tz".split()),
              "end_header", *rows, ""]))
@@ -121,7 +116,7 @@ class LimitTest(CliTest):
             return (f'<DataArray type="Float64" NumberOfComponents="3" format="ascii" {attributes}>'
                     f'{text}</DataArray>')
         count = len(points)
-        (self.path / "model.vtu").write_text(
+        self.put("model.vtu",
             '<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">'
             f'<UnstructuredGrid><Piece NumberOfPoints="{count}" NumberOfCells="0">'
             f'<PointData Normals="n" Tangents="t">{array(normals, "Name=@n@")}'
@@ -131,7 +126,7 @@ class LimitTest(CliTest):
             '<DataArray type="Int64" Name="offsets" format="ascii"></DataArray>'
             '<DataArray type="UInt8" Name="types" format="ascii"></DataArray>'
             '</Cells></Piece></UnstructuredGrid></VTKFile>\n')
-        (self.path / "plain.obj").write_text("v 0.2 0.1 0.3\nv 9 9 9\n")
+        self.put("plain.obj", "v 0.2 0.1 0.3\nv 9 9 9\n")
         return ["model.obj", "model.ply", "model.vtu", "plain.obj"]
 
     def lattices(self):
@@ -157,16 +152,16 @@ class LimitTest(CliTest):
                         self.run_program("apply", "bound.espb", "--to", *poses,
                                          "-o", f"applied%d.{extension}")
                         for i in range(len(poses)):
-                            deformed, applied = ((self.path / f"{name}{i}.{extension}").read_bytes()
+                            deformed, applied = (self.bytes(f"{name}{i}.{extension}")
                                                  for name in ("deformed", "applied"))
                             self.assertEqual(applied, deformed)
                         # Directions were carried in both, and only points moved in the plain one.
-                        version = (self.path / "bound.espb").read_bytes()[8]
+                        version = self.bytes("bound.espb")[8]
                         self.assertEqual(version, 1 if model == "plain.obj" else 2)
 
     def test_a_binding_to_a_level_has_no_gradients(self):
-        self.run_program("bind", "model.obj", "--rest", "rest.ovm", "-n", 2, "-o", "bound.espb")
-        self.assertEqual((self.path / "bound.espb").read_bytes()[8], 1)
+        self.bind("model.obj", "rest.ovm", "-n", 2, out="bound.espb")
+        self.assertEqual(self.bytes("bound.espb")[8], 1)
         self.pose(turn)
         self.run_program("apply", "bound.espb", "--to", "pose.ovm", "-o", "applied.obj")
         self.assertEqual(self.vectors("applied.obj", "vn"), self.vectors("model.obj", "vn"))

@@ -64,8 +64,7 @@ class PetscFit(CliTest):
             numpy.testing.assert_allclose(self.read_ovm_positions("pose.ovm"),
                                           lattice + displacements, rtol=0, atol=1e-9)
             # The model is what the program makes of that lattice, but for the order of sums.
-            self.run_program("deform", "model.obj", "--rest", "c.ovm", "--to", "pose.ovm", "-n", 2,
-                             "-o", "deformed.obj")
+            self.deform("model.obj", "c.ovm", "pose.ovm", "-n", 2, out="deformed.obj")
             numpy.testing.assert_allclose(self.read_points("deformed.obj"), out, rtol=0, atol=1e-14)
             (self.path / "out.obj").unlink()
             (self.path / "pose.ovm").unlink()
@@ -78,9 +77,9 @@ class PetscFit(CliTest):
 
     def test_refuses_malformed_files(self):
         for line in ["v 1 2", "v 1 2 nan", "v 1 2 three"]:
-            lines = (self.path / "model.obj").read_text().splitlines()
+            lines = self.text("model.obj").splitlines()
             lines[5] = line
-            (self.path / "wanted.obj").write_text("\n".join(lines))
+            self.put("wanted.obj", "\n".join(lines))
             self.assert_refused("wanted.obj:6: ")
 
     def test_says_what_cannot_be_written(self):

@@ -3,7 +3,9 @@
 
 import json
 import math
+import os
 import pathlib
+import pty
 import resource
 import signal
 import subprocess
@@ -31,6 +33,15 @@ class CliTest(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         self.path = pathlib.Path(self.folder.name)
 
+    def text(self, name):
+        return (self.path / name).read_text()
+
+    def bytes(self, name):
+        return (self.path / name).read_bytes()
+
+    def put(self, name, text):
+        (self.path / name).write_text(text)
+
     def run_program(self, *arguments, code=0):
         result = subprocess.run([ESPALIER, *map(str, arguments)], cwd=self.path, text=True,
                                 capture_output=True, timeout=120)
@@ -50,7 +61,7 @@ class CliTest(unittest.TestCase):
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
 
-        (self.path / output).write_text("old")
+        self.put(output, "old")
         before = {path: path.read_bytes() for path in self.path.iterdir()}
         result = subprocess.run([ESPALIER, *map(str, arguments), "-o", output], cwd=self.path,
                                 text=True, capture_output=True, timeout=120, preexec_fn=fill)
@@ -61,7 +72,7 @@ class CliTest(unittest.TestCase):
     def write_model(self, points, name="model.obj"):
         lines = ["# a comment"] + ["v %.17g %.17g %.17g" % p for p in points]
         lines += ["vt 0 0", "f 1/1 2/1 3/1"]
-        (self.path / name).write_text("\n".join(lines) + "\n")
+        self.put(name, "\n".join(lines) + "\n")
 
     def write_mesh(self, tags=(), name="mesh.obj"):
         """A plane of 3 by 3 squares; vertices 0, 3, 12 and 15 are its corners, 5 is inside."""
@@ -70,17 +81,46 @@ class CliTest(unittest.TestCase):
             for i in range(3):
                 a = 4 * j + i + 1
                 lines.append(f"f {a} {a + 1} {a + 5} {a + 4}")
-        (self.path / name).write_text("\n".join([*lines, *tags]) + "\n")
+        self.put(name, "\n".join([*lines, *tags]) + "\n")
 
     def read_points(self, name):
-        lines = (self.path / name).read_text().splitlines()
+        lines = self.text(name).splitlines()
         return [tuple(map(float, line.split()[1:4])) for line in lines if line.startswith("v ")]
 
     def read_ovm_positions(self, name):
-        lines = (self.path / name).read_text().splitlines()
+        lines = self.text(name).splitlines()
         at = lines.index("Vertices")
         count = int(lines[at + 1])
         return [tuple(map(float, line.split())) for line in lines[at + 2:at + 2 + count]]
+
+    def write_positions(self, name, rest, positions):
+        """The lattice `rest` with its vertices elsewhere."""
+        lines = self.text(rest).splitlines()
+        at = lines.index("Vertices") + 2
+        lines[at:at + len(positions)] = ["%.17g %.17g %.17g" % tuple(p) for p in positions]
+        self.put(name, "\n".join(lines) + "\n")
+
+    def write_pose(self, name, rest, move):
+        """The lattice `rest` with each vertex moved; returns where they are."""
+        positions = [move(p) for p in self.read_ovm_positions(rest)]
+        self.write_positions(name, rest, positions)
+        return positions
+
+    def deform(self, model, rest, pose, *options, out):
+        return self.run_program("deform", model, "--rest", rest, "--to", pose, *options, "-o", out)
+
+    def bind(self, model, rest, *options, out):
+        return self.run_program("bind", model, "--rest", rest, *options, "-o", out)
+
+    def shown_on_a_terminal(self, *arguments):
+        """What a command that succeeds shows there."""
+        terminal, other_end = pty.openpty()
+        subprocess.run([ESPALIER, *map(str, arguments)], cwd=self.path, check=True, timeout=120,
+                       stdout=subprocess.DEVNULL, stderr=other_end)
+        os.close(other_end)
+        shown = os.read(terminal, 100000).decode()
+        os.close(terminal)
+        return shown
 
     def assert_close(self, points, expected, bound):
         self.assertEqual(len(points), len(expected))
@@ -89,8 +129,7 @@ class CliTest(unittest.TestCase):
 
     def product(self, name, points):
         """A matrix times points."""
-        lines = [line for line in (self.path / name).read_text().splitlines()
-                 if not line.startswith("%")]
+        lines = [line for line in self.text(name).splitlines() if not line.startswith("%")]
         product = [[0.0] * 3 for _ in range(int(lines[0].split()[0]))]
         for line in lines[1:]:
             row, column, weight = line.split()

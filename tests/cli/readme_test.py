@@ -124,8 +124,8 @@ class Readme(CliTest):
         points = [(1.25, 1.5, 1.75), (1.5, 1.25, 1.25), (1.75, 1.75, 1.5)]
         self.write_model(points)
         self.write_mesh()
-        (self.path / "targets.txt").write_text("0 1.25 1.5 1.8\n")
-        self.run_program("bind", "model.obj", "--rest", "box.ovm", "-o", "bound.espb")
+        self.put("targets.txt", "0 1.25 1.5 1.8\n")
+        self.bind("model.obj", "box.ovm", out="bound.espb")
         self.has_compare = "no OpenSubdiv" not in self.help("compare")
 
     @functools.cache

@@ -31,10 +31,10 @@ class RefusedInput(CliTest):
 
     def test_claims_are_compared_before_anything_is_inflated(self):
         self.run_program("shape", "box", "-o", "box.vtu", "--quiet")
-        text = (self.path / "box.vtu").read_text()
+        text = self.text("box.vtu")
         self.assertIn("<Points>", text)
         array = self.bomb("bomb", "Float64", 3, megabytes=100)
-        (self.path / "bomb.vtu").write_text(
+        self.put("bomb.vtu",
             text.replace("<Points>", f"<PointData>{array}</PointData><Points>", 1))
         for limit in self.LIMITS:
             error = self.error_of("info", "bomb.vtu", *limit)
@@ -42,7 +42,7 @@ class RefusedInput(CliTest):
 
     def test_claims_of_cells_and_marks_are_compared_before_anything_is_inflated(self):
         self.run_program("shape", "box", "-o", "box.vtu", "--quiet")
-        text = (self.path / "box.vtu").read_text()
+        text = self.text("box.vtu")
         vertices = ('<DataArray type="Int64" Name="espalier:edge_vertices" NumberOfComponents="2" '
                     'format="ascii">0 1</DataArray>')
         sharpness = self.bomb("espalier:edge_sharpness", "Float64")
@@ -58,7 +58,7 @@ class RefusedInput(CliTest):
             self.assertEqual(len(re.findall(pattern, text)), 1)
             files.append((name, expected, re.sub(pattern, lambda _: self.bomb(name), text)))
         for name, expected, bomb in files:
-            (self.path / "bomb.vtu").write_text(bomb)
+            self.put("bomb.vtu", bomb)
             for limit in self.LIMITS:
                 error = self.error_of("info", "bomb.vtu", *limit)
                 self.assertIn(f"the array '{name}' has 402653184 numbers; expected {expected}",

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
-#include <gmock/gmock.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <pugixml.hpp>
 #include <sstream>
 
 #include "compare/error_picture.h"
-#include "compare/error_scale.h"
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
@@ -18,17 +13,12 @@ using compare::Colour;
 using compare::ErrorScale;
 using compare::SurfaceError;
 using compare::SurfaceView;
-using testing::Each;
-using testing::HasSubstr;
-using testing::SizeIs;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Squares of side 1 in planes of constant z, each over the same place.
 SurfaceError squares(const std::vector<double>& heights) {
     SurfaceError surface;
     for (const double z : heights) {
-        const auto first = static_cast<Index>(surface.positions.size());
+        const auto first = Index(surface.positions.size());
         for (const Point3& p : {Point3{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}})
             surface.positions.push_back(p);
         surface.faces.push_back({first, first + 1, first + 2, first + 3});
@@ -138,9 +128,9 @@ TEST(ErrorScale, HasItsTwoPartsOnEitherSideOfTheBound) {
 
 TEST(ErrorScale, PutsWhatIsNotANumberAtTheEnd) {
     const ErrorScale scale(1e-13);
-    EXPECT_EQ(scale.place(kNaN), 1);
-    EXPECT_EQ(scale.place(std::numeric_limits<double>::infinity()), 1);
-    EXPECT_EQ(scale.colour(kNaN), scale.colour(1));
+    EXPECT_EQ(scale.place(kNan), 1);
+    EXPECT_EQ(scale.place(kInfinity), 1);
+    EXPECT_EQ(scale.colour(kNan), scale.colour(1));
 }
 
 TEST(ErrorScale, KeepsADecadeOfEachPartForAnyBound) {
@@ -183,8 +173,8 @@ TEST(ErrorScale, LabelsBothEndsAndWhatHasRoomBetween) {
     }
     // Decades are 0.133 apart below the bound and 0.048 above it: every second one there, but
     // 1e-7, which is too near to the end.
-    EXPECT_THAT(labels, testing::ElementsAre("1e-18", "1e-17", "1e-16", "1e-15", "1e-14", "1e-13",
-                                             "1e-11", "1e-9", "1e-6"));
+    EXPECT_THAT(labels, ElementsAre("1e-18", "1e-17", "1e-16", "1e-15", "1e-14", "1e-13", "1e-11",
+                                    "1e-9", "1e-6"));
 }
 
 TEST(SurfaceView, PutsTheFartherFaceFirst) {
@@ -314,7 +304,7 @@ TEST(ErrorPicture, IsCompact) {
     SurfaceError surface =
         graph(78, [](Index i, Index j) { return 0.2 * std::sin(0.1 * i) * std::cos(0.1 * j); });
     for (std::size_t i = 0; i < surface.errors.size(); ++i)
-        surface.errors[i] = 1e-17 * static_cast<double>(i % 13);
+        surface.errors[i] = 1e-17 * double(i % 13);
     ASSERT_THAT(surface.faces, SizeIs(6084));
     const std::string picture = compare::errorPicture(surface);
     EXPECT_LT(picture.size(), 70u * 6084);
@@ -363,7 +353,7 @@ TEST(LargestErrorVertex, IsTheFirstOfEqualsAndNoneOfZeros) {
     EXPECT_EQ(compare::largestErrorVertex({}), std::nullopt);
     surface.errors = {0, 1e-16, 1e-17, 1e-16};
     EXPECT_EQ(compare::largestErrorVertex(surface), 1);
-    surface.errors = {0, 1e-16, kNaN, 1};
+    surface.errors = {0, 1e-16, kNan, 1};
     EXPECT_EQ(compare::largestErrorVertex(surface), 2);
 }
 
@@ -373,14 +363,14 @@ TEST(ErrorPicture, OfNothingIsALineOfText) {
     for (Point3& p : point.positions) p = {1, 2, 3};
     EXPECT_THAT(Picture(point).words(), HasSubstr("all positions are the same"));
     SurfaceError lost = squares({0});
-    lost.positions[2][1] = kNaN;
+    lost.positions[2][1] = kNan;
     EXPECT_THAT(Picture(lost).words(), HasSubstr("not finite"));
 }
 
 TEST(ErrorPicture, SaysWhatIsNotFinite) {
     SurfaceError surface = squares({0, 1});
-    surface.positions[1][0] = std::numeric_limits<double>::infinity();
-    surface.errors[6] = kNaN;
+    surface.positions[1][0] = kInfinity;
+    surface.errors[6] = kNan;
     const Picture picture(surface);
     EXPECT_THAT(picture.words(), HasSubstr("1 face is not drawn"));
     EXPECT_THAT(picture.words(), HasSubstr("1 error is not finite"));
@@ -415,13 +405,8 @@ TEST(ErrorPicture, DrawsALine) {
 }
 
 TEST(ErrorPicture, RefusesWhatIsNoSurface) {
-    const auto refusal = [](const SurfaceError& surface) -> std::string {
-        try {
-            compare::errorPicture(surface);
-        } catch (const Error& error) {
-            return error.what();
-        }
-        return "";
+    const auto refusal = [](const SurfaceError& surface) {
+        return messageOf([&] { compare::errorPicture(surface); });
     };
     SurfaceError surface = squares({0});
     surface.errors.pop_back();

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/compare/html_report.h>
-#include <gmock/gmock.h>
 
-#include <limits>
 #include <pugixml.hpp>
-#include <set>
 
 #include "compare/report_text.h"
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
@@ -14,9 +12,6 @@ namespace {
 using compare::LevelAgreement;
 using compare::Report;
 using compare::ReportedShape;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 
 /// A level of a cube: 6 · 4^level faces, twice as many edges, and 2 vertices more than faces.
@@ -141,7 +136,7 @@ TEST(HtmlReport, CountsAShapeOfNoLevelsAsAFailure) {
     const Page page(report);
     EXPECT_THAT(page.verdict(), HasSubstr("2 shapes could not be compared"));
     EXPECT_THAT(page.texts("//tbody[@id='levels-1']/tr/td").at(0), HasSubstr("no level"));
-    EXPECT_THAT(page.texts("//tbody[@id='levels-2']/tr"), testing::SizeIs(3));
+    EXPECT_THAT(page.texts("//tbody[@id='levels-2']/tr"), SizeIs(3));
 }
 
 TEST(HtmlReport, OfNothingDoesNotPass) {
@@ -172,8 +167,7 @@ TEST(HtmlReport, ShowsWhatIsOverItsBound) {
     report.shapes[0].agreement.levels[0].positionDifference = 2e-13;
     report.shapes[0].agreement.levels[1].weightDifference = 2e-14;
     report.shapes[0].agreement.levels[2].evaluatorDifference = 3e-6;
-    report.shapes[0].agreement.levels[3].weightDifference =
-        std::numeric_limits<double>::quiet_NaN();
+    report.shapes[0].agreement.levels[3].weightDifference = kNan;
     const Page page(report);
     const auto bad = [&](int level) {
         const std::string path =
@@ -270,7 +264,7 @@ TEST(HtmlReport, EscapesNames) {
 
 TEST(HtmlReport, NeedsNothingFromOutside) {
     Page page(reportOf({picturedShape("a", 2)}));
-    EXPECT_THAT(page.html, testing::StartsWith("<!DOCTYPE html>\n"));
+    EXPECT_THAT(page.html, StartsWith("<!DOCTYPE html>\n"));
     EXPECT_EQ(page.document.child("html").attribute("lang").value(), std::string("en"));
     EXPECT_EQ(page.document.select_nodes("//script | //link | //img | //@src").size(), 0u);
     for (const char* word : {"url(", "@import", "<!--"})
@@ -305,7 +299,7 @@ TEST(ReportText, IsUtf8WithoutControlCharacters) {
 TEST(ReportText, WordsNumbers) {
     EXPECT_EQ(compare::scientific(0), "0");
     EXPECT_EQ(compare::scientific(1.24e-300), "1.2e-300");
-    EXPECT_EQ(compare::scientific(std::numeric_limits<double>::infinity()), "infinite");
+    EXPECT_EQ(compare::scientific(kInfinity), "infinite");
     EXPECT_EQ(compare::grouped(0), "0");
     EXPECT_EQ(compare::grouped(999), "999");
     EXPECT_EQ(compare::grouped(1000), "1,000");

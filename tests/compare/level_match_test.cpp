@@ -1,24 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "compare/level_match.h"
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include "compare/open_subdiv_refiner.h"
 
 #include "compare/shapes.h"
+#include "support/test.h"
 
 namespace espalier::compare {
 namespace {
 
-using ::testing::HasSubstr;
-
 /// A shape and its match with OpenSubdiv on levels 0 and 1.
 struct MatchedShape {
-    far::TopologyRefiner refiner;
+    TopologyRefiner refiner;
     OpenSubdivRefiner theirs;
     std::vector<LevelMatch> matches;
 
     explicit MatchedShape(const Lattice& shape)
-        : refiner(test::refined(shape, 1)),
+        : refiner(refined(shape, 1)),
           theirs(makeOpenSubdivRefiner(refiner, surfaceOf(shape.complex))) {
         matches.push_back(
             matchBase(shape.complex, surfaceOf(shape.complex), theirs.refiner->GetLevel(0)));
@@ -35,16 +32,15 @@ struct MatchedShape {
 };
 
 TEST(LevelMatch, EverythingOnASurfaceHasOneMatch) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         const MatchedShape matched(lattice);
         EXPECT_EQ(matched.difference(0), "") << name;
         EXPECT_EQ(matched.difference(1), "") << name;
         const auto theirs = matched.theirs.refiner->GetLevel(1);
         const Surface surface = surfaceOf(matched.refiner.level(1).complex);
-        EXPECT_EQ(countTheirs(far::Boundary::Sharp, theirs),
-                  (std::array{static_cast<Index>(surface.vertices.size()),
-                              static_cast<Index>(surface.edges.size()),
-                              static_cast<Index>(surface.faces.size())}))
+        EXPECT_EQ(countTheirs(Boundary::Sharp, theirs),
+                  (std::array{Index(surface.vertices.size()), Index(surface.edges.size()),
+                              Index(surface.faces.size())}))
             << name;
     }
 }
@@ -74,7 +70,7 @@ TEST(LevelMatch, DifferencesAreNamed) {
 
 // Marks that OpenSubdiv did not get show as differences of features.
 TEST(LevelMatch, FeaturesAreCompared) {
-    Lattice mesh = test::cubeSurface();
+    Lattice mesh = cubeSurface();
     const MatchedShape plain(mesh);
     const auto ends = mesh.complex.relation(1, 0)[0];
     mesh.marks.edges = {{{ends[0], ends[1]}, 2.5}};
@@ -90,8 +86,8 @@ TEST(LevelMatch, FeaturesAreCompared) {
     EXPECT_THAT(against(mesh), HasSubstr("is a hole; theirs is not"));
 
     // Without boundary control too.
-    Lattice open{test::gridMesh(5, 5), {}, {}, {}};
-    open.tags.boundary = far::Boundary::Open;
+    Lattice open{gridMesh(5, 5), {}, {}, {}};
+    open.tags.boundary = Boundary::Open;
     const MatchedShape solid(open);
     open.marks.holes = {12};
     MatchedShape pierced(open);

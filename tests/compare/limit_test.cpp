@@ -2,7 +2,6 @@
 #include <espalier/limit/limit_binding.h>
 #include <espalier/limit/vertex_limits.h>
 #include <espalier/limit/vertex_ring.h>
-#include <gtest/gtest.h>
 #include <opensubdiv/far/primvarRefiner.h>
 
 #include <Eigen/Dense>
@@ -13,12 +12,12 @@
 #include "compare/shapes.h"
 #include "support/named_polyhedra.h"
 #include "support/tables.h"
+#include "support/test.h"
 
 namespace espalier::compare {
 namespace {
 
 namespace Far = OpenSubdiv::Far;
-using stencils::Rules;
 
 /// What OpenSubdiv interpolates.
 struct Value {
@@ -53,22 +52,21 @@ Limits limitsOf(const Far::TopologyRefiner& refiner, std::vector<Value> values) 
 }
 
 /// The points of a ring.
-Eigen::MatrixXd firstRing(const limit::VertexRing& ring, const test::Positions& positions) {
+Eigen::MatrixXd firstRing(const limit::VertexRing& ring, const Positions& positions) {
     return ring.start * positions(ring.vertices, Eigen::all);
 }
 
 /// The normal of the limit surface at a vertex, by the left eigenvectors of the second and the
 /// third eigenvalue of its ring on the surface.
 Eigen::Vector3d normalAt(const far::Level& level, const limit::VertexRing& ring,
-                         const test::Positions& positions) {
+                         const Positions& positions) {
     std::vector<Eigen::Index> onSurface;
     for (std::size_t i = 0; i < ring.entities.size(); ++i)
-        if (level.strata.smoothStratum(ring.entities[i]) == 2)
-            onSurface.push_back(static_cast<Eigen::Index>(i));
+        if (level.strata.smoothStratum(ring.entities[i]) == 2) onSurface.push_back(Eigen::Index(i));
     const Eigen::MatrixXd whole(ring.subdivision);
     const Eigen::EigenSolver<Eigen::MatrixXd> solver(whole(onSurface, onSurface).transpose());
     std::vector<Eigen::Index> order(onSurface.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Eigen::Index>(i);
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = Eigen::Index(i);
     std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
         return solver.eigenvalues()[a].real() > solver.eigenvalues()[b].real();
     });
@@ -83,13 +81,13 @@ Eigen::Vector3d normalAt(const far::Level& level, const limit::VertexRing& ring,
 /// The direction of a crease: its points in the ring lie on either side of the vertex, and come
 /// nearer by half each level, for ever.
 Eigen::Vector3d creaseAt(const far::Level& level, const limit::VertexRing& ring,
-                         const test::Positions& positions) {
+                         const Positions& positions) {
     const Eigen::MatrixXd first = firstRing(ring, positions);
     std::vector<Eigen::Vector3d> ends;
     for (std::size_t i = 0; i < ring.entities.size(); ++i)
         if (ring.entities[i].dimension == 1 &&
             level.strata.inSubcomplex(ring.entities.front(), 1, ring.entities[i]))
-            ends.push_back(first.row(static_cast<Eigen::Index>(i)).transpose());
+            ends.push_back(first.row(Eigen::Index(i)).transpose());
     return ends.size() == 2 ? (ends[1] - ends[0]).normalized() : Eigen::Vector3d::Constant(1e9);
 }
 
@@ -105,25 +103,23 @@ bool isDart(const far::Level& level, Index vertex) {
 }
 
 void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth, int& creases) {
-    const far::TopologyRefiner refiner = test::refined(shape, 2);
+    const TopologyRefiner refiner = refined(shape, 2);
     const far::Level& level = refiner.level(0);
     const Surface surface = surfaceOf(level.complex);
     const auto theirs = makeOpenSubdivRefiner(refiner, surface);
-    const auto pose = test::shaken(shape.positions, 1);
+    const auto pose = shaken(shape.positions, 1);
     std::vector<Value> values;
     for (const Index vertex : surface.vertices)
         values.push_back({Eigen::Vector3d(pose[vertex].data())});
     const Limits limits = limitsOf(*theirs.refiner, values);
-    const auto ours = test::times(
-        limit::buildVertexLimits(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
-    const auto positions = test::asMatrix(pose);
+    const auto ours =
+        times(limit::buildVertexLimits(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
+    const auto positions = asMatrix(pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
         const Index vertex = surface.vertices[i];
         const int stratum = level.strata.of({0, vertex});
         if (isDart(level, vertex)) continue;
-        EXPECT_LT(
-            (ours.row(static_cast<Eigen::Index>(i)).transpose() - limits.points[i].point).norm(),
-            1e-12)
+        EXPECT_LT((ours.row(Eigen::Index(i)).transpose() - limits.points[i].point).norm(), 1e-12)
             << name << " vertex " << vertex;
         if (stratum == 0) continue;
         const auto ring = limit::ringOf(level, refiner.options(), Rules::Siggraph96, vertex);
@@ -145,12 +141,9 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
 // Limits everywhere; tangent planes of smooth vertices, tangents of creases.
 TEST(Limits, AreOpenSubdivs) {
     int smooth = 0, creases = 0;
-    for (const auto& [name, lattice] : test::zoo())
-        expectSameLimits(name, lattice, smooth, creases);
-    for (const auto& [name, mesh] : test::namedPolyhedra())
-        expectSameLimits(name, mesh, smooth, creases);
-    expectSameLimits("grid", {test::gridMesh(3, 4), test::gridPositions({3, 4, 0}), {}, {}}, smooth,
-                     creases);
+    for (const auto& [name, lattice] : zoo()) expectSameLimits(name, lattice, smooth, creases);
+    for (const auto& [name, mesh] : namedPolyhedra()) expectSameLimits(name, mesh, smooth, creases);
+    expectSameLimits("grid", {gridMesh(3, 4), gridPositions({3, 4, 0}), {}, {}}, smooth, creases);
     EXPECT_GT(smooth, 150);
     EXPECT_GT(creases, 50);
 }
@@ -158,11 +151,11 @@ TEST(Limits, AreOpenSubdivs) {
 /// Expects the gradients at smooth boundary vertices to carry OpenSubdiv's tangents at rest to its
 /// tangents of a pose.
 void expectCarriedTangents(const std::string& name, const Lattice& lattice, int& count) {
-    const far::TopologyRefiner refiner = test::refined(lattice, 2);
+    const TopologyRefiner refiner = refined(lattice, 2);
     const far::Level& level = refiner.level(0);
     const Surface surface = surfaceOf(level.complex);
     const auto theirs = makeOpenSubdivRefiner(refiner, surface);
-    const auto pose = test::shaken(lattice.positions, 1);
+    const auto pose = shaken(lattice.positions, 1);
     const auto limitsAt = [&](const std::vector<Point3>& positions) {
         std::vector<Value> values;
         for (const Index vertex : surface.vertices)
@@ -173,19 +166,19 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
     std::vector<Point3> points;
     for (const Value& limit : rest.points)
         points.push_back({limit.point[0], limit.point[1], limit.point[2]});
-    const far::TopologyRefiner base(lattice.complex, refiner.options());
+    const TopologyRefiner base(lattice.complex, refiner.options());
     const auto bound = limit::bindLimit({base, lattice.positions}, points, {.gradients = true});
-    std::array<test::Positions, 3> columns;
+    std::array<Positions, 3> columns;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        columns[axis] = test::times(bound.binding.table.gradients[axis], pose);
+        columns[axis] = times(bound.binding.table.gradients[axis], pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
         const Entity vertex{0, surface.vertices[i]};
-        const auto row = static_cast<Index>(i);
+        const auto row = Index(i);
         if (level.strata.of(vertex) != 2 || isDart(level, vertex.index)) continue;
         if (bound.binding.table.gradients[0].columns(row).empty()) continue;
         Eigen::Matrix3d f;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            f.col(static_cast<Eigen::Index>(axis)) = columns[axis].row(row).transpose();
+            f.col(Eigen::Index(axis)) = columns[axis].row(row).transpose();
         for (const auto& [before, after] : {std::pair(rest.first[i].point, posed.first[i].point),
                                             std::pair(rest.second[i].point, posed.second[i].point)})
             // Points are rounded to some 1e-16, and beside a vertex F changes as a power of the
@@ -198,7 +191,7 @@ void expectCarriedTangents(const std::string& name, const Lattice& lattice, int&
 
 TEST(Limits, GradientsCarryOpenSubdivsTangents) {
     int count = 0;
-    for (const auto& [name, lattice] : test::zoo())
+    for (const auto& [name, lattice] : zoo())
         // Where the limit volume is folded, a place is in two cells at once.
         if (name != "tripod") expectCarriedTangents(name, lattice, count);
     EXPECT_GT(count, 50);

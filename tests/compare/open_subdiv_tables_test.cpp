@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/compare/open_subdiv_tables.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/osd/cpuEvaluator.h>
 #include <opensubdiv/osd/cpuVertexBuffer.h>
 
 #include "compare/open_subdiv_refiner.h"
 #include "compare/shapes.h"
+#include "support/test.h"
 
 namespace espalier::compare {
 namespace {
@@ -19,8 +18,8 @@ namespace Osd = OpenSubdiv::Osd;
 
 /// A creased mesh and OpenSubdiv's table of its level 2.
 struct CreasedMesh {
-    Lattice mesh = test::randomCreases(test::cubeSurface(), 7, far::Creasing::Uniform);
-    far::TopologyRefiner refiner = test::refined(mesh, 2);
+    Lattice mesh = randomCreases(cubeSurface(), 7, far::Creasing::Uniform);
+    TopologyRefiner refiner = refined(mesh, 2);
     OpenSubdivRefiner theirs = makeOpenSubdivRefiner(refiner, surfaceOf(mesh.complex));
 
     template <class Real>
@@ -36,13 +35,13 @@ struct CreasedMesh {
 std::vector<float> basePositions(const Lattice& mesh) {
     std::vector<float> values;
     for (const Point3& position : mesh.positions)
-        for (const double coordinate : position) values.push_back(static_cast<float>(coordinate));
+        for (const double coordinate : position) values.push_back(float(coordinate));
     return values;
 }
 
 std::vector<float> evaluateOurs(const stencils::StencilTable<float>& table,
                                 const std::vector<float>& source) {
-    std::vector<float> result(3 * static_cast<std::size_t>(table.rowCount()));
+    std::vector<float> result(3 * std::size_t(table.rowCount()));
     const auto layout = osd::BufferDescriptor::packed(3);
     osd::CpuEvaluator::evaluate<float>(table, source, layout, result, layout,
                                        {0, table.rowCount()});
@@ -54,9 +53,9 @@ template <class Table>
 std::vector<float> evaluateTheirs(const Table& table, const std::vector<float>& source) {
     const int count = table.GetNumStencils();
     const std::unique_ptr<Osd::CpuVertexBuffer> from(
-        Osd::CpuVertexBuffer::Create(3, static_cast<int>(source.size() / 3)));
+        Osd::CpuVertexBuffer::Create(3, int(source.size() / 3)));
     const std::unique_ptr<Osd::CpuVertexBuffer> to(Osd::CpuVertexBuffer::Create(3, count));
-    from->UpdateData(source.data(), 0, static_cast<int>(source.size() / 3));
+    from->UpdateData(source.data(), 0, int(source.size() / 3));
     const Osd::BufferDescriptor layout(0, 3, 3);
     EXPECT_TRUE(Osd::CpuEvaluator::EvalStencils(from.get(), layout, to.get(), layout, &table));
     return {to->BindCpuBuffer(), to->BindCpuBuffer() + 3 * count};
@@ -93,10 +92,10 @@ TEST(OpenSubdivTables, KeepWeightsAndShapes) {
     EXPECT_EQ(exported.GetNumStencils(), table.rowCount());
     EXPECT_EQ(exported.GetNumControlVertices(), table.columnCount());
     for (Index row = 0; row < table.rowCount(); ++row) {
-        const auto i = static_cast<std::size_t>(row);
-        ASSERT_EQ(exported.GetSizes()[i], static_cast<int>(table.columns(row).size()));
+        const auto i = std::size_t(row);
+        ASSERT_EQ(exported.GetSizes()[i], int(table.columns(row).size()));
         for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
-            const std::size_t at = static_cast<std::size_t>(exported.GetOffsets()[i]) + k;
+            const std::size_t at = std::size_t(exported.GetOffsets()[i]) + k;
             ASSERT_EQ(exported.GetControlIndices()[at], table.columns(row)[k]);
             ASSERT_EQ(exported.GetWeights()[at], table.weights(row)[k]);
         }

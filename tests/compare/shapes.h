@@ -15,8 +15,8 @@
 namespace espalier::test {
 
 /// Refined as its tags say.
-inline far::TopologyRefiner refined(const Lattice& shape, int level) {
-    far::TopologyRefiner refiner(shape.complex, refinerOptions(shape));
+inline TopologyRefiner refined(const Lattice& shape, int level) {
+    TopologyRefiner refiner(shape.complex, refinerOptions(shape));
     refiner.refineUniform(level);
     return refiner;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/affine_hull.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/LU>
+
+#include "support/test.h"
 
 namespace espalier::embed {
 namespace {

@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/basis_functions.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <array>
-#include <cmath>
-#include <limits>
-#include <numeric>
+#include "support/test.h"
 
 namespace espalier::embed {
 namespace {
-
-using ::testing::ElementsAre;
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
@@ -46,17 +39,17 @@ TEST(BasisFunctions, BernsteinPolynomialsAreTheDirectOnesAtAnyDegree) {
         for (const double t : {0.0, 1e-3, 0.25, 0.3, 0.5, 0.77, 0.999, 1.0}) {
             const double at = t * degree;
             const AxisFunctions functions = axisFunctions(Basis::Bezier, degree, at);
-            ASSERT_EQ(functions.values.size(), static_cast<std::size_t>(degree) + 1);
+            ASSERT_EQ(functions.values.size(), std::size_t(degree) + 1);
             for (Index i = 0; i <= degree; ++i) {
                 const long double exact = static_cast<long double>(at) / degree;
                 const double value = functions.values[i];
-                const auto expected = static_cast<double>(bernstein(degree, i, exact));
+                const auto expected = double(bernstein(degree, i, exact));
                 // Nothing cancels: each degree rounds two products and their sum, besides t and
                 // 1 − t, by half an epsilon each. Numbers that have no full precision left are
                 // those below 1e-290.
                 EXPECT_NEAR(value, expected, 2.5 * degree * kEpsilon * expected + 1e-290);
-                const auto slope = static_cast<double>(bernstein(degree - 1, i - 1, exact) -
-                                                       bernstein(degree - 1, i, exact));
+                const auto slope =
+                    double(bernstein(degree - 1, i - 1, exact) - bernstein(degree - 1, i, exact));
                 // A difference of two such values, both under 1.
                 EXPECT_NEAR(functions.derivatives[i], slope, 5 * degree * kEpsilon);
             }

@@ -1,25 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/embed/cell_solver.h>
 #include <espalier/embed/point_location.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "support/refined_lattice.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::embed {
 namespace {
 
-using test::pointsIn;
-using test::Refined;
-using test::vec;
-
 // Given the cells whose boxes hold a point, the solver alone finds what the locator does.
 TEST(CellSolver, FindsWhatTheLocatorDoes) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 1);
         Eigen::AlignedBox3d box;
         for (const Point3& position : refined.positions) box.extend(vec(position));
@@ -34,7 +28,7 @@ TEST(CellSolver, FindsWhatTheLocatorDoes) {
         int inCells = 0;
         const Index cellCount = refined.complex().count(3);
         const auto nearestTo = [&](const Point3& point) {
-            std::pair nearest(std::numeric_limits<double>::infinity(), Index{0});
+            std::pair nearest(kInfinity, Index{0});
             for (Index cell = 0; cell < cellCount; ++cell)
                 nearest = std::min(nearest, {solver.distance(vec(point), CellId(cell)), cell});
             return CellId(nearest.second);

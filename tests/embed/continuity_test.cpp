@@ -1,26 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/continuity.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <set>
 
 #include "support/refined_lattice.h"
+#include "support/test.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
 namespace espalier::embed {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 
 /// The faces of a lattice all of whose vertices satisfy a condition.
 template <class Condition>
@@ -39,7 +30,7 @@ template <class Condition>
 std::vector<Index> verticesWhere(const Lattice& lattice, Condition condition) {
     std::vector<Index> vertices;
     for (std::size_t v = 0; v < lattice.positions.size(); ++v)
-        if (condition(lattice.positions[v])) vertices.push_back(static_cast<Index>(v));
+        if (condition(lattice.positions[v])) vertices.push_back(Index(v));
     return vertices;
 }
 
@@ -47,13 +38,13 @@ std::vector<Index> verticesWhere(const Lattice& lattice, Condition condition) {
 // is P₁ − P₀, and whose second is 0.
 TEST(Continuity, OfASideOfABoxIsALayerOrTwo) {
     const Lattice box = shapes::box({.cells = {4, 3, 3}, .max = {4, 3, 3}});
-    const far::TopologyRefiner base(box.complex);
+    const TopologyRefiner base(box.complex);
     const auto side = facesWhere(box, [](const Point3& p) { return p[0] == 0; });
     ASSERT_EQ(side.size(), 9U);
-    EXPECT_EQ(verticesHoldingFaces(base, stencils::Rules::Siggraph96, side, Continuity::C0),
+    EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, side, Continuity::C0),
               verticesWhere(box, [](const Point3& p) { return p[0] == 0; }));
     for (const auto continuity : {Continuity::C1, Continuity::C2})
-        EXPECT_EQ(verticesHoldingFaces(base, stencils::Rules::Siggraph96, side, continuity),
+        EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, side, continuity),
                   verticesWhere(box, [](const Point3& p) { return p[0] <= 1; }));
 }
 
@@ -61,26 +52,25 @@ TEST(Continuity, OfASideOfABoxIsALayerOrTwo) {
 // (−1, 0, 1)/2, its second by (1, −2, 1): the same three layers.
 TEST(Continuity, OfAPlaneInsideABoxIsThreeLayers) {
     const Lattice box = shapes::box({.cells = {6, 2, 2}, .max = {6, 2, 2}});
-    const far::TopologyRefiner base(box.complex);
+    const TopologyRefiner base(box.complex);
     const auto plane = facesWhere(box, [](const Point3& p) { return p[0] == 3; });
     ASSERT_EQ(plane.size(), 4U);
     for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2})
-        EXPECT_EQ(verticesHoldingFaces(base, stencils::Rules::Siggraph96, plane, continuity),
+        EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, plane, continuity),
                   verticesWhere(box, [](const Point3& p) { return p[0] >= 2 && p[0] <= 4; }));
 }
 
 /// The slow way: a whole level, the vertices of it that lie on the faces, and what they depend on.
 struct FacesOnLevel {
-    far::TopologyRefiner refiner;
+    TopologyRefiner refiner;
     int level;
-    stencils::Rules rules;
+    Rules rules;
     ByEntity<std::uint8_t> isHeld;
 
-    FacesOnLevel(const far::TopologyRefiner& base, int levels, stencils::Rules by,
-                 const std::vector<Index>& faces)
+    FacesOnLevel(const TopologyRefiner& base, int levels, Rules by, const std::vector<Index>& faces)
         : refiner(base), level(levels), rules(by) {
         refiner.refineUniform(levels);
-        const far::CellComplex& complex = base.level(0).complex;
+        const CellComplex& complex = base.level(0).complex;
         for (int d = 0; d <= 3; ++d) isHeld[d].resize(complex.count(d));
         for (const Index face : faces)
             for (int d = 0; d <= 2; ++d)
@@ -88,12 +78,12 @@ struct FacesOnLevel {
         for (int k = 1; k <= level; ++k) isHeld = refiner.refinement(k).inherit(isHeld);
     }
 
-    const far::CellComplex& complex() const { return refiner.level(level).complex; }
+    const CellComplex& complex() const { return refiner.level(level).complex; }
 
     std::set<Index> held() const {
         std::set<Index> vertices;
         for (std::size_t v = 0; v < isHeld[0].size(); ++v)
-            if (isHeld[0][v]) vertices.insert(static_cast<Index>(v));
+            if (isHeld[0][v]) vertices.insert(Index(v));
         return vertices;
     }
     /// The vertices of the cells that have one of some vertices.
@@ -104,7 +94,7 @@ struct FacesOnLevel {
                 for (const Index w : complex().relation(3, 0)[cell]) result.insert(w);
         return result;
     }
-    stencils::StencilTable<double> rows(const std::set<Index>& vertices) const {
+    StencilTable<double> rows(const std::set<Index>& vertices) const {
         return stencils::buildStencils(refiner, level, rules,
                                        std::vector<Index>(vertices.begin(), vertices.end()));
     }
@@ -119,7 +109,7 @@ struct FacesOnLevel {
 };
 
 /// Some faces of a lattice to hold: its boundary, a corner of that, and one face inside.
-std::vector<std::vector<Index>> partsOf(const far::CellComplex& complex) {
+std::vector<std::vector<Index>> partsOf(const CellComplex& complex) {
     std::vector<std::vector<Index>> parts(2);
     std::optional<Index> inside;
     for (Index face = 0; face < complex.count(2); ++face)
@@ -140,14 +130,13 @@ std::vector<std::vector<Index>> partsOf(const far::CellComplex& complex) {
 // In lattices of every kind: whatever level is looked at, from the second on, the faces depend on
 // the same vertices, and so do the cells beside them.
 TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
-    for (const auto& [name, lattice] : test::zoo())
-        for (const auto boundary : {far::Boundary::Sharp, far::Boundary::EdgeOnly}) {
-            const far::TopologyRefiner base(lattice.complex,
-                                            {.boundary = boundary, .marks = lattice.marks});
+    for (const auto& [name, lattice] : zoo())
+        for (const auto boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
+            const TopologyRefiner base(lattice.complex,
+                                       {.boundary = boundary, .marks = lattice.marks});
             for (const auto& faces : partsOf(lattice.complex))
                 for (const int level : {2, 3})
-                    for (const stencils::Rules rules :
-                         {stencils::Rules::Siggraph96, stencils::Rules::Mlca}) {
+                    for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
                         if (level == 3 && lattice.complex.count(3) > 12) continue;
                         SCOPED_TRACE(name + ", level " + std::to_string(level));
                         const FacesOnLevel whole(base, level, rules, faces);
@@ -164,12 +153,11 @@ TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
 // to the next, where distances are halved, the vertices just beyond those that stay move less than
 // a quarter as far. So first and second differences vanish.
 TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         if (lattice.complex.count(3) > 12) continue;
-        const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
+        const TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
         for (const auto& faces : partsOf(lattice.complex))
-            for (const stencils::Rules rules :
-                 {stencils::Rules::Siggraph96, stencils::Rules::Mlca}) {
+            for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
                 SCOPED_TRACE(name);
                 const auto frozen = verticesHoldingFaces(base, rules, faces, Continuity::C1);
                 double before = 0;
@@ -197,11 +185,11 @@ TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
 /// A model in a lattice, and a part of it to hold.
 struct Held {
     Lattice lattice = shapes::box({.cells = {6, 4, 4}, .max = {6, 4, 4}});
-    far::TopologyRefiner base{lattice.complex};
+    TopologyRefiner base{lattice.complex};
     std::vector<Point3> part;
 
     explicit Held(unsigned seed = 5) {
-        for (const Point3& p : test::pointsIn(test::Refined(lattice, 1), 400, seed))
+        for (const Point3& p : pointsIn(Refined(lattice, 1), 400, seed))
             if (p[0] < 1.8) part.push_back(p);
     }
     std::vector<Index> freeze(Continuity continuity, int level = 2,
@@ -212,9 +200,9 @@ struct Held {
     /// Positions with all vertices moved but the frozen ones.
     std::vector<Point3> pose(const std::vector<Index>& frozen) const {
         auto positions = lattice.positions;
-        const auto random = test::randomValues(3 * positions.size(), 7);
+        const auto random = randomValues(3 * positions.size(), 7);
         for (std::size_t i = 0; i < random.size(); ++i)
-            if (!std::binary_search(frozen.begin(), frozen.end(), static_cast<Index>(i / 3)))
+            if (!std::binary_search(frozen.begin(), frozen.end(), Index(i / 3)))
                 positions[i / 3][i % 3] += random[i];
         return positions;
     }
@@ -228,7 +216,7 @@ struct Held {
         const auto atRest = stencils::applyLevelTable(table, lattice.positions);
         double largest = 0;
         for (std::size_t i = 0; i < points.size(); ++i)
-            largest = std::max(largest, (test::vec(moved[i]) - test::vec(atRest[i])).lpNorm<1>());
+            largest = std::max(largest, (vec(moved[i]) - vec(atRest[i])).lpNorm<1>());
         return largest;
     }
 };
@@ -241,7 +229,7 @@ TEST(Continuity, HeldPointsStay) {
     // None is frozen in vain.
     for (std::size_t i = 0; i < frozen.size(); ++i) {
         auto fewer = frozen;
-        fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+        fewer.erase(fewer.begin() + std::ptrdiff_t(i));
         EXPECT_GT(held.largestMove(fewer, held.part), 1e-9) << frozen[i];
     }
     EXPECT_LT(frozen.size(), held.lattice.positions.size());
@@ -289,7 +277,7 @@ TEST(Continuity, HoldsByTheLastLayerAtFineLevels) {
     const int level = 13;
     const double cell = std::ldexp(1, -level);
     const Lattice box = shapes::box({.cells = {6, 6, 6}, .max = {6, 6, 6}});
-    const far::TopologyRefiner base(box.complex);
+    const TopologyRefiner base(box.complex);
     const Point3 point = {3 + cell / 2, 3 + cell / 2, 3 + cell / 2};
     const auto frozen =
         verticesHoldingPoints({base, box.positions}, {{point}}, Continuity::C2, {.level = level});
@@ -353,40 +341,35 @@ TEST(Continuity, DoesNotDependOnThreads) {
     const Held held(9);
     const auto expected = held.freeze(Continuity::C2);
     for (const int threads : {1, 5})
-        test::withThreads(threads, [&] { EXPECT_EQ(held.freeze(Continuity::C2), expected); });
+        withThreads(threads, [&] { EXPECT_EQ(held.freeze(Continuity::C2), expected); });
 }
 
 TEST(Continuity, RefusesWhatCannotBeHeld) {
     Held held;
-    const auto hold = [&](const far::TopologyRefiner& base, std::vector<Index> faces) {
+    const auto hold = [&](const TopologyRefiner& base, std::vector<Index> faces) {
         return [&base, faces] {
-            verticesHoldingFaces(base, stencils::Rules::Siggraph96, faces, Continuity::C0);
+            verticesHoldingFaces(base, Rules::Siggraph96, faces, Continuity::C0);
         };
     };
     EXPECT_THAT(hold(held.base, {}), ThrowsMessage<Error>(HasSubstr("there are no faces to hold")));
     EXPECT_THAT(hold(held.base, {0, 9999}),
                 ThrowsMessage<Error>(HasSubstr("there is no face 9999 to hold; the lattice has ")));
     EXPECT_THAT(hold(held.base, {-1}), ThrowsMessage<Error>(HasSubstr("there is no face -1")));
-    const far::TopologyRefiner open(held.lattice.complex, {.boundary = far::Boundary::Open});
+    const TopologyRefiner open(held.lattice.complex, {.boundary = Boundary::Open});
     EXPECT_THAT(hold(open, {0}), ThrowsMessage<Error>(HasSubstr("without boundary control")));
-    far::TopologyRefiner refined(held.lattice.complex);
-    refined.refineUniform(1);
+    TopologyRefiner refined = test::refined(held.lattice.complex, 1);
     EXPECT_THAT(hold(refined, {0}), ThrowsMessage<Error>(HasSubstr("has not been refined")));
     held.part.clear();
-    EXPECT_THAT([&] { held.freeze(Continuity::C1); },
-                ThrowsMessage<Error>(HasSubstr("there are no points to hold")));
+    EXPECT_REFUSED(Error, "there are no points to hold", held.freeze(Continuity::C1));
     held.part = {{1, 1, 1}};
-    EXPECT_THAT([&] { held.freeze(Continuity::C1, 0); },
-                ThrowsMessage<Error>(HasSubstr("level 1 or above")));
+    EXPECT_REFUSED(Error, "level 1 or above", held.freeze(Continuity::C1, 0));
     for (const auto continuity : {Continuity::C0, Continuity::C1}) {
         held.part = {{1, 1, 1}, {2, 2, 2}, {1, 9, 1}};
-        EXPECT_THAT([&] { held.freeze(continuity, 2, {.outside = OutsidePolicy::Error}); },
-                    ThrowsMessage<Error>(HasSubstr("point 2 at (1, 9, 1) is outside the lattice")));
-        for (const double bad :
-             {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        EXPECT_REFUSED(Error, "point 2 at (1, 9, 1) is outside the lattice",
+                       held.freeze(continuity, 2, {.outside = OutsidePolicy::Error}));
+        for (const double bad : {kNan, kInfinity}) {
             held.part[1][2] = bad;
-            EXPECT_THAT([&] { held.freeze(continuity); },
-                        ThrowsMessage<Error>(HasSubstr("point 1 to hold is not finite")));
+            EXPECT_REFUSED(Error, "point 1 to hold is not finite", held.freeze(continuity));
         }
     }
 }

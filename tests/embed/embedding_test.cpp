@@ -1,77 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/stencils/composition.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <map>
 
 #include "support/refined_lattice.h"
+#include "support/rows.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
 namespace espalier::embed {
 namespace {
 
-using far::TopologyRefiner;
-using test::asMatrix;
-using test::largestDistance;
-using test::pointsIn;
-using test::Refined;
-using test::times;
-using test::vec;
-using ::testing::HasSubstr;
-
-// An undeformed lattice gives the model back, within 1e-12 of its size (what the project promises);
-// an affine map of the lattice is that map of the model, for points outside too.
-TEST(Embedding, ReproducesAffineMaps) {
-    Eigen::Matrix3d linear;
-    linear << 2, -1, 0.5, 0.3, 1.5, -0.2, 0, 0.7, -1;
-    const Eigen::Vector3d shift(3, -2, 5);
-    for (const auto& [name, lattice] : test::zoo()) {
-        const Refined refined(lattice, 2);
-        auto points = pointsIn(refined, 200, 1);
-        for (const double x : {-2.0, 3.5}) points.push_back({x, 0.3, 0.2});
-        const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
-        EXPECT_EQ(embedding.count(PointStatus::NotConverged), 0) << name;
-        EXPECT_LT(embedding.largestResidual(), 1e-13) << name;
-        const auto table =
-            buildDeformationTable(refined.refiner, 2, stencils::Rules::Siggraph96, embedding);
-        EXPECT_LT(largestDistance(times(table, refined.base), asMatrix(points)), 4e-12) << name;
-        const auto moved = [&](std::vector<Point3> from) {
-            for (Point3& p : from) {
-                const Eigen::Vector3d q = linear * vec(p) + shift;
-                p = {q[0], q[1], q[2]};
-            }
-            return from;
-        };
-        EXPECT_LT(largestDistance(times(table, moved(refined.base)), asMatrix(moved(points))),
-                  1e-11)
-            << name;
-    }
-}
-
 // D = W · S: the deformed points are those of their places in the refined pose.
 TEST(Embedding, DeformationTableIsPlaceInTheRefinedPose) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 2);
         const auto points = pointsIn(refined, 50, 2);
         const Embedding embedding = refined.embed(points);
-        auto pose = refined.base;
-        const auto noise = test::randomValues(3 * pose.size(), 3);
-        for (std::size_t i = 0; i < pose.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c) pose[i][c] += 0.3 * noise[3 * i + c];
+        const auto pose = shaken(refined.base, 3, 0.3);
         const auto level = refined.pose(pose);
         const auto direct = times(buildEmbeddingTable(refined.complex(), embedding), level);
-        const auto composed =
-            times(buildDeformationTable(refined.refiner, 2, stencils::Rules::Siggraph96, embedding),
-                  pose);
+        const auto composed = times(refined.table(embedding), pose);
         // Sums of products of size 1 to 4.
         EXPECT_LT(largestDistance(direct, composed), 1e-13) << name;
     }
@@ -80,9 +33,9 @@ TEST(Embedding, DeformationTableIsPlaceInTheRefinedPose) {
 // Every vertex, edge midpoint, face point and centroid of the refined lattice lies in the lattice,
 // and in the lowest cell that it belongs to.
 TEST(Embedding, PointsOnVerticesEdgesAndFacesBelongToTheLowestCell) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 1);
-        const far::CellComplex& complex = refined.complex();
+        const CellComplex& complex = refined.complex();
         for (int d = 0; d <= 2; ++d) {
             std::vector<Point3> points;
             for (Index i = 0; i < complex.count(d); ++i) {
@@ -99,7 +52,7 @@ TEST(Embedding, PointsOnVerticesEdgesAndFacesBelongToTheLowestCell) {
                 }
                 Eigen::Vector3d sum = Eigen::Vector3d::Zero();
                 for (const Index v : vertices) sum += vec(refined.positions[v]);
-                sum /= static_cast<double>(vertices.size());
+                sum /= double(vertices.size());
                 points.push_back({sum[0], sum[1], sum[2]});
             }
             const Embedding embedding = refined.embed(points);
@@ -132,12 +85,12 @@ TEST(Embedding, TrilinearPlacesInACube) {
 TEST(Embedding, TypeNCellIsFilledByFourNTetrahedra) {
     for (const int n : {4, 5, 6}) {
         const Refined refined(shapes::bipyramid({.sides = n}), 1);
-        const far::CellComplex& complex = refined.complex();
+        const CellComplex& complex = refined.complex();
         for (Index cell = 0; cell < complex.count(3); ++cell) {
             if (far::hexahedronVertices(complex, CellId(cell))) continue;
             const Index count = tetrahedronCount(complex, CellId(cell));
             const auto vertices = complex.relation(3, 0)[cell];
-            EXPECT_EQ(count, 2 * static_cast<Index>(vertices.size()) - 4);  // 4n of 2n + 2
+            EXPECT_EQ(count, 2 * Index(vertices.size()) - 4);  // 4n of 2n + 2
             for (Index t = 0; t < count; ++t) {
                 const CellPlace place{CellId(cell), t, {0.2, 0.3, 0.1}, {}};
                 Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -165,22 +118,15 @@ TEST(Embedding, PointsOutside) {
     EXPECT_EQ(statusOf(kept, 2), PointStatus::Inside) << "within the tolerance of 1e-6 × √3";
     EXPECT_EQ(statusOf(kept, 3), PointStatus::Outside);
     EXPECT_FALSE(kept.points[0].place);
-    EXPECT_TRUE(buildDeformationTable(refined.refiner, 2, stencils::Rules::Siggraph96, kept)
-                    .columns(0)
-                    .empty());
+    EXPECT_TRUE(refined.table(kept).columns(0).empty());
     // Carried by the nearest cell: at distance 1 from the middle of the side x = 1.
     const Embedding nearest = refined.embed(points, {.outside = OutsidePolicy::Nearest});
     EXPECT_EQ(statusOf(nearest, 0), PointStatus::Outside);
     EXPECT_NEAR(nearest.points[0].distance, 1, 1e-14);
     ASSERT_TRUE(nearest.points[0].place);
     // Refused.
-    try {
-        refined.embed(points, {.outside = OutsidePolicy::Error});
-        FAIL() << "accepted";
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("point 0 at (2, 0.5, 0.5) "));
-        EXPECT_THAT(error.what(), HasSubstr("outside the lattice"));
-    }
+    EXPECT_THAT(messageOf([&] { refined.embed(points, {.outside = OutsidePolicy::Error}); }),
+                AllOf(HasSubstr("point 0 at (2, 0.5, 0.5) "), HasSubstr("outside the lattice")));
 }
 
 /// How far a point lies outside a convex lattice with flat sides: its distance from the planes of
@@ -205,11 +151,7 @@ TEST(Embedding, HalfSpacesTellWhatIsOutside) {
           shapes::bipyramid({.sides = 6}), shapes::prism({.sides = 5})})
         for (const int level : {1, 2}) {
             const Refined refined(solid, level);
-            const auto values = test::randomValues(3 * 300, 9);
-            std::vector<Point3> points;
-            for (std::size_t i = 0; i < 300; ++i)
-                points.push_back(
-                    {1.3 * values[3 * i], 1.3 * values[3 * i + 1], 1.3 * values[3 * i + 2]});
+            const auto points = randomPoints(300, 9, 1.3);
             for (const OutsidePolicy policy : {OutsidePolicy::Keep, OutsidePolicy::Nearest}) {
                 const Embedding embedding = refined.embed(points, {.outside = policy});
                 for (std::size_t i = 0; i < points.size(); ++i) {
@@ -237,42 +179,18 @@ TEST(Embedding, ToleranceReachesAllRoundTheRegion) {
     }
 }
 
-// Rows of W and D sum to 1 like those of S: within 1e-14 inside. Outside, rows go on along a
-// tangent, and their weights grow with the distance: 1e-14 of the sum of their sizes.
-TEST(Embedding, RowsSumToOne) {
-    for (const auto& [name, lattice] : test::zoo()) {
-        const Refined refined(lattice, 2);
-        auto points = pointsIn(refined, 100, 11);
-        for (const double x : {-2.0, 3.5}) points.push_back({x, 0.3, 0.2});
-        const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
-        for (const auto& table :
-             {buildEmbeddingTable(refined.complex(), embedding),
-              buildDeformationTable(refined.refiner, 2, stencils::Rules::Siggraph96, embedding)})
-            for (Index row = 0; row < table.rowCount(); ++row) {
-                double sum = 0, sizes = 0;
-                for (const double weight : table.weights(row)) {
-                    sum += weight;
-                    sizes += std::abs(weight);
-                }
-                ASSERT_NEAR(sum, 1, 1e-14 * sizes) << name << " row " << row;
-            }
-    }
-}
-
 // Without boundary control the region is the part of the lattice that is left.
 TEST(Embedding, OpenLattice) {
     const Lattice box = shapes::box({.cells = {4, 4, 4}, .max = {4, 4, 4}});
-    TopologyRefiner refiner(box.complex, {.boundary = far::Boundary::Open});
-    refiner.refineUniform(2);
-    const auto positions =
-        stencils::refinePositions(refiner, 2, stencils::Rules::Siggraph96, box.positions);
+    TopologyRefiner refiner = test::refined(box.complex, 2, {.boundary = Boundary::Open});
+    const auto positions = stencils::refinePositions(refiner, 2, Rules::Siggraph96, box.positions);
     // Level 1 reaches from 1/2 to 7/2, level 2 from 3/4 to 13/4.
     const std::vector<Point3> points = {{0.8, 2, 3.2}, {0.7, 2, 2}, {2, 2, 3.3}};
     const Embedding embedding = embedPoints(refiner.level(2).complex, positions, points);
     EXPECT_EQ(embedding.points[0].status, PointStatus::Inside);
     EXPECT_EQ(embedding.points[1].status, PointStatus::Outside);
     EXPECT_EQ(embedding.points[2].status, PointStatus::Outside);
-    const auto table = buildDeformationTable(refiner, 2, stencils::Rules::Siggraph96, embedding);
+    const auto table = buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
     EXPECT_LT((times(table, box.positions).row(0).transpose() - vec(points[0])).norm(), 4e-12);
 }
 
@@ -286,23 +204,20 @@ TEST(Embedding, BoundaryPointsInSinglePrecisionAreInside) {
         for (Index v = 0; v < refined.complex().count(0); ++v) {
             if (refined.refiner.level(2).strata.of({0, v}) == 3) continue;
             Point3 p = refined.positions[v];
-            for (double& x : p) x = static_cast<double>(static_cast<float>(x));
+            for (double& x : p) x = double(float(x));
             points.push_back(p);
         }
         const Embedding embedding = refined.embed(points);
-        EXPECT_EQ(embedding.count(PointStatus::Inside), static_cast<Index>(points.size()));
-        const auto table =
-            buildDeformationTable(refined.refiner, 2, stencils::Rules::Siggraph96, embedding);
+        EXPECT_EQ(embedding.count(PointStatus::Inside), Index(points.size()));
+        const auto table = refined.table(embedding);
         EXPECT_LT(largestDistance(times(table, refined.base), asMatrix(points)), 4e-12);
     }
 }
 
 TEST(Embedding, NearestCellMatchesBruteForce) {
     const Refined refined(shapes::cylinder({.sectors = 5, .layers = 2}), 1);
-    const far::CellComplex& complex = refined.complex();
-    const auto values = test::randomValues(3 * 60, 4);
-    for (std::size_t i = 0; i < 60; ++i) {
-        const Point3 point = {3 * values[3 * i], 3 * values[3 * i + 1], 3 * values[3 * i + 2]};
+    const CellComplex& complex = refined.complex();
+    for (const Point3& point : randomPoints(60, 4, 3)) {
         const Embedding found = refined.embed({point}, {.outside = OutsidePolicy::Nearest});
         if (found.points[0].status == PointStatus::Inside) continue;
         // The lattice is convex but for rounding, so the nearest point of its boundary, sampled
@@ -329,8 +244,8 @@ TEST(Embedding, NearestCellMatchesBruteForce) {
 // Where a bilinear face of a hexahedron meets the folded face of a type-n cell there is a gap;
 // points in it are inside, and come back to where they were.
 TEST(Embedding, PointsInGapsAreInside) {
-    const Refined refined(test::mixedLattice(), 1);
-    const far::CellComplex& complex = refined.complex();
+    const Refined refined(mixedLattice(), 1);
+    const CellComplex& complex = refined.complex();
     std::vector<Point3> points;
     for (Index face = 0; face < complex.count(2); ++face) {
         const auto cells = complex.relation(2, 3)[face];
@@ -355,8 +270,7 @@ TEST(Embedding, PointsInGapsAreInside) {
         inGap += located.distance > 1e-6;
     }
     EXPECT_GT(inGap, 0) << "the test is about gaps, so there must be one";
-    const auto table =
-        buildDeformationTable(refined.refiner, 1, stencils::Rules::Siggraph96, embedding);
+    const auto table = refined.table(embedding);
     EXPECT_LT(largestDistance(times(table, refined.base), asMatrix(points)), 1e-13);
 }
 
@@ -364,10 +278,7 @@ TEST(Embedding, DoesNotDependOnTheNumberOfThreads) {
     const Refined refined(shapes::torus(), 2);
     const auto points = pointsIn(refined, 5000, 7);
     const auto bind = [&](int threads) {
-        return test::withThreads(threads, [&] {
-            return buildDeformationTable(refined.refiner, 2, stencils::Rules::Siggraph96,
-                                         refined.embed(points));
-        });
+        return withThreads(threads, [&] { return refined.table(refined.embed(points)); });
     };
     const auto one = bind(1);
     EXPECT_EQ(one, bind(2));
@@ -390,29 +301,25 @@ TEST(Embedding, DoesNotDependOnTheOrderOfThePoints) {
     }
     points[3000] = {9, 9, 9};
     points[4000] = {-9, -9, -9};
-    try {
-        refined.embed(points, {.outside = OutsidePolicy::Error});
-        FAIL() << "accepted";
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("point 3000 at (9, 9, 9) "));
-    }
+    EXPECT_REFUSED(Error, "point 3000 at (9, 9, 9) ",
+                   refined.embed(points, {.outside = OutsidePolicy::Error}));
 }
 
 // Few points in many cells are a way of their own: row by row the same.
 TEST(Embedding, RowsDoNotDependOnTheNumberOfPoints) {
-    const Refined refined(test::mixedLattice(), 2);
+    const Refined refined(mixedLattice(), 2);
     const auto points = pointsIn(refined, 2000, 9);
     const auto all = buildEmbeddingTable(refined.complex(), refined.embed(points));
     for (std::size_t i = 0; i < points.size(); i += 50) {
         const auto one = buildEmbeddingTable(refined.complex(), refined.embed({points[i]}));
-        ASSERT_TRUE(std::ranges::equal(all.columns(static_cast<Index>(i)), one.columns(0)));
-        ASSERT_TRUE(std::ranges::equal(all.weights(static_cast<Index>(i)), one.weights(0)));
+        ASSERT_TRUE(std::ranges::equal(all.columns(Index(i)), one.columns(0)));
+        ASSERT_TRUE(std::ranges::equal(all.weights(Index(i)), one.weights(0)));
     }
 }
 
 // W against its definition: the weights of a place, added up.
 TEST(Embedding, RowsAreTheWeightsOfThePlaces) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 1);
         auto points = pointsIn(refined, 100, 10);
         points.push_back({3.5, 0.3, 0.2});
@@ -424,21 +331,15 @@ TEST(Embedding, RowsAreTheWeightsOfThePlaces) {
                  placeWeights(refined.complex(), *embedding.points[i].place))
                 expected[vertex] += weight;
             std::erase_if(expected, [](const auto& entry) { return entry.second == 0; });
-            std::map<Index, double> row;
-            const auto columns = table.columns(static_cast<Index>(i));
-            for (std::size_t k = 0; k < columns.size(); ++k)
-                row[columns[k]] = table.weights(static_cast<Index>(i))[k];
-            ASSERT_EQ(row, expected) << name << " " << i;
+            ASSERT_EQ(rowOf(table, Index(i)).weights, expected) << name << " " << i;
         }
     }
 }
 
 TEST(Embedding, PointsThatAreNotFiniteDoNotConverge) {
     const Refined refined(shapes::box(), 1);
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    const double infinity = std::numeric_limits<double>::infinity();
     const Embedding embedding =
-        refined.embed({{nan, 0, 0}, {0.5, infinity, 0.5}}, {.outside = OutsidePolicy::Nearest});
+        refined.embed({{kNan, 0, 0}, {0.5, kInfinity, 0.5}}, {.outside = OutsidePolicy::Nearest});
     EXPECT_EQ(embedding.count(PointStatus::NotConverged), 2);
 }
 
@@ -477,17 +378,15 @@ TEST(Embedding, NeedsARefinedLattice) {
     const Refined refined(box, 1);
     EXPECT_THROW(embedPoints(refined.complex(), box.positions, std::vector<Point3>{}), Error);
     auto broken = refined.positions;
-    broken[3][1] = std::numeric_limits<double>::quiet_NaN();
+    broken[3][1] = kNan;
     EXPECT_THROW(embedPoints(refined.complex(), broken, std::vector<Point3>{}), Error);
-    for (const double tolerance :
-         {-1e-6, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    for (const double tolerance : {-1e-6, kNan, kInfinity})
         EXPECT_THROW(refined.embed({}, {.tolerance = tolerance}), Error) << tolerance;
     // An embedding belongs to one level.
     TopologyRefiner finer = refined.refiner;
     finer.refineUniform(2);
-    EXPECT_THROW(
-        buildDeformationTable(finer, 2, stencils::Rules::Siggraph96, refined.embed({{0, 0, 0}})),
-        Error);
+    EXPECT_THROW(buildDeformationTable(finer, 2, Rules::Siggraph96, refined.embed({{0, 0, 0}})),
+                 Error);
 }
 
 // Cells folded over by one vertex far away: points come back, or are said not to.
@@ -498,8 +397,7 @@ TEST(Embedding, StatusIsHonestInATangledLattice) {
         const Refined refined(tangled, 1);
         const auto points = pointsIn(Refined(shapes::box({.cells = {2, 2, 2}}), 1), 8, 12);
         const Embedding embedding = refined.embed(points, {.outside = OutsidePolicy::Nearest});
-        const auto table =
-            buildDeformationTable(refined.refiner, 1, stencils::Rules::Siggraph96, embedding);
+        const auto table = refined.table(embedding);
         const auto back = times(table, refined.base);
         for (std::size_t i = 0; i < points.size(); ++i)
             // 1e-12 of the lattice's size, and the tolerance where the nearest place is taken.

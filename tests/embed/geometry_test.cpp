@@ -4,11 +4,8 @@
 #include <espalier/embed/solve3.h>
 #include <espalier/embed/space_curve.h>
 #include <espalier/embed/trilinear.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <random>
+#include "support/test.h"
 
 #include "embed/simplex.h"
 
@@ -224,7 +221,7 @@ TEST(MortonCurve, ByHand) {
     EXPECT_EQ(eighth(7, 3, 5), 0b101'011u);
     // Outside, and no number.
     EXPECT_EQ(eighth(9, -1, 1e300), 0b101'101u);
-    EXPECT_EQ(eighth(std::nan(""), 1, 1), 0u);
+    EXPECT_EQ(eighth(kNan, 1, 1), 0u);
     EXPECT_EQ(curve.key({8, 8, 8}), (std::uint64_t{1} << MortonCurve::kBits) - 1);
     // A box without a length along an axis.
     const MortonCurve flat({Vector3d(0, 0, 1), Vector3d(8, 8, 1)});
@@ -269,19 +266,19 @@ void expectTreeMatchesBruteForce(const std::vector<BoxTree::Box>& boxes, std::mt
         tree.findContaining(point, found);
         std::sort(found.begin(), found.end());
         for (std::size_t i = 0; i < count; ++i)
-            if (boxes[i].contains(point)) expected.push_back(static_cast<Index>(i));
+            if (boxes[i].contains(point)) expected.push_back(Index(i));
         ASSERT_EQ(found, expected);
         found.clear();
         expected.clear();
         tree.findWithin(point, 0.5, found);
         std::sort(found.begin(), found.end());
         for (std::size_t i = 0; i < count; ++i)
-            if (boxes[i].exteriorDistance(point) <= 0.5) expected.push_back(static_cast<Index>(i));
+            if (boxes[i].exteriorDistance(point) <= 0.5) expected.push_back(Index(i));
         ASSERT_EQ(found, expected);
         if (count == 0) continue;
         const auto distance = [&](Index i) { return boxes[i].exteriorDistance(point); };
         Index best = 0;
-        for (Index i = 1; i < static_cast<Index>(count); ++i)
+        for (Index i = 1; i < Index(count); ++i)
             if (distance(i) < distance(best)) best = i;
         const auto nearest = tree.findNearest(point, distance);
         ASSERT_EQ(nearest.index, best);  // of several, the lowest

@@ -1,31 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/embed/nested_lattices.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <limits>
 
 #include "support/refined_lattice.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 // A lattice in another moves with it, and carries its model along.
 namespace espalier::embed {
 namespace {
 
-using test::vec;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
-
 constexpr int kLevel = 2;
 
 stencils::StencilTable<double> bindTo(const Lattice& lattice, const std::vector<Point3>& points) {
-    return bindPoints({far::TopologyRefiner(lattice.complex), lattice.positions}, points,
+    return bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
                       {.level = kLevel, .embedding = {.outside = OutsidePolicy::Error}})
         .binding.table;
 }
@@ -33,11 +26,11 @@ stencils::StencilTable<double> bindTo(const Lattice& lattice, const std::vector<
 /// A box in a cylinder, and points in the box.
 struct Nest {
     Lattice parent = shapes::cylinder({.sectors = 5});
-    far::TopologyRefiner parentBase{parent.complex};
+    TopologyRefiner parentBase{parent.complex};
     Lattice child =
         shapes::box({.cells = {2, 1, 1}, .min = {-0.3, -0.2, 0.3}, .max = {0.3, 0.2, 0.7}});
-    std::vector<Point3> points = test::pointsIn(test::Refined(child, kLevel), 200, 3);
-    stencils::StencilTable<double> ofChild = bindTo(child, points);
+    std::vector<Point3> points = pointsIn(Refined(child, kLevel), 200, 3);
+    StencilTable<double> ofChild = bindTo(child, points);
 
     stencils::StencilTable<double> nest(const std::vector<Point3>& childPose,
                                         const EmbeddingOptions& options = {}) const {
@@ -61,7 +54,7 @@ TEST(NestedLattices, AreOneTable) {
     EXPECT_EQ(table.rowCount(), 200);
     EXPECT_EQ(table.columnCount(), nest.parent.complex.count(0));
     expectNear(stencils::applyLevelTable(table, nest.parent.positions), nest.points);
-    const auto pose = test::shaken(nest.parent.positions, 4, 0.2);
+    const auto pose = shaken(nest.parent.positions, 4, 0.2);
     const auto carried = stencils::applyLevelTable(bindTo(nest.parent, nest.child.positions), pose);
     expectNear(stencils::applyLevelTable(table, pose),
                stencils::applyLevelTable(nest.ofChild, carried));
@@ -72,7 +65,7 @@ TEST(NestedLattices, AreOneTable) {
 // the child after the parent's would leave them as they were, in a frame that has turned.
 TEST(NestedLattices, PoseTheChildInTheFrameOfTheParent) {
     const Nest nest;
-    const auto childPose = test::shaken(nest.child.positions, 5, 0.1);
+    const auto childPose = shaken(nest.child.positions, 5, 0.1);
     Eigen::Affine3d map = Eigen::Affine3d::Identity();
     map.translate(Eigen::Vector3d(1, -2, 3));
     map.rotate(Eigen::AngleAxisd(1.5, Eigen::Vector3d(1, 2, 3).normalized()));
@@ -91,8 +84,8 @@ TEST(NestedLattices, PoseTheChildInTheFrameOfTheParent) {
 // In a parent that bends: each vertex of the posed child goes where the parent takes a point there.
 TEST(NestedLattices, PosedVerticesGoAsPointsOfTheParentDo) {
     const Nest nest;
-    const auto childPose = test::shaken(nest.child.positions, 6, 0.1);
-    const auto pose = test::shaken(nest.parent.positions, 7, 0.2);
+    const auto childPose = shaken(nest.child.positions, 6, 0.1);
+    const auto pose = shaken(nest.parent.positions, 7, 0.2);
     expectNear(stencils::applyLevelTable(nest.nest(childPose), pose),
                stencils::applyLevelTable(
                    nest.ofChild, stencils::applyLevelTable(bindTo(nest.parent, childPose), pose)));
@@ -102,7 +95,7 @@ TEST(NestedLattices, GoAsDeepAsWanted) {
     const Nest nest;
     const Lattice outermost =
         shapes::box({.cells = {2, 2, 2}, .min = {-2, -2, -1}, .max = {2, 2, 2}});
-    const far::TopologyRefiner base(outermost.complex);
+    const TopologyRefiner base(outermost.complex);
     const auto table = nestTables(nest.nest(nest.child.positions), nest.parent.positions,
                                   {base, outermost.positions}, {.level = kLevel});
     const auto pose = test::shaken(outermost.positions, 8, 0.2);
@@ -117,21 +110,18 @@ TEST(NestedLattices, RefuseWhatDoesNotFit) {
     auto outside = nest.child.positions;
     outside[3] = {5, 0, 0};
     for (const auto policy : {OutsidePolicy::Keep, OutsidePolicy::Error})
-        EXPECT_THAT([&] { nest.nest(outside, {.outside = policy}); },
-                    ThrowsMessage<Error>(
-                        HasSubstr("vertex 3 of the child lies outside of the parent lattice")));
+        EXPECT_REFUSED(Error, "vertex 3 of the child lies outside of the parent lattice",
+                       nest.nest(outside, {.outside = policy}));
     EXPECT_EQ(nest.nest(outside, {.outside = OutsidePolicy::Nearest}).rowCount(), 200);
     auto fewer = nest.child.positions;
     fewer.pop_back();
-    EXPECT_THAT([&] { nest.nest(fewer); },
-                ThrowsMessage<Error>(HasSubstr("got 11 positions for 12 vertices of the child")));
+    EXPECT_REFUSED(Error, "got 11 positions for 12 vertices of the child", nest.nest(fewer));
     auto nowhere = nest.child.positions;
-    nowhere[2][1] = std::numeric_limits<double>::quiet_NaN();
+    nowhere[2][1] = kNan;
     nowhere[0] = {5, 0, 0};
     for (const auto policy : {OutsidePolicy::Keep, OutsidePolicy::Nearest})
-        EXPECT_THAT(
-            [&] { nest.nest(nowhere, {.outside = policy}); },
-            ThrowsMessage<Error>(HasSubstr("the position of vertex 2 of the child is not finite")));
+        EXPECT_REFUSED(Error, "the position of vertex 2 of the child is not finite",
+                       nest.nest(nowhere, {.outside = policy}));
     // A parent without a volume gives no place.
     auto flat = nest.parent;
     for (Point3& p : flat.positions) p[2] = 0;

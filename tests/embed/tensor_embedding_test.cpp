@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/binding.h>
 #include <espalier/embed/tensor_product.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_match.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <limits>
-
-#include "stencils/skew_boxes.h"
+#include "support/skew_boxes.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -19,20 +14,12 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using far::CellComplex;
-using test::Cells;
-using test::randomPoints;
-using test::Skew;
-using test::tableOf;
-using test::times;
-using ::testing::HasSubstr;
 
 TEST(TensorEmbedding, PointsOutsideAreKeptCarriedOrRefused) {
     const Cells n = {4, 4, 4};
-    const auto rest = test::gridPositions(n);
-    const TensorLattice lattice(test::grid(n), rest, Basis::BSpline);
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    const std::vector<Point3> points = {{2, 2, 2}, {0.5, 2, 2}, {nan, 2, 2}, {1, 3, 3}};
+    const auto rest = gridPositions(n);
+    const TensorLattice lattice(grid(n), rest, Basis::BSpline);
+    const std::vector<Point3> points = {{2, 2, 2}, {0.5, 2, 2}, {kNan, 2, 2}, {1, 3, 3}};
 
     const auto kept = embedPoints(lattice, points);
     EXPECT_EQ(kept.count(PointStatus::Inside), 2);
@@ -51,19 +38,15 @@ TEST(TensorEmbedding, PointsOutsideAreKeptCarriedOrRefused) {
     EXPECT_FALSE(carried.points[2].place);
     EXPECT_EQ(makeBinding(lattice, carried, points).kept, (std::vector<Index>{2}));
 
-    try {
-        embedPoints(lattice, points, {.outside = OutsidePolicy::Error});
-        FAIL() << "accepted";
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("point 1 at (0.5, 2, 2) is outside the lattice"));
-    }
+    EXPECT_REFUSED(Error, "point 1 at (0.5, 2, 2) is outside the lattice",
+                   embedPoints(lattice, points, {.outside = OutsidePolicy::Error}));
     EXPECT_THROW(makeBinding(lattice, kept, std::span(points).first(2)), Error);
 }
 
 // The tolerance is a distance, here of 1e-6 × √48.
 TEST(TensorEmbedding, PointsWithinTheToleranceAreInside) {
     const Cells n = {4, 4, 4};
-    const TensorLattice lattice(test::grid(n), test::gridPositions(n), Basis::Bezier);
+    const TensorLattice lattice(grid(n), gridPositions(n), Basis::Bezier);
     const std::vector<Point3> points = {{-6.9e-6, 2, 2}, {-7e-6, 2, 2}, {-5e-6, -5e-6, 4}};
     const auto embedding = embedPoints(lattice, points);
     EXPECT_EQ(embedding.points[0].status, PointStatus::Inside);
@@ -79,13 +62,13 @@ TEST(TensorEmbedding, PointsWithinTheToleranceAreInside) {
 // In a skew lattice the nearest place is not where clamping leads.
 TEST(TensorEmbedding, NearestPlaceMatchesBruteForce) {
     const Cells n = {2, 1, 1};
-    const TensorLattice lattice(test::grid(n), Skew()(test::gridPositions(n)), Basis::Bezier);
+    const TensorLattice lattice(grid(n), Skew()(gridPositions(n)), Basis::Bezier);
     const Matrix3d& axes = Skew().axes;
     for (const Point3& local : randomPoints(n, -4, 200, 15)) {
         const Point3 point = Skew()(local);
         const auto located = lattice.locate(point, 0, true);
         ASSERT_TRUE(located.place);
-        double sampled = std::numeric_limits<double>::infinity();
+        double sampled = kInfinity;
         for (int i = 0; i <= 40; ++i)
             for (int j = 0; j <= 20; ++j)
                 for (int k = 0; k <= 20; ++k) {
@@ -103,26 +86,20 @@ TEST(TensorEmbedding, NearestPlaceMatchesBruteForce) {
 
 /// The message of what a lattice is refused with.
 std::string refusalOf(const CellComplex& complex, const std::vector<Point3>& rest, Basis basis) {
-    try {
-        TensorLattice(complex, rest, basis);
-    } catch (const Error& error) {
-        return error.what();
-    }
-    ADD_FAILURE() << "accepted";
-    return {};
+    return messageOf([&] { TensorLattice(complex, rest, basis); });
 }
 
 TEST(TensorEmbedding, LatticesThatAreNoParallelepipedsAreRefused) {
     const Cells n = {3, 3, 3};
-    const CellComplex complex = test::grid(n);
-    const auto rest = test::gridPositions(n);
+    const CellComplex complex = grid(n);
+    const auto rest = gridPositions(n);
     auto moved = rest;
     moved[21][1] += 0.1;
     // Of a displacement of one vertex, the fit leaves all but a part of 1/64 for its place and one
     // a direction.
     EXPECT_THAT(refusalOf(complex, moved, Basis::Bezier), HasSubstr("vertex 21 is 0.09"));
     auto broken = rest;
-    broken[5][2] = std::numeric_limits<double>::infinity();
+    broken[5][2] = kInfinity;
     EXPECT_THAT(refusalOf(complex, broken, Basis::Bezier), HasSubstr("vertex 5 is not finite"));
     auto flat = rest;
     for (Point3& position : flat) position[2] = position[0] + 2 * position[1];
@@ -149,14 +126,13 @@ TEST(TensorEmbedding, LatticesThatAreNoParallelepipedsAreRefused) {
 
 TEST(TensorEmbedding, BSplineLatticesNeedThreeCellsAnAxis) {
     const Cells n = {3, 2, 4};
-    EXPECT_THAT(refusalOf(test::grid(n), test::gridPositions(n), Basis::BSpline),
-                HasSubstr("3 × 2 × 4"));
+    EXPECT_THAT(refusalOf(grid(n), gridPositions(n), Basis::BSpline), HasSubstr("3 × 2 × 4"));
 }
 
 TEST(TensorEmbedding, ATableBelongsToItsLattice) {
     const Cells n = {3, 3, 3}, m = {3, 3, 4};
-    const TensorLattice lattice(test::grid(n), test::gridPositions(n), Basis::Bezier);
-    const TensorLattice other(test::grid(m), test::gridPositions(m), Basis::Bezier);
+    const TensorLattice lattice(grid(n), gridPositions(n), Basis::Bezier);
+    const TensorLattice other(grid(m), gridPositions(m), Basis::Bezier);
     const auto embedding = embedPoints(lattice, std::vector<Point3>{{1, 1, 1}});
     EXPECT_THROW(buildDeformationTable(other, embedding), Error);
     EXPECT_THROW(embedPoints(lattice, std::vector<Point3>{}, {.tolerance = -1}), Error);
@@ -167,17 +143,17 @@ TEST(TensorEmbedding, RestPositionsMayBeRounded) {
     const Cells n = {7, 3, 6};
     Skew skew;
     skew.axes /= 7;
-    const auto exact = skew(test::gridPositions(n));
+    const auto exact = skew(gridPositions(n));
     auto floats = exact, digits = exact;
     for (std::size_t v = 0; v < exact.size(); ++v)
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            floats[v][axis] = static_cast<float>(exact[v][axis]);
+            floats[v][axis] = float(exact[v][axis]);
             // Coordinates are under 10: six digits have five decimals.
             digits[v][axis] = std::round(exact[v][axis] * 1e5) / 1e5;
         }
     const auto points = skew(randomPoints(n, 1, 100, 16));
     for (const auto& [rest, off] : {std::pair{floats, 1e-6}, {digits, 1e-5}}) {
-        const TensorLattice lattice(test::grid(n), rest, Basis::BSpline);
+        const TensorLattice lattice(grid(n), rest, Basis::BSpline);
         const auto embedding = embedPoints(lattice, points);
         EXPECT_EQ(embedding.count(PointStatus::Inside), 100);
         EXPECT_GT(embedding.largestResidual(), 1e-9);
@@ -191,29 +167,29 @@ TEST(TensorEmbedding, RestPositionsMayBeFloatsFarFromTheOrigin) {
     Skew skew;
     skew.axes /= 7;
     skew.origin = {1000, -3000, 2000};
-    auto rest = skew(test::gridPositions(n));
+    auto rest = skew(gridPositions(n));
     for (Point3& position : rest)
-        for (double& x : position) x = static_cast<float>(x);
-    const TensorLattice lattice(test::grid(n), rest, Basis::BSpline);
+        for (double& x : position) x = float(x);
+    const TensorLattice lattice(grid(n), rest, Basis::BSpline);
     const auto embedding = embedPoints(lattice, skew(randomPoints(n, 1.1, 100, 18)));
     EXPECT_EQ(embedding.count(PointStatus::Inside), 100);
     rest[21][1] += 0.01;
-    EXPECT_THAT(refusalOf(test::grid(n), rest, Basis::BSpline), HasSubstr("vertex 21 is 0.0"));
+    EXPECT_THAT(refusalOf(grid(n), rest, Basis::BSpline), HasSubstr("vertex 21 is 0.0"));
 }
 
 // What is inside, outside and nearest is a matter of shape, not of size.
 TEST(TensorEmbedding, DoesNotDependOnTheSizeOfTheLattice) {
     const Cells n = {3, 4, 3};
     const auto at = randomPoints(n, -2, 200, 19);
-    const auto pose = test::gridPositions(n);
+    const auto pose = gridPositions(n);
     for (const Basis basis : {Basis::Bezier, Basis::BSpline})
         for (const double size : {1e-150, 1e-9, 1e150}) {
             Skew skew, scaled;
             scaled.axes *= size;
             scaled.origin *= size;
             const EmbeddingOptions nearest = {.outside = OutsidePolicy::Nearest};
-            const TensorLattice here(test::grid(n), skew(pose), basis);
-            const TensorLattice there(test::grid(n), scaled(pose), basis);
+            const TensorLattice here(grid(n), skew(pose), basis);
+            const TensorLattice there(grid(n), scaled(pose), basis);
             const auto placed = embedPoints(here, skew(at), nearest);
             const auto placedThere = embedPoints(there, scaled(at), nearest);
             EXPECT_GT(placed.count(PointStatus::Outside), 50);
@@ -229,10 +205,10 @@ TEST(TensorEmbedding, DoesNotDependOnTheSizeOfTheLattice) {
 
 TEST(TensorEmbedding, DoesNotDependOnTheNumberOfThreads) {
     const Cells n = {4, 4, 4};
-    const TensorLattice lattice(test::grid(n), test::gridPositions(n), Basis::BSpline);
+    const TensorLattice lattice(grid(n), gridPositions(n), Basis::BSpline);
     const auto points = randomPoints(n, 0, 9000, 17);
     const auto bind = [&](int threads) {
-        return test::withThreads(
+        return withThreads(
             threads, [&] { return tableOf(lattice, points, {.outside = OutsidePolicy::Nearest}); });
     };
     const auto one = bind(1);

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/far/box_grid.h>
-#include <espalier/far/topology_error.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <map>
 
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {
-
-using ::testing::HasSubstr;
 
 /// What is wrong with a complex that is no box.
 TopologyError refusalOf(const CellComplex& complex) {
@@ -35,7 +28,7 @@ CellComplex cellsOfGrid(const std::array<Index, 3>& n, IsThere isThere, Name nam
         for (Index j = 0; j < n[1]; ++j)
             for (Index i = 0; i < n[0]; ++i) {
                 if (!isThere(i, j, k)) continue;
-                auto cell = test::gridCell(n, i, j, k);
+                auto cell = gridCell(n, i, j, k);
                 for (Index& vertex : cell) {
                     vertex = name(vertex, i, j, k);
                     if (vertices.count(vertex) == 0) vertices[vertex] = builder.addVertex();
@@ -59,7 +52,7 @@ TEST(BoxGrid, AGridThatIsNumberedAsSuchIsFoundAsItIs) {
         for (Index k = 0; k <= n[2]; ++k)
             for (Index j = 0; j <= n[1]; ++j)
                 for (Index i = 0; i <= n[0]; ++i)
-                    EXPECT_EQ(grid.vertexAt({i, j, k}), test::gridVertex(n, i, j, k));
+                    EXPECT_EQ(grid.vertexAt({i, j, k}), gridVertex(n, i, j, k));
     }
 }
 
@@ -76,8 +69,8 @@ TEST(BoxGrid, RelabelledGridsAreFoundFromTheLowestCorner) {
     for (const auto& n : kSizes)
         for (const unsigned seed : {1u, 2u, 3u}) {
             const CellComplex plain = test::grid(n);
-            const auto names = test::shuffledIndices(plain.count(0), seed);
-            const CellComplex complex = test::relabelled(plain, names, seed);
+            const auto names = shuffledIndices(plain.count(0), seed);
+            const CellComplex complex = relabelled(plain, names, seed);
             const BoxGrid grid = asBoxGrid(complex);
             auto sizes = grid.cells, expected = n;
             std::sort(sizes.begin(), sizes.end());
@@ -88,13 +81,13 @@ TEST(BoxGrid, RelabelledGridsAreFoundFromTheLowestCorner) {
             for (const Index i : {0, n[0]})
                 for (const Index j : {0, n[1]})
                     for (const Index k : {0, n[2]})
-                        lowest = std::min(lowest, names[test::gridVertex(n, i, j, k)]);
+                        lowest = std::min(lowest, names[gridVertex(n, i, j, k)]);
             EXPECT_EQ(grid.vertexAt({0, 0, 0}), lowest);
             EXPECT_LT(grid.vertexAt({1, 0, 0}), grid.vertexAt({0, 1, 0}));
             EXPECT_LT(grid.vertexAt({0, 1, 0}), grid.vertexAt({0, 0, 1}));
 
             const std::set<Index> all(grid.vertices.begin(), grid.vertices.end());
-            EXPECT_EQ(all.size(), static_cast<std::size_t>(complex.count(0)));
+            EXPECT_EQ(all.size(), std::size_t(complex.count(0)));
             EXPECT_EQ(grid.vertices.size(), all.size());
             const auto& m = grid.cells;
             for (Index k = 0; k <= m[2]; ++k)
@@ -115,22 +108,22 @@ TEST(BoxGrid, RelabelledGridsAreFoundFromTheLowestCorner) {
 }
 
 TEST(BoxGrid, OnlyLatticesAreBoxes) {
-    const TopologyError mesh = refusalOf(test::gridMesh(2, 2));
+    const TopologyError mesh = refusalOf(gridMesh(2, 2));
     EXPECT_EQ(mesh.cause(), TopologyCause::WrongDimension);
     EXPECT_THAT(mesh.what(), HasSubstr("dimension 2"));
     EXPECT_EQ(refusalOf(CellComplex()).cause(), TopologyCause::WrongDimension);
 }
 
 TEST(BoxGrid, TheFirstCellThatIsNoHexahedronIsNamed) {
-    const TopologyError tetrahedron = refusalOf(test::singleCell(StandardCell::Tetrahedron));
+    const TopologyError tetrahedron = refusalOf(singleCell(StandardCell::Tetrahedron));
     EXPECT_EQ(tetrahedron.cause(), TopologyCause::NotABox);
     EXPECT_EQ(tetrahedron.entity(), Entity(CellId(0)));
     // A hexahedron comes first in it, then a pyramid and a wedge.
-    const TopologyError mixed = refusalOf(test::mixedCells());
+    const TopologyError mixed = refusalOf(mixedCells());
     EXPECT_EQ(mixed.entity(), Entity(CellId(1)));
     EXPECT_THAT(mixed.what(), HasSubstr("cell 1 is not a hexahedron"));
     // Six quadrilaterals are not enough: two vertices of valence 4 and the cell is another.
-    EXPECT_EQ(refusalOf(test::bipyramid(4)).entity(), Entity(CellId(0)));
+    EXPECT_EQ(refusalOf(bipyramid(4)).entity(), Entity(CellId(0)));
 }
 
 // Eight hexahedra in a ring: no corner.
@@ -176,8 +169,8 @@ TEST(BoxGrid, AMissingCellIsRefused) {
 
 // Cells that are not reached from the corner: another box, or a row that goes on.
 TEST(BoxGrid, CellsBesideTheBoxAreRefused) {
-    std::vector<test::Loops> cells = test::cellLoops(test::grid({2, 1, 1}));
-    for (auto loops : test::cellLoops(test::grid({1, 1, 1}))) {
+    std::vector<Loops> cells = cellLoops(test::grid({2, 1, 1}));
+    for (auto loops : cellLoops(test::grid({1, 1, 1}))) {
         for (auto& loop : loops)
             for (Index& vertex : loop) vertex += 12;
         cells.push_back(loops);
@@ -210,7 +203,7 @@ TEST(BoxGrid, ASlitBetweenFacesIsRefused) {
     const auto copyRow = [](const SignedIncidence& from, Index row, Rows<Signed>& to) {
         for (std::size_t i = 0; i < from[row].size(); ++i)
             to.values.push_back({from[row][i], from.signs(row)[i]});
-        to.offsets.push_back(static_cast<Offset>(to.values.size()));
+        to.offsets.push_back(Offset(to.values.size()));
     };
     // Between cells 1 and 3: where cells 0 and 2 meet too, the way goes through these.
     Index shared = 0;

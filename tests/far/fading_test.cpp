@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/strata.h>
 #include <espalier/far/topology_refiner.h>
-#include <gtest/gtest.h>
 
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 /// A plane of 4 × 4 quadrilaterals, of which vertex 12 is the middle, with the four edges at the
 /// middle marked: to the west (11), east (13), south (7) and north (17).
 struct Cross {
-    CellComplex complex = test::gridMesh(4, 4);
+    CellComplex complex = gridMesh(4, 4);
     Creasing creasing = Creasing::Uniform;
     TopologyRefiner refiner;
 

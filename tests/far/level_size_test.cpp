@@ -1,25 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/refinement.h>
 #include <espalier/far/topology_refiner.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {
 
 double pairs(const CellComplex& complex, int from, int to) {
-    return from > complex.dimension()
-               ? 0
-               : static_cast<double>(complex.relation(from, to).values().size());
+    return from > complex.dimension() ? 0 : double(complex.relation(from, to).values().size());
 }
 
 void expectSizesOfLevels(const CellComplex& base, int levels) {
-    TopologyRefiner refiner(base);
-    refiner.refineUniform(levels);
+    TopologyRefiner refiner = refined(base, levels);
     for (int level = 0; level <= levels; ++level) {
         const CellComplex& complex = refiner.level(level).complex;
         const LevelSize size = levelSize(base, level);
@@ -34,23 +28,23 @@ void expectSizesOfLevels(const CellComplex& base, int levels) {
 }
 
 TEST(LevelSize, IsThatOfTheLevelsThatAreMade) {
-    expectSizesOfLevels(test::mixedCells(), 3);
-    expectSizesOfLevels(test::bipyramid(7), 3);
-    expectSizesOfLevels(test::grid({3, 2, 1}), 3);
+    expectSizesOfLevels(mixedCells(), 3);
+    expectSizesOfLevels(bipyramid(7), 3);
+    expectSizesOfLevels(grid({3, 2, 1}), 3);
     expectSizesOfLevels(buildMesh(5, {{{0, 1, 2, 3}, {3, 2, 4}}}), 3);
     expectSizesOfLevels(buildCurve(5, true), 3);
 }
 
 // Of a level that no machine can hold: a cube has 8ⁿ cells.
 TEST(LevelSize, IsKnownOfLevelsThatCannotBe) {
-    const LevelSize size = levelSize(test::singleCell(StandardCell::Hexahedron), 30);
+    const LevelSize size = levelSize(singleCell(StandardCell::Hexahedron), 30);
     EXPECT_EQ(size.counts[3], std::ldexp(1, 90));
     EXPECT_GT(size.bytes(), 10 * std::ldexp(1, 90));
 }
 
 // In no time: CTest's limit ends a test that goes through 2³¹ levels a thousand times.
 TEST(LevelSize, OfTheHighestLevelCostsNoMoreThanOfOthers) {
-    const CellComplex cube = test::singleCell(StandardCell::Hexahedron);
+    const CellComplex cube = singleCell(StandardCell::Hexahedron);
     for (int i = 0; i < 1000; ++i)
         for (const double count : levelSize(cube, std::numeric_limits<int>::max()).counts)
             EXPECT_TRUE(std::isinf(count));

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/refinement.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
 
 #include "support/complexes.h"
+#include "support/test.h"
 
 // The boundaries of children against the definition, slowly:
 //
@@ -57,13 +54,13 @@ void expectDefinition(const CellComplex& parent, const Refinement& refinement) {
 }
 
 std::vector<CellComplex> bases() {
-    return {test::singleCell(StandardCell::Tetrahedron),
-            test::singleCell(StandardCell::Pyramid),
-            test::bipyramid(5),
-            test::bipyramid(20),  // with more vertices than placeIn() counts through
-            test::grid({3, 2, 2}),
-            test::mixedCells(),
-            test::gridMesh(3, 2),
+    return {singleCell(StandardCell::Tetrahedron),
+            singleCell(StandardCell::Pyramid),
+            bipyramid(5),
+            bipyramid(20),  // with more vertices than placeIn() counts through
+            grid({3, 2, 2}),
+            mixedCells(),
+            gridMesh(3, 2),
             buildCurve(4, true)};
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/marks.h>
-#include <gtest/gtest.h>
 
-#include <vector>
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/standard_cells.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
 
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {
 
-using test::Loops;
-
 CellComplex cellOf(const Loops& loops, Index vertexCount) {
-    return test::lattice(vertexCount, {loops});
+    return lattice(vertexCount, {loops});
 }
 
 /// The same loops, each from its smallest vertex on, in order.
@@ -71,7 +66,7 @@ TEST(StandardCells, FollowTheOrientationOfTheComplex) {
 
 /// Both cells of a shared face see it from their own side.
 TEST(StandardCells, AreRecognisedOnBothSidesOfAFace) {
-    const CellComplex complex = test::mixedCells();
+    const CellComplex complex = mixedCells();
     const StandardCell kinds[] = {StandardCell::Hexahedron, StandardCell::Pyramid,
                                   StandardCell::Wedge, StandardCell::Tetrahedron};
     for (Index c = 0; c < 4; ++c) {
@@ -95,20 +90,20 @@ TEST(StandardCells, AreNotRecognisedByTheSizesOfTheirFacesAlone) {
         {{0, 5, 1, 3}, {1, 6, 2, 3}, {2, 7, 0, 3}, {1, 5, 0, 4}, {2, 6, 1, 4}, {0, 7, 2, 4}}, 8);
     EXPECT_FALSE(asStandardCell(six, CellId(0)));
 
-    EXPECT_FALSE(asStandardCell(test::bipyramid(5), CellId(0)));
+    EXPECT_FALSE(asStandardCell(bipyramid(5), CellId(0)));
 }
 
 TEST(HexahedronVertices, AreInVtkOrder) {
     // The first face of the standard cell, (0 4 7 3) from outside, is (0 3 7 4) from inside.
-    EXPECT_EQ(hexahedronVertices(test::singleCell(StandardCell::Hexahedron), CellId(0)),
+    EXPECT_EQ(hexahedronVertices(singleCell(StandardCell::Hexahedron), CellId(0)),
               (std::array<Index, 8>{0, 3, 7, 4, 1, 2, 6, 5}));
     for (const auto other : {StandardCell::Tetrahedron, StandardCell::Pyramid, StandardCell::Wedge})
-        EXPECT_EQ(hexahedronVertices(test::singleCell(other), CellId(0)), std::nullopt);
+        EXPECT_EQ(hexahedronVertices(singleCell(other), CellId(0)), std::nullopt);
 }
 
 TEST(HexahedronVertices, SixQuadrilateralsNeedNotBeAHexahedron) {
     // Vertices 0 and 1 have valence 4, 6 and 7 valence 2.
-    const CellComplex solid = test::lattice(
+    const CellComplex solid = lattice(
         8, {{{0, 2, 1, 3}, {0, 3, 6, 4}, {6, 3, 1, 4}, {0, 4, 1, 5}, {0, 5, 7, 2}, {7, 5, 1, 2}}});
     EXPECT_EQ(solid.count(2), 6);
     EXPECT_EQ(solid.count(0), 8);
@@ -120,7 +115,7 @@ Loops permuted(const Loops& loops, const std::array<std::size_t, 6>& order) {
     Loops result;
     for (std::size_t i = 0; i < 6; ++i) {
         result.push_back(loops[order[i]]);
-        std::rotate(result[i].begin(), result[i].begin() + static_cast<int>((i + order[0]) % 4),
+        std::rotate(result[i].begin(), result[i].begin() + int((i + order[0]) % 4),
                     result[i].end());
     }
     return result;
@@ -128,7 +123,7 @@ Loops permuted(const Loops& loops, const std::array<std::size_t, 6>& order) {
 
 // The middle one of three cells: a face that it shares with the cell before runs the other way.
 TEST(HexahedronVertices, WhateverTheOrderOfTheFaces) {
-    const CellComplex row = test::grid({3, 1, 1});
+    const CellComplex row = grid({3, 1, 1});
     for (const bool insideOut : {false, true}) {
         std::vector<Loops> cells;
         for (Index cell = 0; cell < 3; ++cell) {
@@ -140,7 +135,7 @@ TEST(HexahedronVertices, WhateverTheOrderOfTheFaces) {
         std::array<int, 2> signCount = {};
         do {
             const CellComplex complex =
-                test::lattice(row.count(0), {cells[0], permuted(cells[1], order), cells[2]});
+                lattice(row.count(0), {cells[0], permuted(cells[1], order), cells[2]});
             const auto vertices = hexahedronVertices(complex, CellId(1));
             ASSERT_TRUE(vertices);
             const Index base = complex.relation(3, 2)[1][0];
@@ -164,7 +159,7 @@ TEST(HexahedronVertices, RefuseOtherSolidsWhateverTheOrderOfTheFaces) {
     for (const Loops& solid : solids) {
         std::array<std::size_t, 6> order = {0, 1, 2, 3, 4, 5};
         do {
-            const CellComplex complex = test::lattice(8, {permuted(solid, order)});
+            const CellComplex complex = lattice(8, {permuted(solid, order)});
             ASSERT_EQ(hexahedronVertices(complex, CellId(0)), std::nullopt);
         } while (std::next_permutation(order.begin(), order.end()));
     }
@@ -172,7 +167,7 @@ TEST(HexahedronVertices, RefuseOtherSolidsWhateverTheOrderOfTheFaces) {
 
 // The quick way and the general one find the same cells, though not the same first corner.
 TEST(HexahedronVertices, AreThoseOfTheStandardCell) {
-    for (const CellComplex& complex : {test::grid({2, 2, 1}), test::mixedCells()})
+    for (const CellComplex& complex : {grid({2, 2, 1}), mixedCells()})
         for (Index cell = 0; cell < complex.count(3); ++cell) {
             const auto general = asStandardCell(complex, CellId(cell));
             const auto quick = hexahedronVertices(complex, CellId(cell));

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/far/star.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {
@@ -20,9 +17,8 @@ void expectSame(std::span<const Index> inStar, std::span<const Index> inLevel,
 // All that contains the vertex is there, with the same loops, signs and strata.
 TEST(Star, IsThePartOfTheLevelAroundAVertex) {
     const Marks marks{.edges = {{{0, 1}, kSmooth}}, .vertices = {{2, kInfinitelySharp}}};
-    for (const auto& complex : {test::grid({2, 2, 3}), test::grid({3, 1, 1}), test::mixedCells()}) {
-        TopologyRefiner refiner(complex, {.marks = marks});
-        refiner.refineUniform(1);
+    for (const auto& complex : {grid({2, 2, 3}), grid({3, 1, 1}), mixedCells()}) {
+        TopologyRefiner refiner = refined(complex, 1, {.marks = marks});
         for (int level = 0; level <= 1; ++level) {
             const Level& whole = refiner.level(level);
             for (Index vertex = 0; vertex < whole.complex.count(0); vertex += 1 + 7 * level) {
@@ -37,7 +33,7 @@ TEST(Star, IsThePartOfTheLevelAroundAVertex) {
                         const Index there = entities[entity];
                         expectSame(star.level.complex.boundary(d)[entity],
                                    whole.complex.boundary(d)[there],
-                                   star.entities[static_cast<std::size_t>(d) - 1]);
+                                   star.entities[std::size_t(d) - 1]);
                         EXPECT_TRUE(std::ranges::equal(star.level.complex.boundary(d).signs(entity),
                                                        whole.complex.boundary(d).signs(there)));
                         EXPECT_EQ(star.level.strata.of({d, entity}), whole.strata.of({d, there}));
@@ -50,14 +46,14 @@ TEST(Star, IsThePartOfTheLevelAroundAVertex) {
 }
 
 TEST(Star, OfTwoRingsHoldsTheStarsOfItsVertices) {
-    const TopologyRefiner refiner(test::grid({5, 5, 5}));
-    const Index middle = test::gridVertex({5, 5, 5}, 2, 2, 2);
+    const TopologyRefiner refiner(grid({5, 5, 5}));
+    const Index middle = gridVertex({5, 5, 5}, 2, 2, 2);
     EXPECT_EQ(starOf(refiner.level(0), middle).level.complex.count(3), 8);
     EXPECT_EQ(starOf(refiner.level(0), middle, 2).level.complex.count(3), 64);
 }
 
 TEST(Star, OfWhatIsNotThereIsRefused) {
-    const TopologyRefiner refiner(test::grid({1, 1, 1}));
+    const TopologyRefiner refiner(grid({1, 1, 1}));
     EXPECT_THROW(starOf(refiner.level(0), -1), Error);
     EXPECT_THROW(starOf(refiner.level(0), 8), Error);
 }

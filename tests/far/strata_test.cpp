@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <map>
 
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {
-
-using test::grid;
-using test::gridVertex;
-using test::Loops;
-using ::testing::HasSubstr;
 
 /// Number of entities on strata 0, 1, 2, 3.
 using PerStratum = std::array<Index, 4>;
@@ -69,8 +59,7 @@ TEST(Strata, SharpEdgesOfACylinder) {
 }
 
 TEST(Strata, ChildInheritsTheStratumOfItsUpperEnd) {
-    TopologyRefiner refiner(grid({1, 1, 1}));
-    refiner.refineUniform(2);
+    TopologyRefiner refiner = test::refined(grid({1, 1, 1}), 2);
     // The refined cube is again a box: 8 corners, 12 edges of 4 parts, 6 sides of 16 faces.
     const Strata& strata = refiner.level(2).strata;
     EXPECT_EQ(countStrata(strata, 0), (PerStratum{8, 12 * 3, 6 * 9, 27}));
@@ -122,13 +111,9 @@ TEST(Strata, BadMarksAreRefused) {
     const CellComplex box = grid({2, 1, 1});
     const auto expectRefused = [&](TopologyCause cause, const std::string& text,
                                    const Marks& marks) {
-        try {
-            strataOf(box, SharpEdges::SingleCell, marks);
-            FAIL() << "accepted; expected: " << text;
-        } catch (const TopologyError& error) {
-            EXPECT_EQ(error.cause(), cause) << error.what();
-            EXPECT_THAT(error.what(), HasSubstr(text));
-        }
+        const auto error = topologyErrorOf([&] { strataOf(box, SharpEdges::SingleCell, marks); });
+        EXPECT_EQ(error.cause(), cause) << error.what();
+        EXPECT_THAT(error.what(), HasSubstr(text));
     };
     expectRefused(TopologyCause::BadMark, "edge (0, 2), which does not exist",
                   {.edges = {{{0, 2}, kSmooth}}});
@@ -138,8 +123,7 @@ TEST(Strata, BadMarksAreRefused) {
                   {.edges = {{{0, 12}, kSmooth}}});
     expectRefused(TopologyCause::VertexOutOfRange, "vertex -1", {.vertices = {{-1, kSmooth}}});
     expectRefused(TopologyCause::BadMark, "sharpness -2.5", {.edges = {{{0, 1}, -2.5}}});
-    expectRefused(TopologyCause::BadMark, "sharpness nan",
-                  {.vertices = {{0, std::numeric_limits<double>::quiet_NaN()}}});
+    expectRefused(TopologyCause::BadMark, "sharpness nan", {.vertices = {{0, kNan}}});
 }
 
 /// Two cubes on the same grid of 2 × 2 × 2 that touch only where the grid's middle is.
@@ -147,7 +131,7 @@ CellComplex twoCubes(const std::array<Index, 3>& first, const std::array<Index, 
     std::map<Index, Index> names;
     ComplexBuilder builder(3);
     for (const auto& [i, j, k] : {first, second}) {
-        auto cell = test::gridCell({2, 2, 2}, i, j, k);
+        auto cell = gridCell({2, 2, 2}, i, j, k);
         for (Index& vertex : cell) {
             if (!names.count(vertex)) names[vertex] = builder.addVertex();
             vertex = names[vertex];
@@ -186,9 +170,9 @@ TEST(Strata, ThreeSharpEdgesMakeACorner) {
     ComplexBuilder builder(3, 27 - 7);
     std::map<Index, Index> names;
     for (const auto& [i, j, k] : {std::array<Index, 3>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
-        auto cell = test::gridCell({2, 2, 2}, i, j, k);
+        auto cell = gridCell({2, 2, 2}, i, j, k);
         for (Index& vertex : cell)
-            vertex = names.emplace(vertex, static_cast<Index>(names.size())).first->second;
+            vertex = names.emplace(vertex, Index(names.size())).first->second;
         builder.addCell(StandardCell::Hexahedron, cell);
     }
     const CellComplex tripod = builder.build();
@@ -199,7 +183,7 @@ TEST(Strata, ThreeSharpEdgesMakeACorner) {
 }
 
 TEST(Strata, MeshesAndCurves) {
-    const Strata mesh = strataOf(test::gridMesh(3, 2));
+    const Strata mesh = strataOf(gridMesh(3, 2));
     EXPECT_EQ(countStrata(mesh, 0), (PerStratum{4, 2 * 2 + 2 * 1, 2, 0}));
     EXPECT_EQ(countStrata(mesh, 1), (PerStratum{0, 10, 7, 0}));
     const Strata open = strataOf(buildCurve(5, false)), closed = strataOf(buildCurve(5, true));
@@ -219,8 +203,7 @@ TEST(Strata, MeshesAndCurves) {
 TEST(Strata, MarksForARefinedComplexGiveItsStrataBack) {
     const Index middle = gridVertex({2, 2, 2}, 1, 1, 0);
     const auto expectKept = [](const CellComplex& base, SharpEdges rule, const Marks& marks) {
-        TopologyRefiner refiner(base, {.sharpEdges = rule, .marks = marks});
-        refiner.refineUniform(2);
+        TopologyRefiner refiner = test::refined(base, 2, {.sharpEdges = rule, .marks = marks});
         for (int level = 0; level <= 2; ++level) {
             const auto& [complex, strata, holes] = refiner.level(level);
             const Marks kept = marksFor(complex, strata, Boundary::Sharp);
@@ -238,7 +221,7 @@ TEST(Strata, MarksForARefinedComplexGiveItsStrataBack) {
     expectKept(grid({2, 2, 2}), SharpEdges::SingleCell,
                {.edges = {{{0, 1}, kSmooth}, {{1, middle}, kInfinitelySharp}},
                 .vertices = {{0, kSmooth}, {26, kInfinitelySharp}, {middle, kInfinitelySharp}}});
-    expectKept(test::gridMesh(3, 2), SharpEdges::SingleCell,
+    expectKept(gridMesh(3, 2), SharpEdges::SingleCell,
                {.edges = {{{5, 6}, 1.5}}, .vertices = {{5, 0.5}}});
     // Semi-sharp marks in place of what is sharp by rule, and on what is not.
     expectKept(grid({2, 2, 2}), SharpEdges::SingleCell,
@@ -248,7 +231,7 @@ TEST(Strata, MarksForARefinedComplexGiveItsStrataBack) {
 
 // OpenSubdiv's boundary modes on a mesh of 3 × 2 faces, of which 0 and 3 are corners.
 TEST(Strata, EdgeOnlyRoundsTheCornersOfAMesh) {
-    const CellComplex mesh = test::gridMesh(3, 2);
+    const CellComplex mesh = gridMesh(3, 2);
     const auto strataIn = [&](Boundary boundary, const Marks& marks = {}) {
         return classify(mesh, boundary, SharpEdges::SingleCell, marks);
     };
@@ -291,15 +274,14 @@ TEST(Strata, SharpEdgesInsideALatticeLeaveItsSurfaceAsItIs) {
 }
 
 TEST(Strata, HolesHaveHolesForChildren) {
-    TopologyRefiner refiner(test::gridMesh(3, 2), {.marks = {.holes = {4, 1, 4}}});
-    refiner.refineUniform(2);
+    TopologyRefiner refiner = test::refined(gridMesh(3, 2), 2, {.marks = {.holes = {4, 1, 4}}});
     EXPECT_EQ(refiner.level(0).holes, (std::vector<Index>{1, 4}));
     ASSERT_EQ(refiner.level(1).holes.size(), 8u);
     EXPECT_EQ(refiner.level(2).holes.size(), 32u);
     for (const Index hole : refiner.level(1).holes)
         EXPECT_THAT((std::vector<Index>{1, 4}),
-                    ::testing::Contains(refiner.refinement(1).parentOf({2, hole}).upper.index));
-    EXPECT_THROW(TopologyRefiner(test::gridMesh(3, 2), {.marks = {.holes = {6}}}), TopologyError);
+                    Contains(refiner.refinement(1).parentOf({2, hole}).upper.index));
+    EXPECT_THROW(TopologyRefiner(gridMesh(3, 2), {.marks = {.holes = {6}}}), TopologyError);
     EXPECT_THROW(TopologyRefiner(grid({1, 1, 1}), {.marks = {.holes = {0}}}), TopologyError);
 }
 
@@ -315,7 +297,7 @@ TEST(Strata, OpenLeavesTheBoundaryOut) {
 // An infinitely sharp boundary edge of a mesh stays without boundary control, as in OpenSubdiv's
 // mode "none"; a semi-sharp one does not.
 TEST(Strata, OpenKeepsBoundaryEdgesThatAreMarkedSharp) {
-    const CellComplex mesh = test::gridMesh(4, 4);
+    const CellComplex mesh = gridMesh(4, 4);
     Marks marks;
     for (Index i = 0; i < 4; ++i) {
         marks.edges.push_back({{i, i + 1}, kInfinitelySharp});  // the first row

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/complex_builder.h>
-#include <gtest/gtest.h>
 
 #include "far/surface_fans.h"
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {
 
-using test::Loops;
 using EdgeKind = SurfaceFans::EdgeKind;
 using VertexKind = SurfaceFans::VertexKind;
 

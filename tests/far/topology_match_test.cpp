@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/topology_match.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <numeric>
 
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::far {
 namespace {
-
-using test::grid;
-using ::testing::HasSubstr;
 
 TEST(TopologyMatch, OrderOfCellsAndWindingDoNotCount) {
     const CellComplex box = grid({3, 2, 2});
     std::vector<Index> names(box.count(0));
     std::iota(names.begin(), names.end(), 0);
     for (unsigned seed = 1; seed <= 5; ++seed) {
-        const CellComplex other = test::relabelled(box, names, seed);
+        const CellComplex other = relabelled(box, names, seed);
         EXPECT_EQ(topologyDifference(box, other), std::nullopt);
         EXPECT_EQ(topologyHash(box), topologyHash(other));
     }
@@ -28,13 +22,13 @@ TEST(TopologyMatch, SaysWhatDiffers) {
     const CellComplex box = grid({3, 2, 2});
     EXPECT_THAT(*topologyDifference(box, grid({3, 2, 1})),
                 HasSubstr("number of vertices: the first has 36, the second 24"));
-    EXPECT_THAT(*topologyDifference(box, test::gridMesh(3, 2)),
+    EXPECT_THAT(*topologyDifference(box, gridMesh(3, 2)),
                 HasSubstr("the first is of dimension 3, the second of 2"));
     // As many vertices and cells, but a pair of vertices swapped.
     std::vector<Index> names(box.count(0));
     std::iota(names.begin(), names.end(), 0);
     std::swap(names[0], names[5]);
-    const CellComplex swapped = test::relabelled(box, names, 1);
+    const CellComplex swapped = relabelled(box, names, 1);
     EXPECT_THAT(*topologyDifference(box, swapped), HasSubstr("has no counterpart"));
     EXPECT_NE(topologyHash(box), topologyHash(swapped));
     EXPECT_NE(topologyHash(box), topologyHash(grid({2, 3, 2})));
@@ -45,7 +39,7 @@ TEST(TopologyMatch, SaysWhatDiffers) {
 TEST(TopologyMatch, OrderOfVerticesInAFaceCounts) {
     const auto solid = [](Index first, Index second) {
         // A tetrahedron whose edge (0, 1) has two vertices in it.
-        return test::lattice(
+        return lattice(
             6, {{{0, first, second, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1, second, first}}});
     };
     const CellComplex one = solid(4, 5), other = solid(5, 4);
@@ -58,7 +52,7 @@ TEST(TopologyMatch, OrderOfVerticesInAFaceCounts) {
 // implementation of FNV-1a over the numbers 3, 4 (dimension, vertices), 16 (length), and the sides
 // 3 0 1 2, 3 0 1 3, 3 0 2 3, 3 1 2 3 as 64-bit little-endian integers.
 TEST(TopologyMatch, HashOfATetrahedronIsFixed) {
-    EXPECT_EQ(topologyHash(test::singleCell(StandardCell::Tetrahedron)), 0x32adc01d0b64ecf2u);
+    EXPECT_EQ(topologyHash(singleCell(StandardCell::Tetrahedron)), 0x32adc01d0b64ecf2u);
 }
 
 }  // namespace

@@ -16,13 +16,7 @@
 namespace espalier {
 namespace {
 
-using test::check;
-using test::kCorners;
-using test::make;
-using test::makeBinding;
-using test::makeLattice;
-using test::makeRefiner;
-using test::Owned;
+using namespace test;
 
 class CMemory : public testing::Test {
 protected:

@@ -18,14 +18,7 @@
 namespace espalier {
 namespace {
 
-using test::check;
-using test::kCorners;
-using test::kPoints;
-using test::make;
-using test::makeBinding;
-using test::makeLattice;
-using test::makeRefiner;
-using test::Owned;
+using namespace test;
 
 using LatticeOwner = Owned<espalier_lattice>;
 using TableOwner = Owned<espalier_table>;

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/base/executor.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/progress.h>
@@ -52,8 +51,8 @@ protected:
         return lattice;
     }
 
-    far::TopologyRefiner refined(int level) const {
-        far::TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
+    TopologyRefiner refined(int level) const {
+        TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
         refiner.refineUniform(level);
         return refiner;
     }
@@ -115,8 +114,8 @@ TEST_F(CoreMemory, Refinement) {
     });
     for (const auto creasing : {far::Creasing::Uniform, far::Creasing::Chaikin})
         failEachAllocation([&] {
-            far::TopologyRefiner refiner(lattice.complex,
-                                         {.creasing = creasing, .marks = lattice.marks});
+            TopologyRefiner refiner(lattice.complex,
+                                    {.creasing = creasing, .marks = lattice.marks});
             refiner.refineAround(std::vector<Index>{0});
             return refiner.level(1).complex.count(0);
         });
@@ -126,7 +125,7 @@ TEST_F(CoreMemory, Refinement) {
 TEST_F(CoreMemory, ARefinerHasTheLevelsThatWereComplete) {
     const Index expected = refined(2).level(2).complex.count(3);
     for (long n = 1;; n += 5) {
-        far::TopologyRefiner refiner = refined(1);
+        TopologyRefiner refiner = refined(1);
         const auto refine = [&] {
             refiner.refineUniform(2);
             return 0;
@@ -207,8 +206,8 @@ TEST_F(CoreMemory, Evaluation) {
     const auto pose = flat(lattice.positions);
     const auto xyz = osd::BufferDescriptor::packed(3);
     const auto evaluated = [&](const auto& compiled) {
-        std::vector<double> moved(3 * static_cast<std::size_t>(compiled.rowCount()));
-        const auto width = static_cast<std::size_t>(compiled.columnCount());
+        std::vector<double> moved(3 * std::size_t(compiled.rowCount()));
+        const auto width = std::size_t(compiled.columnCount());
         compiled.evaluate(std::span(pose).first(3 * width), xyz, moved, xyz,
                           {0, compiled.rowCount()});
         return moved;
@@ -243,7 +242,7 @@ TEST_F(CoreMemory, Solvers) {
         return std::tuple(check.check(pose).inverted, check.largestStep(pose).length);
     });
     failEachAllocation([&] { return embed::verticesHoldingRows(table); });
-    const far::TopologyRefiner parent(shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).complex);
+    const TopologyRefiner parent(shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).complex);
     const auto parentRest = shapes::box({.min = {-2, -2, -2}, .max = {2, 2, 2}}).positions;
     failEachAllocation([&] {
         return embed::nestTables(table, lattice.positions, {parent, parentRest}, {.level = 1});
@@ -308,8 +307,8 @@ TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
 template <class... Types>
 constexpr bool kMoveWithoutMemory = (... && (std::is_nothrow_move_constructible_v<Types> &&
                                              std::is_nothrow_move_assignable_v<Types>));
-static_assert(kMoveWithoutMemory<far::CellComplex, far::Incidence, far::SignedIncidence, far::Level,
-                                 far::Refinement, far::Marks, far::TopologyRefiner, Lattice>);
+static_assert(kMoveWithoutMemory<CellComplex, far::Incidence, far::SignedIncidence, far::Level,
+                                 far::Refinement, far::Marks, TopologyRefiner, Lattice>);
 static_assert(kMoveWithoutMemory<StencilTable<double>, embed::Binding, embed::BindingResult,
                                  embed::Embedding>);
 static_assert(kMoveWithoutMemory<osd::CompiledTable<double>, osd::CompiledAdjoint<float>,

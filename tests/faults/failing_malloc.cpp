@@ -7,9 +7,7 @@
 // The C library lets a program have functions of its own in the place of these, and its allocator
 // has second names for those who do. Operator new gets its memory here, too.
 
-using espalier::test::addLiveBlock;
-using espalier::test::allocationFails;
-using espalier::test::removeLiveBlock;
+using namespace test;
 
 extern "C" {
 

@@ -21,7 +21,7 @@ void* orNull(std::size_t size) {
 
 void* orNull(std::size_t size, std::align_val_t alignment) {
     if (espalier::test::allocationFails()) return nullptr;
-    const auto unit = static_cast<std::size_t>(alignment);
+    const auto unit = std::size_t(alignment);
     return counted(std::aligned_alloc(unit, (size / unit + 1) * unit));
 }
 

@@ -14,6 +14,7 @@
 
 #include "exhaustion.h"
 #include "support/folder_contents.h"
+#include "support/test.h"
 
 // Memory that is short while files are read and written.
 namespace espalier {
@@ -126,7 +127,7 @@ TEST_F(IoMemory, AllThatAProgramDoes) {
     failEachAllocation([&] {
         const auto model = io::readModel(folder / "model.obj");
         const Lattice rest = io::readLattice(folder / "rest.vtu");
-        far::TopologyRefiner refiner(rest.complex, {.marks = rest.marks});
+        TopologyRefiner refiner(rest.complex, {.marks = rest.marks});
         const auto bound =
             embed::bindPoints({refiner, rest.positions}, model->positions(), {.level = 1});
         refiner.refineUniform(1);
@@ -146,13 +147,8 @@ TEST_F(IoMemory, Refusals) {
           std::pair("a.vtu", "<VTKFile><a></b></VTKFile>"), std::pair("a.obj", "v 0 0\n")}) {
         const fs::path path = folder / name;
         test::putLatticeFile(path, bytes);
-        const auto message = [&]() -> std::string {
-            try {
-                io::readRefinable(path);
-            } catch (const io::FileError& error) {
-                return error.what();
-            }
-            return "";
+        const auto message = [&] {
+            return test::messageOf<io::FileError>([&] { io::readRefinable(path); });
         };
         EXPECT_TRUE(message().starts_with(path.string() + ":")) << message();
         failEachAllocation(message);

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <optional>
 #include <tuple>
-#include <vector>
 
 #include "exhaustion.h"
 
@@ -56,7 +55,7 @@ TEST(ParallelMemory, BindingAndEvaluating) {
         points.push_back({i % 15 / 7.0, i / 15 % 15 / 7.0, i / 225 / 5.0});
     failSome(
         [&] {
-            const far::TopologyRefiner base(lattice.complex);
+            const TopologyRefiner base(lattice.complex);
             const auto bound = embed::bindPoints({base, lattice.positions}, points, {.level = 2});
             return osd::evaluateBinding(bound.binding, lattice.positions);
         },
@@ -67,7 +66,7 @@ TEST(ParallelMemory, RefiningAndTables) {
     const Lattice lattice = shapes::box({.cells = {2, 2, 3}});
     failSome(
         [&] {
-            far::TopologyRefiner refiner(lattice.complex);
+            TopologyRefiner refiner(lattice.complex);
             refiner.refineUniform(2);
             const auto table = stencils::buildStencils(refiner, 2, stencils::Rules::Siggraph96);
             return std::tuple(table, osd::CompiledTable<double>(table).byteCount());

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include "io/files/bytes.h"
+#include "support/test.h"
 
 namespace espalier::io {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 TEST(ByteInput, TakesNumbersInTheirOrder) {
     const std::string_view bytes("\1\2\3\4\5\6\xff", 7);

@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/vector3.h>
 #include <espalier/io/directions.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <io/gradient_samples.h>
 
-#include <cmath>
-#include <limits>
-#include <random>
+#include "support/test.h"
 
 namespace espalier::io {
 namespace {
-
-using test::kIdentity;
-using test::product;
-using test::randomGradient;
-using test::rotation;
-using test::times;
 
 // What arithmetic on numbers about 1 may be off by.
 constexpr double kRounding = 1e-14;

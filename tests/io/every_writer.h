@@ -32,7 +32,7 @@ inline stencils::StencilTable<double> bandTable(Index rowCount) {
             columns.push_back(row + k);
             weights.push_back(1.0 / 3);
         }
-        offsets.push_back(static_cast<Offset>(columns.size()));
+        offsets.push_back(Offset(columns.size()));
     }
     return {rowCount + 2, std::move(offsets), std::move(columns), std::move(weights)};
 }

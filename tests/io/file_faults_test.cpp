@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,19 +11,14 @@
 #include "support/folder_contents.h"
 #include "support/system_faults.h"
 #include "support/temporary_folder.h"
+#include "support/test.h"
 
 // What the system refuses in the middle, call by call.
 namespace espalier::io {
 namespace {
 
 namespace fs = std::filesystem;
-using test::contentsOf;
-using test::SystemCall;
-using test::SystemFault;
-using testing::AllOf;
-using testing::HasSubstr;
 using testing::Not;
-using testing::ThrowsMessage;
 using Contents = std::map<std::string, std::string>;
 
 /// More than goes to the system at once.
@@ -60,7 +53,7 @@ protected:
         return std::nullopt;
     }
 
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const fs::path path = folder / "a.txt";
 };
 
@@ -245,7 +238,7 @@ TEST_F(WriteFaults, ASignalWhileFilesAreNamedAndRenamedComesWhenAllAreInTheirPla
                 // Before the files have names, a signal may end it at once.
                 const bool isEarly = call == SystemCall::Sync && n <= 2;
                 EXPECT_EQ(after, isEarly ? (Contents{{"a.txt", "old"}}) : all)
-                    << signal << ", call " << static_cast<int>(call) << ", number " << n;
+                    << signal << ", call " << int(call) << ", number " << n;
                 fs::remove(folder / "b.txt");
             }
 }
@@ -280,7 +273,7 @@ class ReadFaults : public testing::Test {
 protected:
     ReadFaults() { put(path, kText); }
 
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const fs::path path = folder / "a.txt";
 };
 

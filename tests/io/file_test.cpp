@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -13,21 +11,19 @@
 
 #include "support/folder_contents.h"
 #include "support/temporary_folder.h"
+#include "support/test.h"
 
 namespace espalier::io {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 
 std::size_t fileCount(const fs::path& folder) {
-    return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+    return std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
 TEST(WriteFile, ReplacesTheFileWhenAllIsWritten) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const fs::path path = folder / "a.txt";
     writeFile(path, [](std::ostream& out) { out << "old"; });
     writeFile(path, [&](std::ostream& out) {
@@ -41,7 +37,7 @@ TEST(WriteFile, ReplacesTheFileWhenAllIsWritten) {
 }
 
 TEST(WriteFile, FailureLeavesTheOldFileAndNothingElse) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const fs::path path = folder / "a.txt";
     writeFile(path, [](std::ostream& out) { out << "old"; });
     EXPECT_THROW(writeFile(path,
@@ -57,7 +53,7 @@ TEST(WriteFile, FailureLeavesTheOldFileAndNothingElse) {
 }
 
 TEST(WriteFile, KeepsLinksAndModes) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     writeFile(folder / "a.txt", [](std::ostream& out) { out << "old"; });
     fs::permissions(folder / "a.txt", fs::perms::owner_read | fs::perms::owner_write);
     fs::create_symlink("a.txt", folder / "link.txt");
@@ -69,7 +65,7 @@ TEST(WriteFile, KeepsLinksAndModes) {
 }
 
 TEST(WriteFile, LinksThatLeadNowhereLeadToTheNewFile) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     fs::create_directory(folder / "sub");
     fs::create_symlink("sub/second", folder / "first");
     fs::create_symlink("a.txt", folder / "sub/second");
@@ -79,20 +75,20 @@ TEST(WriteFile, LinksThatLeadNowhereLeadToTheNewFile) {
     EXPECT_EQ(readFile(folder / "sub/a.txt"), "new");
 
     fs::create_symlink("loop", folder / "loop");
-    EXPECT_THAT([&] { writeFile(folder / "loop", [](std::ostream&) {}); },
-                ThrowsMessage<FileError>(HasSubstr("loop: cannot write: Too many levels")));
+    EXPECT_REFUSED(FileError, "loop: cannot write: Too many levels",
+                   writeFile(folder / "loop", [](std::ostream&) {}));
 }
 
 TEST(WriteFile, NewFilesHaveTheModeOfTheProcess) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const ::mode_t old = ::umask(027);
     writeFile(folder / "a.txt", [](std::ostream& out) { out << "new"; });
     ::umask(old);
-    EXPECT_EQ(static_cast<int>(fs::status(folder / "a.txt").permissions()), 0640);
+    EXPECT_EQ(int(fs::status(folder / "a.txt").permissions()), 0640);
 }
 
 TEST(WriteFile, NamesMayBeAsLongAsTheFileSystemHasThem) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const fs::path path = folder / std::string(255, 'n');
     writeFile(path, [](std::ostream& out) { out << "new"; });
     EXPECT_EQ(readFile(path), "new");
@@ -117,7 +113,7 @@ public:
 
 TEST(WriteFile, KeepsTheOwnerWhereTheProcessMay) {
     if (::getuid() != 0) GTEST_SKIP() << "only root may give files away";
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     writeFile(folder / "a.txt", [](std::ostream& out) { out << "old"; });
     ASSERT_EQ(::chown((folder / "a.txt").c_str(), 65534, 65533), 0);
     fs::permissions(folder / "a.txt", fs::perms::owner_read | fs::perms::set_uid);
@@ -133,7 +129,7 @@ TEST(WriteFile, KeepsTheOwnerWhereTheProcessMay) {
 // What runs with the rights of its owner must not do so for another.
 TEST(WriteFile, RightsOfAnOwnerAreNotGivenToAnother) {
     if (::getuid() != 0) GTEST_SKIP() << "only root has files of others";
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     fs::permissions(folder.path(), fs::perms::all);
     writeFile(folder / "a.txt", [](std::ostream& out) { out << "old"; });
     ASSERT_EQ(::chown((folder / "a.txt").c_str(), 0, 65533), 0);
@@ -147,14 +143,14 @@ TEST(WriteFile, RightsOfAnOwnerAreNotGivenToAnother) {
 }
 
 TEST(WriteFile, ReadOnlyFilesAndFoldersAreRefusedBeforeAnythingIsDone) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     fs::permissions(folder.path(), fs::perms::all);
     writeFile(folder / "a.txt", [](std::ostream& out) { out << "old"; });
     fs::permissions(folder / "a.txt", static_cast<fs::perms>(0444));
     fs::create_symlink("a.txt", folder / "link");
     fs::create_directory(folder / "sub");
     fs::permissions(folder / "sub", static_cast<fs::perms>(0555));
-    const auto before = test::contentsOf(folder.path());
+    const auto before = contentsOf(folder.path());
     const auto expectRefused = [&](const std::string& name, const std::string& cause) {
         const fs::path path = folder / name;
         const AsNobody nobody;
@@ -173,12 +169,12 @@ TEST(WriteFile, ReadOnlyFilesAndFoldersAreRefusedBeforeAnythingIsDone) {
     expectRefused("a.txt", "cannot write");
     expectRefused("link", "cannot write");
     expectRefused("sub/a.txt", "cannot create a file beside it");
-    EXPECT_EQ(test::contentsOf(folder.path()), before);
-    EXPECT_EQ(static_cast<int>(fs::status(folder / "a.txt").permissions()), 0444);
+    EXPECT_EQ(contentsOf(folder.path()), before);
+    EXPECT_EQ(int(fs::status(folder / "a.txt").permissions()), 0444);
 }
 
 TEST(WriteFile, OpenDescriptorsAreContinued) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const fs::path path = folder / "log.txt";
     const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666);
     ASSERT_GE(file, 0);
@@ -194,23 +190,18 @@ TEST(WriteFile, OpenDescriptorsAreContinued) {
 TEST(WriteFile, DevicesStayDevices) {
     writeFile("/dev/null", [](std::ostream& out) { out << "gone"; });
     EXPECT_TRUE(fs::is_character_file("/dev/null"));
-    try {
-        writeFile("/dev/full", [](std::ostream& out) { out << std::string(1 << 20, 'x'); });
-        FAIL() << "written to a full disk";
-    } catch (const FileError& error) {
-        EXPECT_THAT(error.what(), HasSubstr("/dev/full: cannot write: No space left"));
-    }
+    EXPECT_THAT(messageOf<FileError>([&] {
+                    writeFile("/dev/full",
+                              [](std::ostream& out) { out << std::string(1 << 20, 'x'); });
+                }),
+                HasSubstr("/dev/full: cannot write: No space left"));
 }
 
 TEST(WriteFile, PlacesThatCannotBeWrittenAreNamed) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const auto expectRefused = [](const fs::path& path, const std::string& why) {
-        try {
-            writeFile(path, [](std::ostream&) {});
-            FAIL() << "written";
-        } catch (const FileError& error) {
-            EXPECT_THAT(error.what(), HasSubstr(path.string() + ": " + why));
-        }
+        EXPECT_REFUSED(FileError, path.string() + ": " + why,
+                       writeFile(path, [](std::ostream&) {}));
         EXPECT_THROW(checkWritable(path), FileError);
     };
     expectRefused(folder / "none/a.txt", "cannot create a file beside it: No such file");
@@ -218,7 +209,7 @@ TEST(WriteFile, PlacesThatCannotBeWrittenAreNamed) {
 }
 
 TEST(ReadFile, NamesWhatCannotBeRead) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     EXPECT_THROW(readFile(folder / "none"), FileError);
     EXPECT_THROW(readFile(folder.path()), FileError);
     std::ofstream(folder / "zero", std::ios::binary) << std::string(100000, '\0');
@@ -226,7 +217,7 @@ TEST(ReadFile, NamesWhatCannotBeRead) {
 }
 
 TEST(ReadFile, SaysWhyItCannot) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const auto expectRefused = [](const fs::path& path, const std::string& cause) {
         EXPECT_THAT([&] { readFile(path); },
                     ThrowsMessage<FileError>(path.string() + ": " + cause));
@@ -244,7 +235,7 @@ TEST(ReadFile, SaysWhyItCannot) {
 
 TEST(ReadFile, ReadsWhatDoesNotSayHowLongItIs) {
     EXPECT_THAT(readFile("/proc/self/status"), HasSubstr("VmPeak"));
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const fs::path pipe = folder / "pipe";
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
     // Parts that come one by one, and more than a pipe holds.

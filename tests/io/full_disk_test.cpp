@@ -11,8 +11,6 @@ namespace espalier::io {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 /// No file grows beyond so many bytes while this lives.
 class SizeLimit {
@@ -32,21 +30,20 @@ private:
 
 std::size_t largestFile(const fs::path& folder) {
     std::size_t largest = 0;
-    for (const auto& [name, bytes] : test::contentsOf(folder))
-        largest = std::max(largest, bytes.size());
+    for (const auto& [name, bytes] : contentsOf(folder)) largest = std::max(largest, bytes.size());
     return largest;
 }
 
 /// Fills the disk so many times, after ever more bytes of what a writer writes.
-void expectNothingLost(const test::Writer& writer, std::size_t times) {
-    const test::TemporaryFolder folder;
+void expectNothingLost(const Writer& writer, std::size_t times) {
+    const TemporaryFolder folder;
     const fs::path path = folder / writer.name;
     writer.write(path);
     const std::size_t size = largestFile(folder.path());
     // Old files that are not what is written now.
     for (const auto& entry : fs::directory_iterator(folder.path()))
-        test::putLatticeFile(entry.path(), "old");
-    const auto before = test::contentsOf(folder.path());
+        putLatticeFile(entry.path(), "old");
+    const auto before = contentsOf(folder.path());
     for (std::size_t i = 0; i < times; ++i) {
         const std::size_t room = i * size / times;
         const SizeLimit limit(room);
@@ -54,17 +51,17 @@ void expectNothingLost(const test::Writer& writer, std::size_t times) {
                     ThrowsMessage<FileError>(AllOf(HasSubstr((folder.path() / "").string()),
                                                    HasSubstr(": cannot write: File too large"))))
             << writer.name << ", room for " << room;
-        EXPECT_EQ(test::contentsOf(folder.path()), before) << writer.name << ", " << room;
+        EXPECT_EQ(contentsOf(folder.path()), before) << writer.name << ", " << room;
     }
     const SizeLimit limit(size);  // just enough
     writer.write(path);
-    EXPECT_NE(test::contentsOf(folder.path()), before);
+    EXPECT_NE(contentsOf(folder.path()), before);
 }
 
 // The signal that comes with the error would end the program: the library keeps it away. It is as
 // it was in the end.
 TEST(FullDisk, LeavesTheOldFilesOfEveryFormat) {
-    for (const test::Writer& writer : test::everyWriter(3)) expectNothingLost(writer, 40);
+    for (const Writer& writer : everyWriter(3)) expectNothingLost(writer, 40);
     struct sigaction action {};
     ::sigaction(SIGXFSZ, nullptr, &action);
     EXPECT_EQ(action.sa_handler, SIG_DFL);
@@ -77,14 +74,14 @@ TEST(FullDisk, LeavesTheOldFilesOfEveryFormat) {
 
 // More than goes to the system at once.
 TEST(FullDisk, LeavesTheOldFilesOfEveryFormatInTheMiddle) {
-    for (const test::Writer& writer : test::everyWriter(2100)) expectNothingLost(writer, 5);
+    for (const Writer& writer : everyWriter(2100)) expectNothingLost(writer, 5);
 }
 
 TEST(FullDisk, IsNamedAsTheCause) {
-    for (const test::Writer& writer : test::everyWriter(3000)) {
+    for (const Writer& writer : everyWriter(3000)) {
         if (writer.name == "D.npy") continue;  // three files
         // A format goes by the extension.
-        const test::TemporaryFolder folder;
+        const TemporaryFolder folder;
         fs::create_symlink("/dev/full", folder / writer.name);
         EXPECT_THAT([&] { writer.write(folder / writer.name); },
                     ThrowsMessage<FileError>((folder / writer.name).string() +

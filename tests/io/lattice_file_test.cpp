@@ -1,26 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-#include <espalier/base/error.h>
-
 #include <filesystem>
-#include <limits>
 #include <ostream>
 
 #include "support/shared_data.h"
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
-
-using testing::HasSubstr;
-using testing::StartsWith;
 
 struct Form {
     const char* file;
     io::VtuEncoding encoding = io::VtuEncoding::Compressed;
 
     friend void PrintTo(const Form& form, std::ostream* out) {
-        *out << form.file << " " << static_cast<int>(form.encoding);
+        *out << form.file << " " << int(form.encoding);
     }
 };
 
@@ -85,14 +80,7 @@ TEST_P(LatticeFile, SurvivesDamage) {
 }
 
 TEST_P(LatticeFile, RefusesToWriteWhatDoesNotFitTogether) {
-    const auto refusal = [&](const Lattice& lattice) -> std::string {
-        try {
-            write(lattice);
-        } catch (const Error& error) {
-            return error.what();
-        }
-        return "";
-    };
+    const auto refusal = [&](const Lattice& lattice) { return messageOf([&] { write(lattice); }); };
     Lattice lattice = boxLattice();
     lattice.positions.pop_back();
     EXPECT_THAT(refusal(lattice), HasSubstr("12 vertices and 11 positions"));
@@ -111,7 +99,7 @@ TEST_P(LatticeFile, RefusesToWriteWhatDoesNotFitTogether) {
     EXPECT_THAT(refusal(lattice), HasSubstr("'espalier:vertex_sharpness' has a name that is kept"));
 
     lattice = boxLattice();
-    lattice.positions[7][1] = std::numeric_limits<double>::quiet_NaN();
+    lattice.positions[7][1] = kNan;
     EXPECT_THAT(refusal(lattice), HasSubstr("point 7 is not finite"));
 
     lattice = boxLattice();
@@ -145,14 +133,10 @@ TEST(LatticeFiles, AreChosenByTheirExtension) {
 TEST(LatticeFiles, OfUnknownFormatsAreRefused) {
     for (const char* name : {"a.stl", "a", "vtu", "a.vtu.gz"}) {
         const auto expectRefusal = [&](auto call) {
-            try {
-                call();
-                ADD_FAILURE() << name << " was taken";
-            } catch (const io::FileError& error) {
-                EXPECT_EQ(error.what(), std::string(name) +
-                                            ": not a lattice format that is known; expected "
-                                            ".ovm, .vtu, .vtk");
-            }
+            EXPECT_EQ(messageOf<io::FileError>([&] { call(); }),
+                      std::string(name) +
+                          ": not a lattice format that is known; expected "
+                          ".ovm, .vtu, .vtk");
         };
         expectRefusal([&] { io::readLattice(name); });
         expectRefusal([&] { io::writeLattice(name, boxLattice()); });
@@ -211,7 +195,7 @@ TEST(LatticeFiles, OfVtkAreRefusedWhenTheyAreCutShort) {
 
 /// The folder of files that are shared between projects, which may be absent.
 TEST(LatticeFiles, OfTheSharedFolderAreRead) {
-    const std::filesystem::path root = test::sharedData();
+    const std::filesystem::path root = sharedData();
     if (!std::filesystem::exists(root / "lattices"))
         GTEST_SKIP() << "no shared data in " << root
                      << " (set ESPALIER_SHARED_DATA to the folder that has lattices/)";

@@ -4,19 +4,15 @@
 #include <espalier/far/standard_cells.h>
 #include <espalier/io/files/file.h>
 #include <espalier/io/lattice_file.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <support/complexes.h>
 #include <support/lattice_identity.h>
 #include <support/temporary_folder.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <fstream>
-#include <limits>
-#include <string>
-#include <vector>
+
+#include "support/test.h"
 
 // Lattices to write and to read, and what it means that two are the same.
 
@@ -69,7 +65,7 @@ inline double awkwardNumber(std::size_t i) {
     return kNumbers[i % std::size(kNumbers)];
 }
 
-inline Lattice withAwkwardPositions(far::CellComplex complex) {
+inline Lattice withAwkwardPositions(CellComplex complex) {
     Lattice lattice;
     lattice.complex = std::move(complex);
     lattice.positions.resize(lattice.complex.count(0));
@@ -115,11 +111,10 @@ inline Lattice withMarksAndAttributes(Lattice lattice) {
     lattice.marks.vertices = {{0, 0}, {2, far::kInfinitelySharp}, {7, 0.1}};
     for (const int components : {1, 2, 3, 4, 6}) {
         VertexAttribute attribute{"a & <b> " + std::to_string(components), components, {}};
-        for (std::size_t i = 0; i < lattice.positions.size() * static_cast<std::size_t>(components);
-             ++i)
+        for (std::size_t i = 0; i < lattice.positions.size() * std::size_t(components); ++i)
             attribute.values.push_back(awkwardNumber(3 * i + 1));
-        attribute.values[1] = std::numeric_limits<double>::infinity();
-        attribute.values[2] = std::numeric_limits<double>::quiet_NaN();
+        attribute.values[1] = kInfinity;
+        attribute.values[2] = kNan;
         lattice.attributes.push_back(attribute);
     }
     return lattice;

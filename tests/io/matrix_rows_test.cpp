@@ -6,10 +6,6 @@
 namespace espalier::io {
 namespace {
 
-using test::Table;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
-
 TEST(MatrixRows, AreSorted) {
     EXPECT_EQ(tableOfRows(5, {0, 3, 3, 5}, {4, 0, 2, 1, 3}, {1, 2, 3, 4, 5}),
               Table(5, {0, 3, 3, 5}, {0, 2, 4, 1, 3}, {2, 3, 1, 4, 5}));
@@ -19,8 +15,7 @@ TEST(MatrixRows, AreSorted) {
 TEST(MatrixRows, NameTheRowThatIsWrong) {
     const auto refused = [](Array<Offset> offsets, Array<Index> columns, Array<double> weights,
                             const std::string& why) {
-        EXPECT_THAT([&] { tableOfRows(3, offsets, columns, weights); },
-                    ThrowsMessage<CodingError>(HasSubstr(why)));
+        EXPECT_REFUSED(CodingError, why, tableOfRows(3, offsets, columns, weights));
     };
     refused({0, 1}, {0, 1}, {1}, "has 2 columns and 1 weights");
     refused({}, {}, {}, "no offsets");
@@ -33,16 +28,15 @@ TEST(MatrixRows, NameTheRowThatIsWrong) {
     refused({0, 1, 2}, {0, -1}, {1, 1}, "row 1 names column -1 of 3");
     refused({0, 0, 2}, {1, 1}, {1, 1}, "row 1 has column 1 twice");
     refused({0, 0, 3}, {2, 0, 2}, {1, 1, 1}, "row 1 has column 2 twice");
-    refused({0, 1}, {0}, {std::numeric_limits<double>::infinity()}, "row 0 has a weight of inf");
+    refused({0, 1}, {0}, {kInfinity}, "row 0 has a weight of inf");
 }
 
 TEST(MatrixRows, AreNoMoreThanAnIndexCounts) {
     EXPECT_EQ(matrixSize(0, "rows"), 0);
     EXPECT_EQ(matrixSize(kMaxIndex, "rows"), kMaxIndex);
     for (const std::int64_t count : {std::int64_t{-1}, std::int64_t{kMaxIndex} + 1})
-        EXPECT_THAT([&] { matrixSize(count, "columns"); },
-                    ThrowsMessage<CodingError>(
-                        HasSubstr("claims " + std::to_string(count) + " columns; expected 0 to")));
+        EXPECT_REFUSED(CodingError, "claims " + std::to_string(count) + " columns; expected 0 to",
+                       matrixSize(count, "columns"));
 }
 
 }  // namespace

@@ -3,15 +3,11 @@
 
 #include <espalier/io/files/file.h>
 #include <espalier/stencils/stencil_table.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
-#include <limits>
-#include <string>
 #include <string_view>
-#include <vector>
+
+#include "support/test.h"
 
 namespace espalier::test {
 
@@ -72,7 +68,7 @@ void expectFlipsRefusedOr(const std::string& bytes, Read read, Check check) {
         for (const int flip : {0x01, 0x10, 0x80, 0xff}) {
             SCOPED_TRACE("byte " + std::to_string(at) + " flipped by " + std::to_string(flip));
             std::string changed = bytes;
-            changed[at] = static_cast<char>(changed[at] ^ flip);
+            changed[at] = char(changed[at] ^ flip);
             try {
                 check(read(changed));
             } catch (const io::FileError&) {

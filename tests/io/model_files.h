@@ -3,18 +3,15 @@
 
 #include <espalier/io/files/file.h>
 #include <espalier/io/model.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <support/temporary_folder.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <span>
-#include <string>
-#include <vector>
+
+#include "support/test.h"
 
 namespace espalier::test {
 
@@ -46,17 +43,6 @@ inline std::string withLineEnds(const std::string& text, const std::string& end)
     std::string result;
     for (const char c : text) result += c == '\n' ? end : std::string(1, c);
     return result;
-}
-
-/// The message of an exception of this type that a call throws; "no error" if it throws none.
-template <class Exception, class Call>
-std::string messageOf(Call call) {
-    try {
-        call();
-    } catch (const Exception& error) {
-        return error.what();
-    }
-    return "no error";
 }
 
 /// The bytes of a number, made here and not by what is tested.

@@ -8,17 +8,13 @@
 namespace espalier::io {
 namespace {
 
-using test::Table;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
-
 Table tableInNpz(const std::string& bytes) {
-    return readNpz("a.npz", bytes);
+    return readMatrix("a.npz", bytes);
 }
 
 template <class Real>
-std::string bytesOf(const stencils::StencilTable<Real>& table) {
-    const test::TemporaryFolder folder;
+std::string fileBytes(const stencils::StencilTable<Real>& table) {
+    const TemporaryFolder folder;
     writeNpz(folder / "a.npz", table);
     return readFile(folder / "a.npz");
 }
@@ -28,7 +24,7 @@ struct Arrays {
     std::array<std::string, 3> files;
 
     explicit Arrays(const Table& table) {
-        const test::TemporaryFolder folder;
+        const TemporaryFolder folder;
         writeNpyArrays(folder / "D.npy", table);
         const auto paths = npyPaths(folder / "D.npy");
         for (std::size_t i = 0; i < files.size(); ++i) files[i] = readFile(paths[i]);
@@ -40,12 +36,12 @@ struct Arrays {
 };
 
 TEST(Npz, ComesBackToTheLastBit) {
-    const auto table = test::sampleTable<double>();
-    EXPECT_EQ(tableInNpz(bytesOf(table)), table);
-    const auto single = test::sampleTable<float>();
-    EXPECT_EQ(tableInNpz(bytesOf(single)), stencils::convertTable<double>(single));
-    for (const Table& edge : test::edgeTables()) EXPECT_EQ(tableInNpz(bytesOf(edge)), edge);
-    const test::TemporaryFolder folder;
+    const auto table = sampleTable<double>();
+    EXPECT_EQ(tableInNpz(fileBytes(table)), table);
+    const auto single = sampleTable<float>();
+    EXPECT_EQ(tableInNpz(fileBytes(single)), stencils::convertTable<double>(single));
+    for (const Table& edge : edgeTables()) EXPECT_EQ(tableInNpz(fileBytes(edge)), edge);
+    const TemporaryFolder folder;
     writeNpz(folder / "a.npz", table);
     EXPECT_EQ(readMatrix(folder / "a.npz"), table);
     EXPECT_THROW(readMatrix(folder / "none.npz"), FileError);
@@ -53,76 +49,71 @@ TEST(Npz, ComesBackToTheLastBit) {
 
 /// See tests/io/matrices/README.md.
 TEST(Npz, OfScipyAndNumpyIsRead) {
-    const auto folder = test::matrixFolder();
+    const auto folder = matrixFolder();
     for (const char* name :
          {"scipy-compressed.npz", "scipy-array-unsorted-stored.npz", "numpy-2-big-endian.npz"})
-        EXPECT_EQ(readMatrix(folder / name), test::othersTable()) << name;
+        EXPECT_EQ(readMatrix(folder / name), othersTable()) << name;
     constexpr double kLargest = std::int64_t{1} << 53;
     EXPECT_EQ(readMatrix(folder / "numpy-3-integers.npz"),
               Table(100'000, {0, 2, 2, 5, 5}, {0, 2, 0, 1, 3}, {1, -2, kLargest, -kLargest, 0}));
     EXPECT_EQ(readMatrix(folder / "scipy-no-rows.npz"), Table(3, {0}, {}, {}));
-    EXPECT_THAT([&] { readMatrix(folder / "scipy-csc.npz"); },
-                ThrowsMessage<FileError>(
-                    HasSubstr("scipy-csc.npz: the matrix is in the format 'csc'; expected 'csr'")));
+    EXPECT_REFUSED(FileError, "scipy-csc.npz: the matrix is in the format 'csc'; expected 'csr'",
+                   readMatrix(folder / "scipy-csc.npz"));
 }
 
 TEST(Npz, IsRefusedInPartsAndWhenChanged) {
-    const std::string own = bytesOf(test::sampleTable<double>());
-    test::expectPartsOfMatrixRefused(own, tableInNpz);
+    const std::string own = fileBytes(sampleTable<double>());
+    expectPartsOfMatrixRefused(own, tableInNpz);
     // What no checksum covers, such as times, is of no meaning.
-    test::expectFlipsRefusedOr(
-        own, tableInNpz, [](const Table& table) { EXPECT_EQ(table, test::sampleTable<double>()); });
-    const std::string others = readFile(test::matrixFolder() / "scipy-compressed.npz");
-    test::expectPartsOfMatrixRefused(others, tableInNpz);
-    test::expectFlipsRefusedOr(others, tableInNpz,
-                               [](const Table& table) { EXPECT_EQ(table, test::othersTable()); });
+    expectFlipsRefusedOr(own, tableInNpz,
+                         [](const Table& table) { EXPECT_EQ(table, sampleTable<double>()); });
+    const std::string others = readFile(matrixFolder() / "scipy-compressed.npz");
+    expectPartsOfMatrixRefused(others, tableInNpz);
+    expectFlipsRefusedOr(others, tableInNpz,
+                         [](const Table& table) { EXPECT_EQ(table, othersTable()); });
 }
 
 TEST(Npz, NamesTheArrayThatIsWrong) {
-    std::string bytes = bytesOf(test::sampleTable<double>());
-    EXPECT_THAT([&] { tableInNpz("PK"); },
-                ThrowsMessage<FileError>(HasSubstr("a.npz: is not a ZIP archive")));
+    std::string bytes = fileBytes(sampleTable<double>());
+    EXPECT_REFUSED(FileError, "a.npz: is not a ZIP archive", tableInNpz("PK"));
     // In the directory, whose entries are last.
     bytes[bytes.rfind("data.npy")] = 'D';
-    EXPECT_THAT([&] { tableInNpz(bytes); },
-                ThrowsMessage<FileError>(HasSubstr("a.npz: data.npy: is not in the archive")));
+    EXPECT_REFUSED(FileError, "a.npz: data.npy: is not in the archive", tableInNpz(bytes));
 }
 
 TEST(NpyArrays, ComeBackToTheLastBit) {
-    const auto table = test::sampleTable<double>();
+    const auto table = sampleTable<double>();
     EXPECT_EQ(Arrays(table).read(4), table);
-    for (const Table& edge : test::edgeTables())
-        EXPECT_EQ(Arrays(edge).read(edge.columnCount()), edge);
-    const test::TemporaryFolder folder;
+    for (const Table& edge : edgeTables()) EXPECT_EQ(Arrays(edge).read(edge.columnCount()), edge);
+    const TemporaryFolder folder;
     writeNpyArrays(folder / "D.npy", table);
     EXPECT_EQ(readNpyArrays(folder / "D.npy", 4), table);
     std::filesystem::remove(folder / "D.indices.npy");
-    EXPECT_THAT([&] { readNpyArrays(folder / "D.npy", 4); },
-                ThrowsMessage<FileError>(HasSubstr("D.indices.npy: cannot open")));
+    EXPECT_REFUSED(FileError, "D.indices.npy: cannot open", readNpyArrays(folder / "D.npy", 4));
 }
 
 TEST(NpyArrays, OfNumpyAreRead) {
-    EXPECT_EQ(readNpyArrays(test::matrixFolder() / "numpy.npy", 100'000), test::othersTable());
+    EXPECT_EQ(readNpyArrays(matrixFolder() / "numpy.npy", 100'000), othersTable());
 }
 
 TEST(NpyArrays, AreRefusedInPartsAndWholeWhenChanged) {
-    const Arrays whole(test::sampleTable<double>());
+    const Arrays whole(sampleTable<double>());
     for (std::size_t i = 0; i < 3; ++i) {
         const auto read = [&](const std::string& bytes) {
             Arrays arrays = whole;
             arrays.files[i] = bytes;
             return arrays.read(4);
         };
-        test::expectPartsOfMatrixRefused(whole.files[i], read);
+        expectPartsOfMatrixRefused(whole.files[i], read);
         // They have no checksum: another matrix may come out.
-        test::expectFlipsRefusedOr(whole.files[i], read, test::expectWhole);
+        expectFlipsRefusedOr(whole.files[i], read, expectWhole);
     }
 }
 
 TEST(NpyArrays, AreRefusedWhereTheyDoNotFit) {
-    const Arrays whole(test::sampleTable<double>()), other(Table(4, {0, 1}, {3}, {1}));
+    const Arrays whole(sampleTable<double>()), other(Table(4, {0, 1}, {3}, {1}));
     const auto refused = [](const Arrays& arrays, Index columnCount, const std::string& why) {
-        EXPECT_THAT([&] { arrays.read(columnCount); }, ThrowsMessage<FileError>(HasSubstr(why)));
+        EXPECT_REFUSED(FileError, why, arrays.read(columnCount));
     };
     refused(whole, 3, "D.npy: row 0 names column 3 of 3");
     refused(whole, -1, "D.npy: claims -1 columns");

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "obj_mesh_samples.h"
 
-#include <espalier/base/error.h>
-
 namespace espalier::test {
 namespace {
-
-using testing::StartsWith;
 
 // A polygon 0 – 1 – 2 – 3.
 const std::string kPolygonPoints = "v 0 0 0\nv 1 2 0\nv 3 2 0\nv 4 0 0\n";  // 4 lines
@@ -52,7 +48,7 @@ TEST(ObjCurve, TagsAreThoseOfMeshes) {
     const Lattice curve =
         readMesh("t corner 1/1/0 1 10\n" + kPolygon + "t interpolateboundary 1/0/0 0\n");
     EXPECT_EQ(curve.marks, (far::Marks{.vertices = {{1, far::kInfinitelySharp}}}));
-    EXPECT_EQ(curve.tags, RefinementTags{.boundary = far::Boundary::Open});
+    EXPECT_EQ(curve.tags, RefinementTags{.boundary = Boundary::Open});
 }
 
 TEST(ObjCurve, IsWrittenAsLinesAsLongAsTheyCanBe) {
@@ -74,7 +70,7 @@ TEST(ObjCurve, ComesBackAsItWas) {
         withAwkwardPositions(readMesh(kPolygonPoints + "v 5 5 5\nl 1 2 3 1\nl 3 4 5\n").complex);
     curve.marks.vertices = {{1, double{0.1F}}, {3, far::kInfinitelySharp}};
     curve.marks.edges = {{{1, 2}, double{2.5F}}};
-    curve.tags = {far::Boundary::Open, far::Creasing::Chaikin, far::TriangleSubdivision::Catmark};
+    curve.tags = {Boundary::Open, far::Creasing::Chaikin, far::TriangleSubdivision::Catmark};
     const Lattice back = readMesh(writtenMesh(curve));
     EXPECT_EQ(far::topologyDifference(back.complex, curve.complex), std::nullopt);
     EXPECT_TRUE(bitsOf(back.positions) == bitsOf(curve.positions));

@@ -1,23 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "obj_mesh_samples.h"
 
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
-
-#include <limits>
-#include <map>
-
 #include "support/shared_data.h"
 
 namespace espalier::test {
 namespace {
 
-using far::Boundary;
 using far::Creasing;
 using far::kInfinitelySharp;
 using far::TriangleSubdivision;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 TEST(ObjMesh, IsWrittenAsItIsDocumented) {
     Lattice mesh = readMesh(kVertices + "f 4 5 2 1\nf 6 5 2 3\n");
@@ -82,7 +73,7 @@ TEST(ObjMesh, IsNotWrittenWhereItDoesNotFit) {
     mesh.positions.pop_back();
     EXPECT_THAT(refused(mesh), HasSubstr("6 vertices and 5 positions"));
     mesh = readMesh(kSquares);
-    mesh.positions[3][1] = std::numeric_limits<double>::quiet_NaN();
+    mesh.positions[3][1] = kNan;
     EXPECT_THAT(refused(mesh), HasSubstr("point 3 is not finite"));
     mesh = readMesh(kSquares);
     mesh.marks.edges = {{{0, 4}, 1}};
@@ -109,7 +100,7 @@ TEST(ObjMesh, EveryPartIsReadOrRefused) {
         try {
             const Lattice mesh = io::readRefinable(folder / "a.obj");
             far::validate(mesh.complex);
-            EXPECT_EQ(mesh.positions.size(), static_cast<std::size_t>(mesh.complex.count(0)));
+            EXPECT_EQ(mesh.positions.size(), std::size_t(mesh.complex.count(0)));
             ++readCount;
         } catch (const io::FileError&) {
         } catch (const far::TopologyError&) {
@@ -147,7 +138,7 @@ struct Shape {
 };
 
 TEST(ObjMesh, SharedSurfacesAreRead) {
-    const auto folder = test::sharedData() / "surfaces";
+    const auto folder = sharedData() / "surfaces";
     if (!std::filesystem::exists(folder))
         GTEST_SKIP() << folder << " is absent: set ESPALIER_SHARED_DATA to have it read";
     const std::map<std::string, Shape> expected = {
@@ -189,7 +180,7 @@ TEST(ObjMesh, SharedSurfacesAreRead) {
 }
 
 TEST(ObjMesh, SharedModelsAreRead) {
-    const auto folder = test::sharedData() / "models";
+    const auto folder = sharedData() / "models";
     if (!std::filesystem::exists(folder))
         GTEST_SKIP() << folder << " is absent: set ESPALIER_SHARED_DATA to have it read";
     // As grep -c '^v ' and '^f ' count them.

@@ -55,7 +55,7 @@ inline void expectSameMesh(const Lattice& got, const Lattice& expected) {
     EXPECT_TRUE(bitsOf(got.positions) == bitsOf(expected.positions));
     EXPECT_EQ(got.marks, expected.marks);
     EXPECT_EQ(got.tags, expected.tags);
-    EXPECT_THAT(got.attributes, testing::IsEmpty());
+    EXPECT_THAT(got.attributes, IsEmpty());
 }
 
 /// A mesh with marks of all kinds, in canonical form.

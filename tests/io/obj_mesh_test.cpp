@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "obj_mesh_samples.h"
-
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
 
-using far::Boundary;
 using far::Creasing;
 using far::kInfinitelySharp;
 using far::TriangleSubdivision;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::StartsWith;
-using testing::ThrowsMessage;
 
 using EdgeMarks = std::vector<far::Marks::Edge>;
 using VertexMarks = std::vector<far::Marks::Vertex>;
@@ -80,8 +72,8 @@ TEST(ObjMesh, OrderOfTheStatementsDoesNotCount) {
 
 TEST(ObjMesh, RefusesUnknownKeywords) {
     for (const char* line : {"tt crease 2/1/0 0 1 1", "T hole 1/0/0 0", "F 1 2 3"})
-        EXPECT_THAT([&] { readMesh(kVertices + line + "\nf 1 2 5 4\n"); },
-                    ThrowsMessage<io::FileError>(HasSubstr("is not a keyword of OBJ files")))
+        EXPECT_REFUSED(io::FileError, "is not a keyword of OBJ files",
+                       readMesh(kVertices + line + "\nf 1 2 5 4\n"))
             << line;
 }
 
@@ -271,14 +263,10 @@ TEST(ObjMesh, TopologyErrorsNameThePlaceAndKeepTheirCause) {
         const TemporaryFolder folder;
         const std::string path = (folder / "a.obj").string();
         putLatticeFile(path, text);
-        try {
-            io::readRefinable(path);
-            ADD_FAILURE() << what << ": was taken";
-        } catch (const far::TopologyError& error) {
-            EXPECT_EQ(error.cause(), cause);
-            EXPECT_EQ(error.entity(), entity);
-            EXPECT_THAT(error.what(), StartsWith(path + what));
-        }
+        const auto error = topologyErrorOf([&] { io::readRefinable(path); });
+        EXPECT_EQ(error.cause(), cause);
+        EXPECT_EQ(error.entity(), entity);
+        EXPECT_THAT(error.what(), StartsWith(path + what));
     };
     expectRefused(far::TopologyCause::TooFewVertices, {2, 2}, ":9: face 2: loop (0, 1) has fewer",
                   kSquares + "f 1 2\n");

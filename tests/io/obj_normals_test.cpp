@@ -3,18 +3,11 @@
 #include <io/gradient_samples.h>
 #include <io/model_files.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <sstream>
 
 namespace espalier::io {
 namespace {
-
-using test::kIdentity;
-using test::kQuarterTurn;
-using test::rotation;
-using test::turned;
-using test::written;
 
 using Gradients = std::vector<DeformationGradient>;
 
@@ -63,8 +56,7 @@ Read readPlainly(std::string text) {
             if (slash == std::string::npos || slash == word.find('/')) continue;
             const auto indexOf = [](const std::string& number, std::size_t count) {
                 const long value = std::strtol(number.c_str(), nullptr, 10);
-                return value < 0 ? count - static_cast<std::size_t>(-value)
-                                 : static_cast<std::size_t>(value) - 1;
+                return value < 0 ? count - std::size_t(-value) : std::size_t(value) - 1;
             };
             const std::size_t normal = indexOf(word.substr(slash + 1), read.normals.size());
             read.corners.push_back({indexOf(word.substr(0, word.find('/')), pointCount), normal,
@@ -239,7 +231,7 @@ TEST(ObjNormals, OfARigidMotionStayShared) {
     // Gradients that differ by rounding, as computed ones do.
     Gradients gradients(4, rotation({1, 2, 3}, 1));
     for (std::size_t i = 0; i < gradients.size(); ++i)
-        for (double& entry : gradients[i]) entry *= 1 + 1e-15 * static_cast<double>(i);
+        for (double& entry : gradients[i]) entry *= 1 + 1e-15 * double(i);
     const std::string text = kPoints + "vn 0 0 1\nf 1//1 2//1 3//1 4//1\n";
     const Read read = readPlainly(carriedBy(gradients, text));
     EXPECT_EQ(read.normals.size(), 1u);

@@ -5,13 +5,6 @@
 namespace espalier::io {
 namespace {
 
-using test::copyOf;
-using test::withLineEnds;
-using test::written;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
-
 /// All that an OBJ may hold around its points, with "\n" as line end.
 const std::string kFullText =
     "# exported to C:\\models\\\n"
@@ -118,8 +111,7 @@ TEST(Obj, RefusesUnknownKeywordsWithTheirLine) {
 }
 
 TEST(Obj, CountsTheLinesOfContinuedStatements) {
-    EXPECT_THAT([] { readModel("a.obj", "g a \\\n b \\\r\n c\nv 1 \\\n 2\n"); },
-                ThrowsMessage<FileError>(HasSubstr("a.obj:4: ")));
+    EXPECT_REFUSED(FileError, "a.obj:4: ", readModel("a.obj", "g a \\\n b \\\r\n c\nv 1 \\\n 2\n"));
 }
 
 TEST(Obj, EveryPartIsReadOrRefused) {

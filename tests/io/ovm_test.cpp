@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
-
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 /// A tetrahedron as OpenVolumeMesh itself writes it: half-faces have their normals inwards.
 const std::string kTetrahedron =
@@ -183,14 +177,10 @@ TEST(Ovm, TopologyErrorsKeepTheirCauseAndNameTheFile) {
     open.replace(open.find("Faces\n4"), 7, "Faces\n3");
     open.erase(open.find("3 11 7 5\n"), 9);
     putLatticeFile(folder / "open.ovm", open);
-    try {
-        io::readLattice(folder / "open.ovm");
-        FAIL() << "an open cell was taken";
-    } catch (const far::TopologyError& error) {
-        EXPECT_EQ(error.cause(), far::TopologyCause::OpenCell);
-        EXPECT_EQ(error.entity(), (Entity{3, 0}));
-        EXPECT_THAT(error.what(), StartsWith((folder / "open.ovm").string() + ": cell 0 is open"));
-    }
+    const auto error = topologyErrorOf([&] { io::readLattice(folder / "open.ovm"); });
+    EXPECT_EQ(error.cause(), far::TopologyCause::OpenCell);
+    EXPECT_EQ(error.entity(), (Entity{3, 0}));
+    EXPECT_THAT(error.what(), StartsWith((folder / "open.ovm").string() + ": cell 0 is open"));
 }
 
 TEST(Ovm, ClaimsAreCheckedBeforeMemoryIsTaken) {

@@ -10,20 +10,15 @@
 namespace espalier::io {
 namespace {
 
-using test::bytesOf;
-using test::Table;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
-
 constexpr PetscInt kBoth[] = {PetscInt::Bits32, PetscInt::Bits64};
 
 Table tableInPetscFile(const std::string& bytes) {
-    return readPetscBinary("a.petsc", bytes);
+    return readMatrix("a.petsc", bytes);
 }
 
 template <class Real>
 std::string bytesOfTable(const stencils::StencilTable<Real>& table, PetscInt integers) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     writePetscBinary(folder / "a.petsc", table, integers);
     return readFile(folder / "a.petsc");
 }
@@ -40,17 +35,17 @@ std::string file(const std::vector<std::int64_t>& integers, const std::vector<do
 
 TEST(PetscBinary, ComesBackToTheLastBit) {
     for (const PetscInt integers : kBoth) {
-        const auto table = test::sampleTable<double>();
+        const auto table = sampleTable<double>();
         EXPECT_EQ(tableInPetscFile(bytesOfTable(table, integers)), table);
-        const auto single = test::sampleTable<float>();
+        const auto single = sampleTable<float>();
         EXPECT_EQ(tableInPetscFile(bytesOfTable(single, integers)),
                   stencils::convertTable<double>(single));
-        for (const Table& edge : test::edgeTables())
+        for (const Table& edge : edgeTables())
             EXPECT_EQ(tableInPetscFile(bytesOfTable(edge, integers)), edge);
     }
-    const test::TemporaryFolder folder;
-    writePetscBinary(folder / "a.petsc", test::sampleTable<double>());
-    EXPECT_EQ(readMatrix(folder / "a.petsc"), test::sampleTable<double>());
+    const TemporaryFolder folder;
+    writePetscBinary(folder / "a.petsc", sampleTable<double>());
+    EXPECT_EQ(readMatrix(folder / "a.petsc"), sampleTable<double>());
 }
 
 TEST(PetscBinary, SortsColumns) {
@@ -81,7 +76,7 @@ TEST(PetscBinary, RefusesWhatIsNoMatrix) {
                             const std::vector<double>& weights, const std::string& why) {
         for (const std::string& bytes :
              {file<std::int32_t>(integers, weights), file<std::int64_t>(integers, weights)})
-            EXPECT_THAT([&] { tableInPetscFile(bytes); }, ThrowsMessage<FileError>(HasSubstr(why)));
+            EXPECT_REFUSED(FileError, why, tableInPetscFile(bytes));
     };
     refused({1211216, -1, 1, 0}, {}, "claims -1 rows");
     refused({1211216, 0, -2, 0}, {}, "claims -2 columns");
@@ -93,15 +88,14 @@ TEST(PetscBinary, RefusesWhatIsNoMatrix) {
     refused({1211216, 1, 1, 1, 1, 1}, {1}, "row 0 names column 1 of 1");
     refused({1211216, 1, 1, 1, 1, -1}, {1}, "row 0 names column -1 of 1");
     refused({1211216, 1, 3, 3, 3, 2, 1, 2}, {1, 2, 3}, "row 0 has column 2 twice");
-    refused({1211216, 2, 1, 1, 0, 1, 0}, {std::nan("")}, "row 1 has a weight of nan");
+    refused({1211216, 2, 1, 1, 0, 1, 0}, {kNan}, "row 1 has a weight of nan");
 }
 
 TEST(PetscBinary, ChecksClaimedSizesBeforeTakingMemory) {
     constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
     constexpr std::int64_t kRows = kMaxIndex;
     const auto refused = [](const std::vector<std::int64_t>& integers, const std::string& why) {
-        EXPECT_THAT([&] { tableInPetscFile(file<std::int64_t>(integers, {})); },
-                    ThrowsMessage<FileError>(HasSubstr(why)));
+        EXPECT_REFUSED(FileError, why, tableInPetscFile(file<std::int64_t>(integers, {})));
     };
     refused({1211216, kRows, 1, 0}, "claims 2147483647 rows and 0 entries, but 0 bytes follow");
     refused({1211216, 0, 1, kLargest}, "9223372036854775807 entries, but 0 bytes");
@@ -116,10 +110,10 @@ TEST(PetscBinary, ChecksClaimedSizesBeforeTakingMemory) {
 
 TEST(PetscBinary, IsRefusedInPartsAndWholeWhenChanged) {
     for (const PetscInt integers : kBoth) {
-        const std::string bytes = bytesOfTable(test::sampleTable<double>(), integers);
-        test::expectPartsOfMatrixRefused(bytes, tableInPetscFile);
+        const std::string bytes = bytesOfTable(sampleTable<double>(), integers);
+        expectPartsOfMatrixRefused(bytes, tableInPetscFile);
         // It has no checksum: another matrix may come out.
-        test::expectFlipsRefusedOr(bytes, tableInPetscFile, test::expectWhole);
+        expectFlipsRefusedOr(bytes, tableInPetscFile, expectWhole);
     }
 }
 

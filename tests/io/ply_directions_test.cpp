@@ -4,20 +4,11 @@
 #include <io/gradient_samples.h>
 #include <io/model_files.h>
 
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <sstream>
 
 namespace espalier::io {
 namespace {
-
-using test::bytesOf;
-using test::kIdentity;
-using test::kQuarterTurn;
-using test::rotation;
-using test::turned;
-using test::written;
 
 /// Vertices with normals in floats, out of order among the coordinates, and tangents in doubles.
 std::string headerOf(const std::string& format, int count) {
@@ -30,7 +21,7 @@ std::string headerOf(const std::string& format, int count) {
 /// A row of the vertices, with z as position.
 std::string row(std::endian order, const Point3& normal, const Point3& tangent, float z) {
     const auto number = [&](auto value) { return bytesOf(value, order); };
-    const auto real = [&](double value) { return number(static_cast<float>(value)); };
+    const auto real = [&](double value) { return number(float(value)); };
     return number(tangent[0]) + real(7) + real(normal[2]) + real(normal[1]) + number(tangent[1]) +
            number(std::uint8_t{1}) + number(std::int16_t{-3}) + real(8) + real(normal[0]) +
            number(tangent[2]) + number(z);
@@ -45,7 +36,7 @@ TEST(PlyDirections, TurnInBothBinaryOrders) {
         const auto model = readModel("a.ply", bytes);
         EXPECT_TRUE(model->hasDirections());
         EXPECT_EQ(turned(*model, kIdentity), bytes);
-        auto moved = test::copyOf(model->positions());
+        auto moved = copyOf(model->positions());
         moved[0][2] = 4;
         EXPECT_EQ(written(*model, moved, std::vector<DeformationGradient>{kQuarterTurn, kIdentity}),
                   header + row(order, {-2, 1, 3}, {-0.2, 0.1, 0.3}, 4) + second);
@@ -74,7 +65,7 @@ TEST(PlyDirections, NormalsAndTangentsAreCarriedEachInItsWay) {
     // cof(F) = diag(1, 2, 2): (2, 0, 1) becomes (2, 0, 2), of length √5. F (3, 0, 4) = (6, 0, 4),
     // of length 5.
     const std::string got = turned(*model, stretch);
-    const auto number = [](double value) { return formatNumber(static_cast<float>(value)); };
+    const auto number = [](double value) { return formatNumber(float(value)); };
     const std::string side = number(std::sqrt(2.5));
     std::vector<double> numbers;
     std::istringstream words(got.substr(header.size()));
@@ -96,11 +87,10 @@ TEST(PlyDirections, ThatAreNoneStay) {
                              "0 7 3e38 3e38 0 0 8 3e38 0 9\n";
     const auto model = readModel("a.ply", text);
     EXPECT_EQ(turned(*model, kQuarterTurn), text);
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         const std::string bytes =
             headerOf(order == std::endian::big ? "binary_big_endian" : "binary_little_endian", 2) +
-            row(order, {1, std::nan(""), 0}, {kInfinity, 0, 0}, 9) +
+            row(order, {1, kNan, 0}, {kInfinity, 0, 0}, 9) +
             row(order, {kInfinity, 0, 1}, {1e308, 1e308, 1e308}, 9);
         EXPECT_EQ(turned(*readModel("a.ply", bytes), kQuarterTurn), bytes);
     }

@@ -3,18 +3,9 @@
 #include <io/model_files.h>
 
 #include <cstdint>
-#include <limits>
 
 namespace espalier::io {
 namespace {
-
-using test::bytesOf;
-using test::copyOf;
-using test::withLineEnds;
-using test::written;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 /// The elements of all samples: the vertices stand between two others, their coordinates out of
 /// order among other properties, one of them a list.
@@ -85,7 +76,7 @@ TEST(Ply, ReadsAndRewritesBothBinaryOrders) {
 TEST(Ply, RefusesEveryPartOfABinaryFile) {
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         const std::string bytes = binarySample(order, 1, 2, 3);
-        test::expectPartsRefused("a.ply", bytes, bytes.size());
+        expectPartsRefused("a.ply", bytes, bytes.size());
     }
 }
 
@@ -131,15 +122,15 @@ TEST(Ply, AsciiFloatsAreReadAsFloats) {
 TEST(Ply, RefusesEveryPartOfAnAsciiFile) {
     const std::string text = headerOf("ascii", "double", "float") + kAsciiRows;
     // A cut within the last number leaves a file.
-    test::expectPartsRefused("a.ply", text, text.size() - 1);
+    expectPartsRefused("a.ply", text, text.size() - 1);
 }
 
 TEST(Ply, RefusesMoreRowsThanTheHeaderClaims) {
     const std::string ascii = headerOf("ascii", "float", "float") + kAsciiRows + "\n\n3 0 1 1\n";
-    EXPECT_THAT([&] { readModel("a.ply", ascii); },
-                ThrowsMessage<FileError>(
-                    HasSubstr("expected the end of the file after all rows that the header "
-                              "claims, got '3'")));
+    EXPECT_REFUSED(FileError,
+                   "expected the end of the file after all rows that the header "
+                   "claims, got '3'",
+                   readModel("a.ply", ascii));
     const std::string binary = binarySample(std::endian::little, 1, 2, 3);
     for (const std::string more : {"more", "\n\n", " "})
         EXPECT_THAT([&] { readModel("a.ply", binary + more); },
@@ -204,29 +195,25 @@ TEST(Ply, RefusesMalformedRowsWithTheirLine) {
 TEST(Ply, ChecksClaimedSizesBeforeTakingMemory) {
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
         for (const char* count : {"1000000000", "18446744073709551615"})
-            EXPECT_THAT(
-                [&] {
-                    readModel("a.ply", std::string("ply\nformat ") + format +
-                                           " 1.0\nelement vertex " + count +
-                                           "\nproperty float x\nproperty float y\n"
-                                           "property float z\nend_header\n0 0 0\n0 0 0\n");
-                },
-                ThrowsMessage<FileError>(HasSubstr(count)));
+            EXPECT_REFUSED(FileError, count,
+                           readModel("a.ply", std::string("ply\nformat ") + format +
+                                                  " 1.0\nelement vertex " + count +
+                                                  "\nproperty float x\nproperty float y\n"
+                                                  "property float z\nend_header\n0 0 0\n0 0 0\n"));
     std::string list =
         "ply\nformat binary_little_endian 1.0\nelement face 1\n"
         "property list int double v\nelement vertex 0\nproperty float x\n"
         "property float y\nproperty float z\nend_header\n";
     const std::size_t size = list.size();
-    EXPECT_THAT([&] { readModel("a.ply", list + bytesOf(2147483647, std::endian::little)); },
-                ThrowsMessage<FileError>(HasSubstr("byte " + std::to_string(size + 4))));
-    EXPECT_THAT([&] { readModel("a.ply", list + bytesOf(-1, std::endian::little)); },
-                ThrowsMessage<FileError>(HasSubstr("length -1")));
+    EXPECT_REFUSED(FileError, "byte " + std::to_string(size + 4),
+                   readModel("a.ply", list + bytesOf(2147483647, std::endian::little)));
+    EXPECT_REFUSED(FileError, "length -1",
+                   readModel("a.ply", list + bytesOf(-1, std::endian::little)));
 }
 
 TEST(Ply, RefusesMalformedHeadersWithTheirLine) {
     const auto refused = [](const std::string& header, const std::string& why) {
-        EXPECT_THAT([&] { readModel("a.ply", header); }, ThrowsMessage<FileError>(HasSubstr(why)))
-            << header;
+        EXPECT_REFUSED(FileError, why, readModel("a.ply", header)) << header;
     };
     const std::string begin = "ply\nformat ascii 1.0\n";
     const std::string xyz = "property float x\nproperty float y\nproperty float z\n";

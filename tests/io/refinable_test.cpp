@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "obj_mesh_samples.h"
-
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
-
-using testing::HasSubstr;
-using testing::StartsWith;
 
 TEST(Refinable, MeshesAreObjAndLatticesAreNot) {
     const TemporaryFolder folder;
@@ -33,15 +28,13 @@ TEST(Refinable, FormatsOfTheOtherKindAreRefused) {
                                    const std::string& cause) {
         const auto path = folder / name;
         for (const bool onlyCheck : {true, false}) {
-            try {
-                if (onlyCheck)
-                    io::checkRefinableTarget(path, lattice.complex.dimension());
-                else
-                    io::writeRefinable(path, lattice);
-                ADD_FAILURE() << name << " was taken";
-            } catch (const io::FileError& error) {
-                EXPECT_EQ(error.what(), path.string() + ": " + cause);
-            }
+            EXPECT_EQ(messageOf<io::FileError>([&] {
+                          if (onlyCheck)
+                              io::checkRefinableTarget(path, lattice.complex.dimension());
+                          else
+                              io::writeRefinable(path, lattice);
+                      }),
+                      path.string() + ": " + cause);
         }
         EXPECT_FALSE(std::filesystem::exists(path));
     };
@@ -57,14 +50,9 @@ TEST(Refinable, FormatsOfTheOtherKindAreRefused) {
     expectRefused("a.obj", {},
                   "what is of dimension 0 cannot be written; expected a curve (1), a mesh (2) or a "
                   "lattice (3)");
-    try {
-        io::readRefinable("a.stl");
-        ADD_FAILURE() << "a.stl was taken";
-    } catch (const io::FileError& error) {
-        EXPECT_STREQ(error.what(),
-                     "a.stl: not a format of curves, meshes or lattices that is known; "
-                     "expected .obj, .ovm, .vtu, .vtk");
-    }
+    EXPECT_EQ(messageOf<io::FileError>([&] { io::readRefinable("a.stl"); }),
+              "a.stl: not a format of curves, meshes or lattices that is known; "
+              "expected .obj, .ovm, .vtu, .vtk");
 }
 
 /// Lattices have no holes, and a mark that no file can hold is not dropped in silence.
@@ -73,12 +61,8 @@ TEST(Refinable, HolesOfLatticesAreRefused) {
     Lattice lattice = boxLattice();
     lattice.marks.holes = {0};
     for (const char* name : {"a.ovm", "a.vtu", "a.vtk"}) {
-        try {
-            io::writeRefinable(folder / name, lattice);
-            ADD_FAILURE() << name << " was written";
-        } catch (const far::TopologyError& error) {
-            EXPECT_THAT(error.what(), HasSubstr("only a mesh can have holes"));
-        }
+        EXPECT_REFUSED(far::TopologyError, "only a mesh can have holes",
+                       io::writeRefinable(folder / name, lattice));
     }
 }
 

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
 #include <espalier/io/files/text_reader.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <io/model_files.h>
 
-#include <cmath>
 #include <cstdint>
-#include <limits>
-#include <string>
+
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
 
 using io::TextReader;
-using testing::HasSubstr;
 
 TEST(TextReader, KnowsItsLine) {
     TextReader text("f", "one two\n\n three\nrest of it\r\nlast", 10);
@@ -56,8 +52,7 @@ TEST(TextReader, RefusesNumbersThatAreNone) {
         EXPECT_EQ(messageOf<io::FileError>([&] { text.number<double>("a size"); }), expected);
     }
     TextReader text("f", "-1");
-    EXPECT_THAT(messageOf<io::FileError>([&] { text.number<std::uint64_t>("a size"); }),
-                HasSubstr("'-1'"));
+    EXPECT_REFUSED(io::FileError, "'-1'", text.number<std::uint64_t>("a size"));
 }
 
 TEST(TextReader, CountsOnlyWhatCanBeThere) {
@@ -71,8 +66,7 @@ TEST(TextReader, CountsOnlyWhatCanBeThere) {
     EXPECT_EQ(messageOf<io::FileError>([&] { more.count("the number of points", 6); }),
               "f:1: the number of points is 4, but only 18 bytes are left");
     TextReader most("f", "18446744073709551615 1 2 3");
-    EXPECT_THAT(messageOf<io::FileError>([&] { most.count("the number of points", 1); }),
-                HasSubstr("but only"));
+    EXPECT_REFUSED(io::FileError, "but only", most.count("the number of points", 1));
 }
 
 TEST(TextReader, HandsOutBytes) {

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-#include <espalier/base/error.h>
-
 // Vertices that no cell uses: ParaView and others write such files, and one such vertex must not
 // make a lattice unreadable.
 
 namespace espalier::test {
 namespace {
 
-using testing::ElementsAre;
 using testing::EndsWith;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 /// A tetrahedron of the vertices 1, 2, 4 and 5 of six, with values and marks on all of them.
 struct File {
@@ -210,8 +205,7 @@ TEST(UnusedVerticesOfCurves, AreNoPlaceForTagsOfEdges) {
     for (const auto& [tag, cause] :
          {std::pair("t crease 2/1/0 1 2 3\n", "a.obj:5: a tag names edge (1, 2); expected two"),
           std::pair("t corner 1/1/0 3 3\n", "a.obj:5: a tag names vertex 3; expected 0 to 2")})
-        EXPECT_THAT([&] { io::readRefinable("a.obj", curve + tag); },
-                    testing::ThrowsMessage<io::FileError>(HasSubstr(cause)));
+        EXPECT_REFUSED(io::FileError, cause, io::readRefinable("a.obj", curve + tag));
 }
 
 TEST(ReadNotes, AreDescribedInOneLine) {

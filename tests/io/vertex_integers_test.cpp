@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
+#include "support/test.h"
 
-#include <espalier/base/error.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/merge.h>
@@ -12,7 +12,6 @@
 namespace espalier::test {
 namespace {
 
-using testing::HasSubstr;
 using Integers = std::vector<std::int64_t>;
 
 constexpr std::int64_t kBeyondDouble = (std::int64_t{1} << 53) + 1;
@@ -21,9 +20,9 @@ constexpr std::int64_t kBeyondDouble = (std::int64_t{1} << 53) + 1;
 VertexIntegers extremes(IntegerType type, int bits, bool isSigned, std::size_t vertexCount,
                         int components = 1) {
     const auto ones = ~std::uint64_t{0} >> (64 - bits);
-    const auto most = static_cast<std::int64_t>(isSigned ? ones >> 1 : ones);
+    const auto most = std::int64_t(isSigned ? ones >> 1 : ones);
     VertexIntegers integers{std::string("an ") + integerTypeName(type), components, type, {}};
-    integers.values.resize(vertexCount * static_cast<std::size_t>(components), 7);
+    integers.values.resize(vertexCount * std::size_t(components), 7);
     integers.values[0] = most;
     integers.values[1] = isSigned ? -most - 1 : 0;
     return integers;
@@ -59,12 +58,8 @@ TEST(VertexIntegers, OfOneComponentComeBackFromOvm) {
         EXPECT_EQ(got.integers[i].values, lattice.integers[i].values);
     }
     EXPECT_EQ(got.integers.back().type, IntegerType::Int64);
-    try {
-        writtenLattice("a.ovm", withIntegers(3));
-        FAIL() << "was written";
-    } catch (const io::FileError& error) {
-        EXPECT_THAT(error.what(), HasSubstr("'an Int8' has 3 integers for each vertex"));
-    }
+    EXPECT_REFUSED(io::FileError, "'an Int8' has 3 integers for each vertex",
+                   writtenLattice("a.ovm", withIntegers(3)));
 }
 
 TEST(VertexIntegers, ThatAreNotSuchAreRefused) {
@@ -87,13 +82,8 @@ TEST(VertexIntegers, OutOfTheRangeOfTheirTypeAreNotWritten) {
     Lattice lattice = boxLattice();
     lattice.integers = {{"small", 1, IntegerType::UInt8, Integers(12, 256)}};
     for (const char* name : {"a.vtu", "a.vtk", "a.ovm"}) {
-        try {
-            writtenLattice(name, lattice);
-            FAIL() << name << " was written";
-        } catch (const io::FileError& error) {
-            EXPECT_THAT(error.what(),
-                        HasSubstr("'small' has 256, which is out of the range of UInt8"));
-        }
+        EXPECT_REFUSED(io::FileError, "'small' has 256, which is out of the range of UInt8",
+                       writtenLattice(name, lattice));
     }
 }
 
@@ -106,16 +96,14 @@ TEST(VertexIntegers, OfVtkThatHideVerticesAreSkipped) {
 
 TEST(VertexIntegers, AreCarriedToVertexPointsAlone) {
     const Lattice lattice = withIntegers(2);
-    far::TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
-    refiner.refineUniform(2);
+    TopologyRefiner refiner = refined(lattice.complex, 2, refinerOptions(lattice));
     for (const int level : {0, 1, 2}) {
-        const auto count = static_cast<std::size_t>(refiner.level(level).complex.count(0));
+        const auto count = std::size_t(refiner.level(level).complex.count(0));
         const auto carried = levelIntegers(refiner, level, lattice.integers);
         ASSERT_EQ(carried.size(), lattice.integers.size());
         for (std::size_t i = 0; i < carried.size(); ++i) {
             Integers expected = lattice.integers[i].values;
-            expected.resize(count * static_cast<std::size_t>(carried[i].components),
-                            noInteger(carried[i].type));
+            expected.resize(count * std::size_t(carried[i].components), noInteger(carried[i].type));
             EXPECT_EQ(carried[i].values, expected);
             EXPECT_EQ(carried[i].type, lattice.integers[i].type);
         }
@@ -123,7 +111,7 @@ TEST(VertexIntegers, AreCarriedToVertexPointsAlone) {
     EXPECT_EQ(noInteger(IntegerType::Int16), -1);
     EXPECT_EQ(noInteger(IntegerType::UInt8), 255);
     EXPECT_EQ(noInteger(IntegerType::UInt32), 4294967295);
-    EXPECT_EQ(static_cast<std::uint64_t>(noInteger(IntegerType::UInt64)), ~std::uint64_t{0});
+    EXPECT_EQ(std::uint64_t(noInteger(IntegerType::UInt64)), ~std::uint64_t{0});
     auto tooFew = lattice.integers;
     tooFew[0].values.pop_back();
     EXPECT_THROW(levelIntegers(refiner, 1, tooFew), Error);
@@ -143,12 +131,7 @@ TEST(VertexIntegers, AreMergedIfTheyAreOfOneType) {
     expected.resize(20, 5);
     EXPECT_EQ(merged.integers[0].values, expected);
     right.integers[0].type = IntegerType::Int32;
-    try {
-        shapes::merge(left, right);
-        FAIL() << "was merged";
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("lattice 1 lacks attribute of Int64 'gid'"));
-    }
+    EXPECT_REFUSED(Error, "lattice 1 lacks attribute of Int64 'gid'", shapes::merge(left, right));
 }
 
 }  // namespace

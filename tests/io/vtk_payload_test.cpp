@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/vtk/vtk_payload.h"
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <io/model_files.h>
 #include "io/files/bytes.h"
 #include "io/files/coding.h"
-
-#include <limits>
-#include <string>
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
@@ -18,7 +14,6 @@ using io::decodePayload;
 using io::encodeBase64;
 using io::PayloadForm;
 using io::VtkCoding;
-using testing::HasSubstr;
 
 /// The test vectors of RFC 4648, section 10.
 TEST(Base64, AgreesWithTheStandard) {
@@ -42,7 +37,7 @@ TEST(Base64, IsReadPieceByPiece) {
     EXPECT_EQ(reader.read(0), "");
     EXPECT_EQ(reader.read(4), "ooba");
     EXPECT_EQ(reader.read(1), "r");
-    EXPECT_THAT(messageOf<CodingError>([&] { reader.read(1); }), HasSubstr("ends too early"));
+    EXPECT_REFUSED(CodingError, "ends too early", reader.read(1));
 }
 
 TEST(Base64, StreamsReadOnAfterPadding) {
@@ -68,7 +63,7 @@ std::vector<VtkCoding> allCodings() {
 TEST(VtkPayload, ComesBackAsItWas) {
     std::string bytes;
     for (const std::size_t size : {0u, 1u, 2u, 3u, 32768u, 32769u, 100000u}) {
-        while (bytes.size() < size) bytes += static_cast<char>(bytes.size() * bytes.size() / 7);
+        while (bytes.size() < size) bytes += char(bytes.size() * bytes.size() / 7);
         for (const VtkCoding& coding : allCodings()) {
             const std::string text = io::encodePayload(bytes, coding);
             EXPECT_EQ(decodePayload(text, PayloadForm::Base64, coding), bytes) << size;
@@ -109,7 +104,7 @@ TEST(VtkPayload, IsRefusedWhenItIsCutShort) {
 std::string words(std::initializer_list<std::uint64_t> values) {
     std::string bytes;
     for (const std::uint64_t value : values)
-        for (int i = 0; i < 8; ++i) bytes += static_cast<char>(value >> (8 * i));
+        for (int i = 0; i < 8; ++i) bytes += char(value >> (8 * i));
     return bytes;
 }
 
@@ -126,10 +121,8 @@ TEST(VtkPayload, ClaimsAreCheckedBeforeMemoryIsTaken) {
     EXPECT_THAT(refusal(words({1, 8, 0, 8, 0})), HasSubstr("is damaged"));
     VtkCoding plain;
     plain.isCompressed = false;
-    EXPECT_THAT(messageOf<CodingError>([&] {
-                    decodePayload(words({kMost, 0}), PayloadForm::Raw, plain);
-                }),
-                HasSubstr("18446744073709551615 bytes are claimed, 8 are there"));
+    EXPECT_REFUSED(CodingError, "18446744073709551615 bytes are claimed, 8 are there",
+                   decodePayload(words({kMost, 0}), PayloadForm::Raw, plain));
 }
 
 TEST(VtkPayload, OfAnotherSizeThanClaimedIsRefused) {
@@ -140,11 +133,9 @@ TEST(VtkPayload, OfAnotherSizeThanClaimedIsRefused) {
     for (const char size : {'\7', '\11'}) {
         std::string changed = header;
         changed[16] = size;
-        EXPECT_THAT(messageOf<CodingError>([&] {
-                        decodePayload(encodeBase64(changed) + text.substr(44), PayloadForm::Base64,
-                                      {});
-                    }),
-                    HasSubstr("is damaged"));
+        EXPECT_REFUSED(
+            CodingError, "is damaged",
+            decodePayload(encodeBase64(changed) + text.substr(44), PayloadForm::Base64, {}));
     }
 }
 

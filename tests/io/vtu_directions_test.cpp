@@ -4,20 +4,11 @@
 #include <io/model_files.h>
 
 #include <cstdint>
-#include <limits>
 
 #include "io/vtk/vtk_xml.h"
 
 namespace espalier::io {
 namespace {
-
-using test::bytesOf;
-using test::kIdentity;
-using test::kQuarterTurn;
-using test::turned;
-using test::written;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 /// Twice as long along x; its cofactors are diag(1, 2, 2).
 constexpr DeformationGradient kStretch = {2, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -112,7 +103,6 @@ TEST(VtuDirections, OfPiecesTurnWithTheirPoints) {
 }
 
 TEST(VtuDirections, ThatAreNoneStay) {
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     const VtkCoding coding{std::endian::little, true, false};
     const auto text = [&](const std::vector<double>& numbers, NumberType type) {
         return file(piece(pointData(dataArrayElement<double>({"Normals", type, 3}, numbers,
@@ -120,7 +110,7 @@ TEST(VtuDirections, ThatAreNoneStay) {
                     " byte_order=\"LittleEndian\" header_type=\"UInt64\"");
     };
     for (const NumberType type : {NumberType::Float32, NumberType::Float64}) {
-        for (const double other : {kNan, std::numeric_limits<double>::infinity(), 0.0}) {
+        for (const double other : {kNan, kInfinity, 0.0}) {
             const std::string before = text({1, 0, 0, 1, other, 0}, type);
             const auto model = readModel("a.vtu", before);
             EXPECT_EQ(turned(*model, kIdentity), before);

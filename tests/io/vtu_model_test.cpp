@@ -6,8 +6,6 @@
 namespace espalier::test {
 namespace {
 
-using testing::HasSubstr;
-
 std::vector<std::filesystem::path> dataFiles() {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(

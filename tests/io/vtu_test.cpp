@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_samples.h"
 
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/io/files/file.h>
-
-#include <algorithm>
 
 #include "io/files/coding.h"
 #include "io/vtk/vtk_xml.h"
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
 
-using testing::HasSubstr;
-using testing::StartsWith;
 using Integers = std::vector<std::int64_t>;
 
 /// A .vtu file in ascii, made here and not by what is tested.
@@ -286,15 +281,10 @@ TEST(Vtu, TopologyErrorsKeepTheirCauseAndNameTheFile) {
                                   Vtu::array("faces", "3 3 0 2 1 3 0 1 3 3 1 2 3") +
                                   Vtu::array("faceoffsets", "-1 13"))
                        .text());
-    try {
-        io::readLattice(folder / "open.vtu");
-        FAIL() << "an open cell was taken";
-    } catch (const far::TopologyError& error) {
-        EXPECT_EQ(error.cause(), far::TopologyCause::OpenCell);
-        EXPECT_EQ(error.entity(), (Entity{3, 1}));
-        EXPECT_THAT(error.what(),
-                    StartsWith((folder / "open.vtu").string() + ": cell 1 is open: "));
-    }
+    const auto error = topologyErrorOf([&] { io::readLattice(folder / "open.vtu"); });
+    EXPECT_EQ(error.cause(), far::TopologyCause::OpenCell);
+    EXPECT_EQ(error.entity(), (Entity{3, 1}));
+    EXPECT_THAT(error.what(), StartsWith((folder / "open.vtu").string() + ": cell 1 is open: "));
 }
 
 TEST(Vtu, ThatIsNotAVtuIsRefused) {
@@ -341,8 +331,8 @@ TEST(Vtu, WritesNamesThatXmlCanHoldOnly) {
     for (const std::string name :
          {"a\x01", "a\x1F", "\xEF\xBF\xBE", "\xEF\xBF\xBF", "\xFF", "\xED\xA0\x80"})
         EXPECT_THAT([&] { writtenLattice("a.vtu", withName(name)); },
-                    testing::ThrowsMessage<io::FileError>(AllOf(
-                        HasSubstr("has a name that XML cannot hold"), HasSubstr(inQuotes(name)))));
+                    ThrowsMessage<io::FileError>(AllOf(HasSubstr("has a name that XML cannot hold"),
+                                                       HasSubstr(inQuotes(name)))));
 }
 
 TEST(Vtu, OtherCompressorsAreRefusedWhereTheyAreUsed) {

@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/limit/limit_parts.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <set>
 
 #include "support/random_lattices.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::limit {
 namespace {
 
 using Eigen::Vector3d;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 
 Vector3d valueAt(const BezierPatch& patch, const Vector3d& uvw) {
     const auto bernstein = [](std::size_t i, double t) {
@@ -38,16 +32,16 @@ Vector3d valueAt(const BezierPatch& patch, const Vector3d& uvw) {
 // A point of a patch at rest is carried to the same place of the patch of a pose: as a binding
 // that found it in the limit says.
 TEST(LimitParts, PatchesAreWhatPointsAreBoundTo) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         if (name == "tripod") continue;  // Its limit folds: two places for a point.
-        for (const far::Boundary boundary : {far::Boundary::Sharp, far::Boundary::EdgeOnly}) {
-            const far::TopologyRefiner base(lattice.complex,
-                                            refinerOptions(lattice, {.boundary = boundary}));
-            const LimitParts parts(base, stencils::Rules::Siggraph96, 2);
-            const auto pose = test::shaken(lattice.positions, 7, 0.2);
+        for (const Boundary boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
+            const TopologyRefiner base(lattice.complex,
+                                       refinerOptions(lattice, {.boundary = boundary}));
+            const LimitParts parts(base, Rules::Siggraph96, 2);
+            const auto pose = shaken(lattice.positions, 7, 0.2);
             const LimitPositions atRest = parts.place(lattice.positions), posed = parts.place(pose);
             std::vector<Point3> points, expected;
-            const auto places = test::randomValues(3 * parts.patchCount(), 11);
+            const auto places = randomValues(3 * parts.patchCount(), 11);
             for (std::size_t i = 0; i < parts.patchCount(); i += 1 + parts.patchCount() / 40) {
                 Vector3d uvw(&places[3 * i]);
                 uvw = (uvw + Vector3d::Ones()) / 2;
@@ -68,10 +62,10 @@ TEST(LimitParts, PatchesAreWhatPointsAreBoundTo) {
 
 // No part is twice, none is missing: children of what is left are parts or what is left on.
 TEST(LimitParts, EachCellDescendsIntoParts) {
-    for (const auto& [name, lattice] : test::zoo()) {
-        const far::TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
+    for (const auto& [name, lattice] : zoo()) {
+        const TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
         for (const int level : {1, 3}) {
-            const LimitParts parts(base, stencils::Rules::Siggraph96, level);
+            const LimitParts parts(base, Rules::Siggraph96, level);
             std::set<std::pair<int, Index>> seen;
             // The cells of the last level that each base cell descends into: a patch is a
             // hexahedron, which becomes 8 with each level, a blend is one of them.
@@ -85,8 +79,7 @@ TEST(LimitParts, EachCellDescendsIntoParts) {
                 }
                 count[part.baseCell] += std::size_t{1} << 3 * (level - part.level);
             }
-            far::TopologyRefiner whole(lattice.complex, {.marks = lattice.marks});
-            whole.refineUniform(level);
+            TopologyRefiner whole = refined(lattice.complex, level, {.marks = lattice.marks});
             std::vector<std::size_t> expected(count.size());
             for (Index cell = 0; cell < whole.level(level).complex.count(3); ++cell) {
                 Index ancestor = cell;
@@ -101,17 +94,17 @@ TEST(LimitParts, EachCellDescendsIntoParts) {
 
 // Regular lattices are patches, one a cell; what is blended around an edge doubles with a level.
 TEST(LimitParts, OnlyFeaturesAreRefined) {
-    const far::TopologyRefiner box(shapes::box({.cells = {3, 2, 1}}).complex);
+    const TopologyRefiner box(shapes::box({.cells = {3, 2, 1}}).complex);
     for (const int level : {1, 4}) {
-        const LimitParts parts(box, stencils::Rules::Siggraph96, level);
+        const LimitParts parts(box, Rules::Siggraph96, level);
         EXPECT_EQ(parts.patchCount(), 6);
         EXPECT_EQ(parts.parts().size(), 6);
     }
     // Five triangular prisms: along the axis 5 cells at each of the 2^level parts of the edge, and
     // along the middle of each prism 3.
-    const far::TopologyRefiner fan(shapes::cylinder({.sectors = 5, .layers = 1}).complex);
+    const TopologyRefiner fan(shapes::cylinder({.sectors = 5, .layers = 1}).complex);
     for (const int level : {2, 3, 4}) {
-        const LimitParts parts(fan, stencils::Rules::Siggraph96, level);
+        const LimitParts parts(fan, Rules::Siggraph96, level);
         EXPECT_EQ(parts.parts().size() - parts.patchCount(), std::size_t{20} << level);
     }
 }
@@ -119,32 +112,28 @@ TEST(LimitParts, OnlyFeaturesAreRefined) {
 // Without boundary control, three cells along each axis become the one in the middle.
 TEST(LimitParts, WhatShrinksAwayIsNoPart) {
     const Lattice lattice = shapes::box({.cells = {3, 3, 3}, .max = {3, 3, 3}});
-    const far::TopologyRefiner base(lattice.complex, {.boundary = far::Boundary::Open});
-    const LimitParts parts(base, stencils::Rules::Siggraph96, 3);
+    const TopologyRefiner base(lattice.complex, {.boundary = Boundary::Open});
+    const LimitParts parts(base, Rules::Siggraph96, 3);
     ASSERT_GE(parts.patchCount(), 1);
     EXPECT_EQ(parts.parts()[0].baseCell, 13);
     const BezierPatch middle = parts.bezierPatch(0, parts.place(lattice.positions));
     for (const double t : {0.0, 0.4, 1.0})
         // Linear precision, of sums of 64 numbers of size 1.
         EXPECT_LE((valueAt(middle, {t, t / 2, 0}) - Vector3d(1 + t, 1 + t / 2, 1)).norm(), 1e-14);
-    const far::TopologyRefiner single(shapes::box().complex, {.boundary = far::Boundary::Open});
-    EXPECT_THROW(LimitParts(single, stencils::Rules::Siggraph96, 3), far::TopologyError);
+    const TopologyRefiner single(shapes::box().complex, {.boundary = Boundary::Open});
+    EXPECT_THROW(LimitParts(single, Rules::Siggraph96, 3), far::TopologyError);
 }
 
 TEST(LimitParts, RefusesWhatHasNoLimitVolume) {
-    const far::TopologyRefiner box(shapes::box().complex);
-    const auto expectRefused = [](const auto& call, const char* why) {
-        EXPECT_THAT(call, ThrowsMessage<Error>(HasSubstr(why)));
-    };
+    const TopologyRefiner box(shapes::box().complex);
     for (const int level : {0, 16})
-        expectRefused([&] { LimitParts(box, stencils::Rules::Siggraph96, level); },
-                      "expected 1 to 15");
-    expectRefused([&] { LimitParts(box, stencils::Rules::Rats, 1); }, "RATS");
-    const far::TopologyRefiner mesh(test::gridMesh(2, 2));
-    expectRefused([&] { LimitParts(mesh, stencils::Rules::Siggraph96, 1); }, "dimension 2");
+        EXPECT_REFUSED(Error, "expected 1 to 15", LimitParts(box, Rules::Siggraph96, level));
+    EXPECT_REFUSED(Error, "RATS", LimitParts(box, Rules::Rats, 1));
+    const TopologyRefiner mesh(gridMesh(2, 2));
+    EXPECT_REFUSED(Error, "dimension 2", LimitParts(mesh, Rules::Siggraph96, 1));
     const std::vector<Point3> few(7);
-    expectRefused([&] { LimitParts(box, stencils::Rules::Siggraph96, 1).place(few); },
-                  "got 7 positions for 8 vertices");
+    EXPECT_REFUSED(Error, "got 7 positions for 8 vertices",
+                   LimitParts(box, Rules::Siggraph96, 1).place(few));
 }
 
 }  // namespace

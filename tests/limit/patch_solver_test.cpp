@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "limit/patch_solver.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::limit {
 namespace {
@@ -17,7 +14,7 @@ using Answer = PatchSolver::Answer;
 /// `bend`.
 TricubicPatch::ControlPoints bentPatch(double bend, std::mt19937& random) {
     const std::array<Index, 3> n = {3, 3, 3};
-    const far::TopologyRefiner refiner(test::grid(n));
+    const TopologyRefiner refiner(test::grid(n));
     std::uniform_real_distribution<double> off(-bend, bend);
     std::vector<Point3> positions;
     for (Index k = 0; k <= 3; ++k)
@@ -101,7 +98,7 @@ TEST(TricubicPatch, WeightsAndControlPointsAgree) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> unit(0, 1);
     const std::array<Index, 3> n = {3, 1, 2};
-    const far::TopologyRefiner refiner(test::grid(n));
+    const TopologyRefiner refiner(test::grid(n));
     const far::Level& level = refiner.level(0);
     std::vector<Point3> positions;
     for (Index v = 0; v < level.complex.count(0); ++v)
@@ -127,9 +124,8 @@ TEST(TricubicPatch, WeightsAndControlPointsAgree) {
 // The axes of a cell go on into its neighbours and its children.
 TEST(CellFrame, NeighboursAndChildrenKeepTheAxes) {
     const std::array<Index, 3> n = {2, 2, 2};
-    far::TopologyRefiner refiner(test::grid(n));
-    refiner.refineUniform(1);
-    const far::CellComplex& complex = refiner.level(0).complex;
+    TopologyRefiner refiner = refined(test::grid(n), 1);
+    const CellComplex& complex = refiner.level(0).complex;
     const auto frame = *embed::frameOf(complex, 0);
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (const std::size_t side : {0U, 1U}) {

@@ -12,20 +12,21 @@
 
 namespace espalier::test {
 
-/// D of random points in a lattice at level 3: some thousand, so that most rows are in groups.
+/// D of random points in a lattice: by default some thousand, so that most rows are in groups.
 template <class Real>
-stencils::StencilTable<Real> boundTable(const Lattice& lattice, std::size_t pointCount = 4000) {
-    const Refined refined(lattice, 3);
-    return stencils::convertTable<Real>(
-        embed::bindPoints({far::TopologyRefiner(lattice.complex), lattice.positions},
-                          pointsIn(refined, pointCount, 5), {.level = 3})
-            .binding.table);
+StencilTable<Real> boundTable(const Lattice& lattice, std::size_t pointCount = 4000,
+                              int level = 3) {
+    const TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
+    const auto bound =
+        embed::bindPoints({base, lattice.positions},
+                          pointsIn(Refined(lattice, level), pointCount, 5), {.level = level});
+    return stencils::convertTable<Real>(bound.binding.table);
 }
 
 /// A table of all kinds of rows: outer products of a box, panels and rows alone of a cylinder,
 /// whose columns are behind those of the box.
 template <class Real>
-stencils::StencilTable<Real> tableOfAllKinds() {
+StencilTable<Real> tableOfAllKinds() {
     const auto box = boundTable<Real>(shapes::box({.cells = {4, 3, 3}}));
     const auto cylinder = boundTable<Real>(shapes::cylinder({.sectors = 5}));
     Array<Offset> offsets(box.offsets().begin(), box.offsets().end());
@@ -34,18 +35,11 @@ stencils::StencilTable<Real> tableOfAllKinds() {
     for (Index row = 0; row < cylinder.rowCount(); ++row) {
         for (const Index column : cylinder.columns(row))
             columns.push_back(box.columnCount() + column);
-        offsets.push_back(static_cast<Offset>(columns.size()));
+        offsets.push_back(Offset(columns.size()));
     }
     weights.insert(weights.end(), cylinder.weights().begin(), cylinder.weights().end());
     return {box.columnCount() + cylinder.columnCount(), std::move(offsets), std::move(columns),
             std::move(weights)};
-}
-
-/// Between −1 and 1.
-template <class Real>
-std::vector<Real> randomValuesOf(Offset count, unsigned seed) {
-    const auto values = randomValues(count, seed);
-    return {values.begin(), values.end()};
 }
 
 }  // namespace espalier::test

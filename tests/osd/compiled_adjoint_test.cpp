@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/osd/compiled_table.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 #include "bound_table.h"
 #include "sums.h"
+#include "support/test.h"
 #include "support/threads.h"
 
 // Tables as they come: the contract is tested in evaluator_test.cpp.
 namespace espalier::osd {
 namespace {
 
-using test::boundTable;
-
 template <class Real>
 class CompiledAdjointTest : public ::testing::Test {};
-using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(CompiledAdjointTest, Reals);
 
 TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
@@ -33,7 +26,7 @@ TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
         EXPECT_EQ(adjoint.rowCount(), table.columnCount());
         EXPECT_EQ(adjoint.columnCount(), table.rowCount());
         for (const Offset length : {1, 3, 5, 12}) {
-            const auto source = test::randomValuesOf<Real>(table.rowCount() * length, 6);
+            const auto source = randomValues<Real>(table.rowCount() * length, 6);
             std::vector<Real> result(table.columnCount() * length);
             const auto layout = BufferDescriptor::packed(length);
             const auto evaluate = [&] {
@@ -42,11 +35,11 @@ TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
             evaluate();
             // Of sums of thousands in lanes and groups: some 4 ulp for weights, as CompiledTable's,
             // and for sums the square root of their lengths at most.
-            ASSERT_LE(test::errorOfSums<Real>(transpose, source, length, result), 20);
+            ASSERT_LE(errorOfSums<Real>(transpose, source, length, result), 20);
             const std::vector<Real> expected = result;
             for (const int threads : {1, 2, 8}) {
                 std::fill(result.begin(), result.end(), Real{99});
-                test::withThreads(threads, evaluate);
+                withThreads(threads, evaluate);
                 ASSERT_EQ(result, expected);
             }
         }
@@ -57,8 +50,8 @@ TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
 TYPED_TEST(CompiledAdjointTest, IsTheAdjointOfTheCompiledTable) {
     using Real = TypeParam;
     const auto table = boundTable<Real>(shapes::cylinder({.sectors = 5}));
-    const auto x = test::randomValuesOf<Real>(table.columnCount(), 7);
-    const auto g = test::randomValuesOf<Real>(table.rowCount(), 8);
+    const auto x = randomValues<Real>(table.columnCount(), 7);
+    const auto g = randomValues<Real>(table.rowCount(), 8);
     std::vector<Real> forward(g.size()), back(x.size());
     const auto layout = BufferDescriptor::packed(1);
     CompiledTable<Real>(table).evaluate(x, layout, forward, layout, {0, table.rowCount()});

@@ -1,28 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/osd/compiled_chain.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "support/refined_lattice.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::osd {
 namespace {
 
-using far::TopologyRefiner;
-using stencils::Rules;
-using stencils::StencilTable;
-using ::testing::HasSubstr;
-
 template <class Real, class Evaluator>
 std::vector<Real> evaluate(const Evaluator& evaluator) {
-    const auto random =
-        test::randomValues(3 * static_cast<std::size_t>(evaluator.columnCount()), 6);
-    std::vector<Real> result(3 * static_cast<std::size_t>(evaluator.rowCount()));
+    const auto random = randomValues(3 * std::size_t(evaluator.columnCount()), 6);
+    std::vector<Real> result(3 * std::size_t(evaluator.rowCount()));
     const auto layout = BufferDescriptor::packed(3);
     evaluator.evaluate(std::vector<Real>(random.begin(), random.end()), layout, result, layout,
                        {0, evaluator.rowCount()});
@@ -37,16 +29,14 @@ void expectNear(const std::vector<Real>& a, const std::vector<Real>& b, Real bou
 
 template <class Real>
 class CompiledChainTest : public ::testing::Test {};
-using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(CompiledChainTest, Reals);
 
 // R_3 · R_2 · R_1 is S_3.
 TYPED_TEST(CompiledChainTest, LevelTablesInTurnAreTheirProduct) {
     constexpr auto kEpsilon = std::numeric_limits<TypeParam>::epsilon();
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         SCOPED_TRACE(name);
-        TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
-        refiner.refineUniform(2);
+        TopologyRefiner refiner = test::refined(lattice.complex, 2, {.marks = lattice.marks});
         std::vector<StencilTable<TypeParam>> levels;
         for (auto& level : stencils::buildLevelTables(refiner, 2))
             levels.push_back(convertTable<TypeParam>(std::move(level)));
@@ -62,8 +52,8 @@ TYPED_TEST(CompiledChainTest, LevelTablesInTurnAreTheirProduct) {
 TYPED_TEST(CompiledChainTest, FactorsGiveWhatTheirProductDoes) {
     constexpr auto kEpsilon = std::numeric_limits<TypeParam>::epsilon();
     const Lattice lattice = shapes::cylinder({.sectors = 5, .pattern = {.rings = 2}, .layers = 3});
-    const test::Refined refined(lattice, 2);
-    const auto points = test::pointsIn(refined, 40'000, 3);
+    const Refined refined(lattice, 2);
+    const auto points = pointsIn(refined, 40'000, 3);
     const TopologyRefiner base(lattice.complex);
     const auto factored = embed::bindFactored({base, refined.base}, points, {.level = 2});
     const auto bound = embed::bindPoints({base, refined.base}, points, {.level = 2});
@@ -83,10 +73,10 @@ TYPED_TEST(CompiledChainTest, FactorsGiveWhatTheirProductDoes) {
 TYPED_TEST(CompiledChainTest, FactorsHaveTheirAdjoint) {
     using Real = TypeParam;
     const Lattice lattice = shapes::cylinder({.sectors = 5});
-    const test::Refined refined(lattice, 2);
+    const Refined refined(lattice, 2);
     const auto factors =
         convertTable<Real>(embed::bindFactored({TopologyRefiner(lattice.complex), refined.base},
-                                               test::pointsIn(refined, 3000, 3), {.level = 2})
+                                               pointsIn(refined, 3000, 3), {.level = 2})
                                .binding.table);
     const CompiledAdjointChain<Real> adjoint(factors);
     EXPECT_EQ(adjoint.rowCount(), factors.columnCount());
@@ -94,7 +84,7 @@ TYPED_TEST(CompiledChainTest, FactorsHaveTheirAdjoint) {
     EXPECT_GT(adjoint.byteCount(), 0U);
     const auto moved = evaluate<Real>(CompiledChain<Real>(factors));
     const auto gradients = evaluate<Real>(adjoint);
-    const auto g = test::randomValues(moved.size(), 6), x = test::randomValues(gradients.size(), 6);
+    const auto g = randomValues(moved.size(), 6), x = randomValues(gradients.size(), 6);
     double left = 0, right = 0, size = 0;
     for (std::size_t i = 0; i < g.size(); ++i) {
         left += double{moved[i]} * g[i];
@@ -107,31 +97,14 @@ TYPED_TEST(CompiledChainTest, FactorsHaveTheirAdjoint) {
 
 TEST(CompiledChain, RefusesTablesThatDoNotFitTogether) {
     const StencilTable<double> two(3, {0, 1, 2}, {0, 2}, {1, 1});
-    const auto expectRefused = [](const auto& make, const char* why) {
-        try {
-            make();
-            FAIL() << "accepted; expected: " << why;
-        } catch (const Error& error) {
-            EXPECT_THAT(error.what(), HasSubstr(why));
-        }
-    };
-    expectRefused([] { CompiledChain<double>(std::span<const StencilTable<double>>()); },
-                  "at least one");
-    expectRefused(
-        [&] {
-            CompiledChain<double>(std::array{two, two});
-        },
-        "table 2 of the chain has 3 columns; the one before has 2 rows");
-    expectRefused(
-        [&] {
-            CompiledChain<double>(stencils::FactoredTable<double>{two, two});
-        },
-        "the points are of 3 vertices; the table of these has 2");
-    expectRefused(
-        [&] {
-            CompiledAdjointChain<double>(std::array{two, two});
-        },
-        "table 2 of the chain has 3 columns");
+    EXPECT_REFUSED(Error, "at least one",
+                   CompiledChain<double>(std::span<const StencilTable<double>>()));
+    EXPECT_REFUSED(Error, "table 2 of the chain has 3 columns; the one before has 2 rows",
+                   CompiledChain<double>(std::array{two, two}));
+    EXPECT_REFUSED(Error, "the points are of 3 vertices; the table of these has 2",
+                   CompiledChain<double>(stencils::FactoredTable<double>{two, two}));
+    EXPECT_REFUSED(Error, "table 2 of the chain has 3 columns",
+                   CompiledAdjointChain<double>(std::array{two, two}));
     const CompiledChain<double> one(std::array{two});
     EXPECT_EQ(one.rowCount(), 2);
     EXPECT_EQ(one.columnCount(), 3);

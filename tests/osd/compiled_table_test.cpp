@@ -1,36 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/embedding.h>
 #include <espalier/far/complex_builder.h>
 #include <espalier/osd/compiled_table.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
-#include <random>
 
 #include "osd/compile/outer_product.h"
 #include "support/mesh_shapes.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::osd {
 namespace {
 
-using far::TopologyRefiner;
-using stencils::Rules;
-using stencils::StencilTable;
-
 /// D of random points in a lattice at level 3.
 template <class Real>
-StencilTable<Real> boundTable(const Lattice& lattice, std::size_t count, const Point3& low,
-                              const Point3& high) {
-    TopologyRefiner refiner(lattice.complex);
-    refiner.refineUniform(3);
+StencilTable<Real> tableOfPointsBetween(const Lattice& lattice, std::size_t count,
+                                        const Point3& low, const Point3& high) {
+    TopologyRefiner refiner = refined(lattice.complex, 3);
     const auto rest = stencils::refinePositions(refiner, 3, Rules::Siggraph96, lattice.positions);
-    const auto values = test::randomValues(3 * count, 5);
+    const auto values = randomValues(3 * count, 5);
     std::vector<Point3> points(count);
     for (std::size_t i = 0; i < 3 * count; ++i)
         points[i / 3][i % 3] =
@@ -42,29 +32,28 @@ StencilTable<Real> boundTable(const Lattice& lattice, std::size_t count, const P
 
 template <class Real>
 double bytesOfCsr(const StencilTable<Real>& table) {
-    return static_cast<double>(table.entryCount()) * (sizeof(Real) + sizeof(Index));
+    return double(table.entryCount()) * (sizeof(Real) + sizeof(Index));
 }
 
 /// Results are off the sums by no more than `ulp` of the sum of |w · x|.
 template <class Real>
 void expectWithinUlp(const StencilTable<Real>& table, Real ulp) {
     const CompiledTable<Real> compiled(table);
-    const auto random = test::randomValues(3 * static_cast<std::size_t>(table.columnCount()), 6);
+    const auto random = randomValues(3 * std::size_t(table.columnCount()), 6);
     const std::vector<Real> source(random.begin(), random.end());
-    std::vector<Real> result(3 * static_cast<std::size_t>(table.rowCount()));
+    std::vector<Real> result(3 * std::size_t(table.rowCount()));
     const auto layout = BufferDescriptor::packed(3);
     compiled.evaluate(source, layout, result, layout, {0, table.rowCount()});
     for (Index row = 0; row < table.rowCount(); ++row)
         for (std::size_t c = 0; c < 3; ++c) {
             long double sum = 0, size = 0;
             for (std::size_t k = 0; k < table.columns(row).size(); ++k) {
-                const long double product =
-                    static_cast<long double>(table.weights(row)[k]) *
-                    source[3 * static_cast<std::size_t>(table.columns(row)[k]) + c];
+                const long double product = static_cast<long double>(table.weights(row)[k]) *
+                                            source[3 * std::size_t(table.columns(row)[k]) + c];
                 sum += product;
                 size += std::abs(product);
             }
-            ASSERT_LE(std::abs(result[3 * static_cast<std::size_t>(row) + c] - sum),
+            ASSERT_LE(std::abs(result[3 * std::size_t(row) + c] - sum),
                       ulp * std::numeric_limits<Real>::epsilon() * size)
                 << row;
         }
@@ -78,13 +67,13 @@ void expectWithinFourUlp(const StencilTable<Real>& table) {
 
 template <class Real>
 class CompiledTableTest : public ::testing::Test {};
-using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(CompiledTableTest, Reals);
 
 // Between the planes of the base vertices, points at level 3 depend on 4 × 4 × 4 of these.
 TYPED_TEST(CompiledTableTest, RegularCellsAreOuterProducts) {
     const Lattice box = shapes::box({.cells = {3, 3, 3}});
-    const auto table = boundTable<TypeParam>(box, 4000, {0.38, 0.38, 0.38}, {0.62, 0.62, 0.62});
+    const auto table =
+        tableOfPointsBetween<TypeParam>(box, 4000, {0.38, 0.38, 0.38}, {0.62, 0.62, 0.62});
     const CompiledTable<TypeParam> compiled(table);
     EXPECT_EQ(table.entryCount(), 64 * Offset{table.rowCount()});
     EXPECT_GE(compiled.panelRowCount(), table.rowCount() - 8);
@@ -92,14 +81,14 @@ TYPED_TEST(CompiledTableTest, RegularCellsAreOuterProducts) {
     const bool isFloat = sizeof(TypeParam) == sizeof(float);
     EXPECT_GT(compiled.productRowCount(), table.rowCount() * (isFloat ? 99 : 90) / 100);
     // In float 12 numbers of 64 and a row number each, and the columns once a cell.
-    EXPECT_LT(static_cast<double>(compiled.byteCount()),
-              (isFloat ? 0.13 : 0.25) * bytesOfCsr(table));
+    EXPECT_LT(double(compiled.byteCount()), (isFloat ? 0.13 : 0.25) * bytesOfCsr(table));
     expectWithinFourUlp(table);
 }
 
 TYPED_TEST(CompiledTableTest, IrregularCellsArePanels) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});
-    const auto table = boundTable<TypeParam>(lattice, 3000, {-0.4, -0.4, 0.1}, {0.4, 0.4, 0.9});
+    const auto table =
+        tableOfPointsBetween<TypeParam>(lattice, 3000, {-0.4, -0.4, 0.1}, {0.4, 0.4, 0.9});
     const CompiledTable<TypeParam> compiled(table);
     EXPECT_GT(compiled.panelRowCount(), table.rowCount() * 9 / 10);
     EXPECT_LT(compiled.productRowCount(), compiled.panelRowCount());
@@ -107,18 +96,16 @@ TYPED_TEST(CompiledTableTest, IrregularCellsArePanels) {
 }
 
 TYPED_TEST(CompiledTableTest, Surfaces) {
-    const Lattice torus = test::surfaceOf(shapes::torus());
-    TopologyRefiner refiner(torus.complex);
-    refiner.refineUniform(4);
-    const auto table = convertTable<TypeParam>(stencils::buildStencils(refiner, 4));
+    const Lattice torus = surfaceOf(shapes::torus());
+    TopologyRefiner refiner = refined(torus.complex, 4);
+    const auto table = stencils::convertTable<TypeParam>(stencils::buildStencils(refiner, 4));
     const CompiledTable<TypeParam> compiled(table);
-    EXPECT_LT(static_cast<double>(compiled.byteCount()), 0.55 * bytesOfCsr(table));
+    EXPECT_LT(double(compiled.byteCount()), 0.55 * bytesOfCsr(table));
     expectWithinFourUlp(table);
     for (const auto& [name, lattice] : test::zoo()) {
         SCOPED_TRACE(name);
-        TopologyRefiner zoo(lattice.complex, {.marks = lattice.marks});
-        zoo.refineUniform(2);
-        expectWithinFourUlp(convertTable<TypeParam>(stencils::buildStencils(zoo, 2)));
+        TopologyRefiner zoo = refined(lattice.complex, 2, {.marks = lattice.marks});
+        expectWithinFourUlp(stencils::convertTable<TypeParam>(stencils::buildStencils(zoo, 2)));
     }
 }
 
@@ -144,13 +131,11 @@ TYPED_TEST(CompiledTableTest, RegularFacesShareTheirNumbers) {
                                 loops.back().end());
             }
         if (isShuffled) std::shuffle(loops.begin(), loops.end(), random);
-        TopologyRefiner refiner(far::buildMesh(kSide * kSide, loops));
-        refiner.refineUniform(3);
-        const auto table = convertTable<TypeParam>(stencils::buildStencils(refiner, 3));
+        TopologyRefiner refiner = refined(far::buildMesh(kSide * kSide, loops), 3);
+        const auto table = stencils::convertTable<TypeParam>(stencils::buildStencils(refiner, 3));
         const CompiledTable<TypeParam> compiled(table);
         // Faces on the seams of the numbering have their columns in another order.
-        EXPECT_LT(static_cast<double>(compiled.byteCount()),
-                  (isShuffled ? 0.25 : 0.1) * bytesOfCsr(table));
+        EXPECT_LT(double(compiled.byteCount()), (isShuffled ? 0.25 : 0.1) * bytesOfCsr(table));
         expectWithinFourUlp(table);
         std::shuffle(numbers.begin(), numbers.end(), random);
     }
@@ -158,21 +143,20 @@ TYPED_TEST(CompiledTableTest, RegularFacesShareTheirNumbers) {
 
 // Most rows of a level table are of a few masks. Columns and the row's number are left.
 TYPED_TEST(CompiledTableTest, RowsOfAMaskShareTheirWeights) {
-    const Lattice torus = test::surfaceOf(shapes::torus());
-    TopologyRefiner refiner(torus.complex);
-    refiner.refineUniform(4);
+    const Lattice torus = surfaceOf(shapes::torus());
+    TopologyRefiner refiner = refined(torus.complex, 4);
     const auto table = convertTable<TypeParam>(stencils::buildLevelTable(refiner, 4));
     const double own = sizeof(Index) / double{sizeof(Index) + sizeof(TypeParam)};
     const double rowNumber = sizeof(Index) / (6.25 * (sizeof(Index) + sizeof(TypeParam)));
-    EXPECT_LT(static_cast<double>(CompiledTable<TypeParam>(table).byteCount()),
+    EXPECT_LT(double(CompiledTable<TypeParam>(table).byteCount()),
               (own + rowNumber + 0.02) * bytesOfCsr(table));
     expectWithinFourUlp(table);
 }
 
 // Many rows with the same columns, as a lattice of one cell has: more than one thread gets some.
 TYPED_TEST(CompiledTableTest, OneCell) {
-    const auto table =
-        boundTable<TypeParam>(shapes::box({}), 5000, {0.01, 0.01, 0.01}, {0.99, 0.99, 0.99});
+    const auto table = tableOfPointsBetween<TypeParam>(shapes::box({}), 5000, {0.01, 0.01, 0.01},
+                                                       {0.99, 0.99, 0.99});
     const CompiledTable<TypeParam> compiled(table);
     EXPECT_EQ(compiled.panelRowCount(), table.rowCount());
     expectWithinFourUlp(table);
@@ -182,11 +166,9 @@ TYPED_TEST(CompiledTableTest, OneCell) {
 // filled up with zeros.
 TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
     const Lattice pole = test::pole(500, false);
-    TopologyRefiner refiner(pole.complex);
-    refiner.refineUniform(1);
-    const auto table = convertTable<TypeParam>(stencils::buildStencils(refiner, 1));
-    EXPECT_LT(static_cast<double>(CompiledTable<TypeParam>(table).byteCount()),
-              1.2 * bytesOfCsr(table));
+    TopologyRefiner refiner = refined(pole.complex, 1);
+    const auto table = stencils::convertTable<TypeParam>(stencils::buildStencils(refiner, 1));
+    EXPECT_LT(double(CompiledTable<TypeParam>(table).byteCount()), 1.2 * bytesOfCsr(table));
 
     // One row of all columns, and many of two.
     Array<Offset> offsets = {0, 1000};
@@ -194,21 +176,20 @@ TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
     std::iota(columns.begin(), columns.end(), Index{0});
     for (Index i = 0; i + 1 < 1000; ++i) {
         columns.insert(columns.end(), {i, i + 1});
-        offsets.push_back(static_cast<Offset>(columns.size()));
+        offsets.push_back(Offset(columns.size()));
     }
     const StencilTable<TypeParam> arrow(1000, offsets, columns,
                                         Array<TypeParam>(columns.size(), TypeParam(0.5)));
     // Rows of two entries have a row number each, and runs of their own.
-    EXPECT_LT(static_cast<double>(CompiledTable<TypeParam>(arrow).byteCount()),
-              1.3 * bytesOfCsr(arrow));
+    EXPECT_LT(double(CompiledTable<TypeParam>(arrow).byteCount()), 1.3 * bytesOfCsr(arrow));
 }
 
 // The bound of long rows: 4 ulp and one for each 32 entries.
 TYPED_TEST(CompiledTableTest, LongRows) {
     constexpr Index kLength = 2000;
     constexpr Index kRows = 60;
-    const auto weights = test::randomValues(std::size_t{kRows} * kLength, 9);
-    const auto table = test::tableOfLongRows<TypeParam>(
+    const auto weights = randomValues(std::size_t{kRows} * kLength, 9);
+    const auto table = tableOfLongRows<TypeParam>(
         kRows, kLength, [&](std::size_t entry) { return weights[entry]; });
     expectWithinUlp(table, TypeParam{4 + kLength / 32});
 }

@@ -3,10 +3,8 @@
 
 #include <cuda_runtime_api.h>
 #include <espalier/osd/cuda/cuda_evaluator.h>
-#include <gtest/gtest.h>
 
-#include <stdexcept>
-#include <string>
+#include "support/test.h"
 
 namespace espalier::test {
 

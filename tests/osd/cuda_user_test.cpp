@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cuda_user.h"
 
-#include <gmock/gmock.h>
-
 #include "cuda_device.h"
+#include "support/test.h"
 
 namespace espalier::osd {
 namespace {
 
-using CudaUser = test::CudaTest;
+using CudaUser = CudaTest;
 
 // And its code compiles without warnings, by the compiler of CUDA.
 TEST_F(CudaUser, ReadsAndWritesThePointsWhereTheyAre) {
     const CudaEvaluator<float> table(
         stencils::StencilTable<float>(2, {0, 1, 3}, {0, 0, 1}, {2, 1, 1}));
-    const test::Stream stream;
+    const Stream stream;
     CudaWorkspace workspace(stream);
     const CudaBuffer<float> pose{std::span<const float>(std::vector<float>{1, 2, 3, 10, 20, 30})};
     CudaBuffer<float> points(6);
@@ -22,7 +21,7 @@ TEST_F(CudaUser, ReadsAndWritesThePointsWhereTheyAre) {
     std::vector<float> result(6);
     points.download(result, stream);
     workspace.synchronize();
-    EXPECT_THAT(result, ::testing::ElementsAre(2, 4, 106, 11, 22, 133));
+    EXPECT_THAT(result, ElementsAre(2, 4, 106, 11, 22, 133));
 }
 
 }  // namespace

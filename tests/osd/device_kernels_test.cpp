@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/inventory.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
 
 #include "bound_table.h"
 #include "host_device.h"
 #include "sums.h"
+#include "support/test.h"
 
 // The kernels of GPUs on the host, for tables as they come: the contract is tested in
 // evaluator_test.cpp, and that a device gives the same bits in cuda_evaluator_test.cpp.
@@ -15,7 +12,6 @@ namespace espalier::osd {
 namespace {
 
 using stencils::StencilTable;
-using test::boundTable;
 
 template <class Real>
 class DeviceKernels : public ::testing::Test {
@@ -36,7 +32,6 @@ protected:
         return result;
     }
 };
-using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(DeviceKernels, Reals);
 
 // Outer products of 4 × 4 × 4 and, at boundaries, of fewer; panels; rows alone. 7 components are 4
@@ -51,13 +46,13 @@ TYPED_TEST(DeviceKernels, GiveTheSumsOfTablesAndOfTheirTransposes) {
             const HostDevice<Real> device(table, isGrouped);
             EXPECT_EQ(device.arrays().groups.empty(), !isGrouped);
             for (const Offset length : {1, 3, 7, 12, 26}) {
-                const auto poses = test::randomValuesOf<Real>(table.columnCount() * length, 6);
-                EXPECT_LE(test::errorOfSums<Real>(
-                              table, poses, length,
-                              this->evaluated(device, table.rowCount(), poses, length)),
-                          20);  // rows have some 64 entries: by what is promised, 68
-                const auto gradients = test::randomValuesOf<Real>(table.rowCount() * length, 7);
-                EXPECT_LE(test::errorOfSums<Real>(
+                const auto poses = randomValues<Real>(table.columnCount() * length, 6);
+                EXPECT_LE(
+                    errorOfSums<Real>(table, poses, length,
+                                      this->evaluated(device, table.rowCount(), poses, length)),
+                    20);  // rows have some 64 entries: by what is promised, 68
+                const auto gradients = randomValues<Real>(table.rowCount() * length, 7);
+                EXPECT_LE(errorOfSums<Real>(
                               transpose, gradients, length,
                               this->adjointOf(device, table.columnCount(), gradients, length)),
                           20);
@@ -76,17 +71,16 @@ StencilTable<Real> productTable(const std::array<Index, 3>& size, Index rowCount
     for (Index row = 0; row < rowCount; ++row) {
         std::array<std::vector<double>, 3> factors;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto seed = static_cast<unsigned>(row) * 3 + static_cast<unsigned>(axis);
-            factors[axis] = test::randomValues(size[axis], seed);
+            const auto seed = unsigned(row) * 3 + unsigned(axis);
+            factors[axis] = randomValues(size[axis], seed);
             for (double& factor : factors[axis]) factor = 1 + factor / 2;
         }
         for (Index k = 0; k < columnCount; ++k) {
             columns.push_back(k);
-            weights.push_back(
-                static_cast<Real>(factors[0][k % size[0]] * factors[1][k / size[0] % size[1]] *
-                                  factors[2][k / size[0] / size[1]]));
+            weights.push_back(Real(factors[0][k % size[0]] * factors[1][k / size[0] % size[1]] *
+                                   factors[2][k / size[0] / size[1]]));
         }
-        offsets.push_back(static_cast<Offset>(columns.size()));
+        offsets.push_back(Offset(columns.size()));
     }
     return {columnCount, std::move(offsets), std::move(columns), std::move(weights)};
 }
@@ -109,15 +103,14 @@ TYPED_TEST(DeviceKernels, TakeOuterProductsOfAnySize) {
         const HostDevice<Real> device(table, true);
         // Tasks of 128 rows, of doubles of 64.
         EXPECT_EQ(device.arrays().products[kernel].size(), sizeof(Real) == 4 ? 3U : 5U);
-        const auto pose = test::randomValuesOf<Real>(table.columnCount() * 3, 1);
-        EXPECT_LE(test::errorOfSums<Real>(table, pose, 3,
-                                          this->evaluated(device, table.rowCount(), pose, 3)),
-                  20);
-        const auto gradients = test::randomValuesOf<Real>(table.rowCount() * 3, 2);
+        const auto pose = randomValues<Real>(table.columnCount() * 3, 1);
         EXPECT_LE(
-            test::errorOfSums<Real>(stencils::transposeTable(table), gradients, 3,
-                                    this->adjointOf(device, table.columnCount(), gradients, 3)),
+            errorOfSums<Real>(table, pose, 3, this->evaluated(device, table.rowCount(), pose, 3)),
             20);
+        const auto gradients = randomValues<Real>(table.rowCount() * 3, 2);
+        EXPECT_LE(errorOfSums<Real>(stencils::transposeTable(table), gradients, 3,
+                                    this->adjointOf(device, table.columnCount(), gradients, 3)),
+                  20);
     }
 }
 
@@ -130,22 +123,22 @@ TYPED_TEST(DeviceKernels, AddUpLongColumnsInSteps) {
     for (Index group = 0; group < kGroups; ++group)
         for (Index row = 0; row < kRowsOfGroup; ++row) {
             columns.insert(columns.end(), {0, 2 * group + 1, 2 * group + 2});
-            offsets.push_back(static_cast<Offset>(columns.size()));
+            offsets.push_back(Offset(columns.size()));
         }
     for (Index row = 0; row < kAlone; ++row) {
         columns.insert(columns.end(), {0, 2 * kGroups + row + 1});
-        offsets.push_back(static_cast<Offset>(columns.size()));
+        offsets.push_back(Offset(columns.size()));
     }
-    const auto random = test::randomValuesOf<Real>(static_cast<Offset>(columns.size()), 3);
+    const auto random = randomValues<Real>(Offset(columns.size()), 3);
     const StencilTable<Real> table(2 * kGroups + kAlone + 1, offsets, columns,
                                    {random.begin(), random.end()});
     const HostDevice<Real> device(table, true);
     EXPECT_EQ(device.arrays().groups.size(), std::size_t{kGroups});
     EXPECT_EQ(device.adjointArrays().segments.count(), 3 + kAlone);
     EXPECT_EQ(device.adjointArrays().steps.size(), 2U);
-    const auto gradients = test::randomValuesOf<Real>(table.rowCount(), 4);
-    EXPECT_LE(test::errorOfSums<Real>(stencils::transposeTable(table), gradients, 1,
-                                      this->adjointOf(device, table.columnCount(), gradients, 1)),
+    const auto gradients = randomValues<Real>(table.rowCount(), 4);
+    EXPECT_LE(errorOfSums<Real>(stencils::transposeTable(table), gradients, 1,
+                                this->adjointOf(device, table.columnCount(), gradients, 1)),
               20);
 }
 
@@ -162,8 +155,8 @@ TEST(DeviceBlocks, HoldTheSharedMemoryOfTheirWarps) {
         for (const Index warps : {1, 4, 5, 1'000'000}) {
             const device::Blocks blocks = blocksOf(warps, shared);
             EXPECT_LE(blocks.warps * shared, device::kMaxShared);
-            EXPECT_GE(blocks.count * blocks.warps, static_cast<unsigned>(warps));
-            EXPECT_LT((blocks.count - 1) * blocks.warps, static_cast<unsigned>(warps));
+            EXPECT_GE(blocks.count * blocks.warps, unsigned(warps));
+            EXPECT_LT((blocks.count - 1) * blocks.warps, unsigned(warps));
         }
     }
     EXPECT_EQ(blocksOf(10, 0).warps, 4U);

@@ -59,7 +59,7 @@ struct Adjoint {
 
 template <class Real>
 StencilTable<Real> identity(Index count) {
-    Array<Offset> offsets(static_cast<std::size_t>(count) + 1);
+    Array<Offset> offsets(std::size_t(count) + 1);
     Array<Index> columns(count);
     std::iota(offsets.begin(), offsets.end(), Offset{0});
     std::iota(columns.begin(), columns.end(), Index{0});

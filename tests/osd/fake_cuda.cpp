@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "host_warp.h"
-#include "support/sanitizers.h"
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/asan_interface.h>
 #endif

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/osd/cuda/cuda_evaluator.h>
-#include <gmock/gmock.h>
-
-#include <algorithm>
 
 #include "bound_table.h"
 #include "cuda_device.h"
 #include "fake_cuda.h"
 #include "host_device.h"
+#include "support/test.h"
 
 // Which calls of CUDA's are made, and what becomes of it if they fail: seen by a device that is the
 // host.
@@ -15,12 +13,10 @@ namespace espalier::osd {
 namespace {
 
 using stencils::StencilTable;
-namespace fake = test::fake_cuda;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
+namespace fake = fake_cuda;
 
 const StencilTable<float>& someTable() {
-    static const auto table = test::tableOfAllKinds<float>();
+    static const auto table = tableOfAllKinds<float>();
     return table;
 }
 
@@ -48,10 +44,10 @@ TEST(CudaCalls, BetweenBuffersOfTheDeviceAreKernelsAlone) {
     ASSERT_GE(kinds, 2);
     ASSERT_GT(arrays.alone.count(), 0);
     const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
-    const test::Stream stream;
+    const Stream stream;
     CudaWorkspace workspace = cuda.workspace(3, stream);
-    CudaBuffer<float> pose(static_cast<std::size_t>(table.columnCount()) * 3);
-    CudaBuffer<float> points(static_cast<std::size_t>(table.rowCount()) * 3);
+    CudaBuffer<float> pose(std::size_t(table.columnCount()) * 3);
+    CudaBuffer<float> points(std::size_t(table.rowCount()) * 3);
     const auto kernels = [](std::ptrdiff_t count) {
         return std::vector<std::string>(count, "cudaLaunchKernel");
     };
@@ -72,8 +68,8 @@ TEST(CudaCalls, FromAndToTheHostAreTwoCopies) {
     const auto& table = someTable();
     const CudaEvaluator<float> cuda(table);
     CudaWorkspace workspace;
-    const std::vector<float> pose(static_cast<std::size_t>(table.columnCount()) * 3, 1);
-    std::vector<float> points(static_cast<std::size_t>(table.rowCount()) * 3);
+    const std::vector<float> pose(std::size_t(table.columnCount()) * 3, 1);
+    std::vector<float> points(std::size_t(table.rowCount()) * 3);
     const auto evaluate = [&] {
         cuda.evaluate(pose, kXyz, points, kXyz, {0, table.rowCount()}, workspace);
     };
@@ -88,10 +84,10 @@ TEST(CudaCalls, FromAndToTheHostAreTwoCopies) {
 TEST(CudaCalls, WaitForNothing) {
     const auto& table = someTable();
     const CudaEvaluator<float> cuda(table);
-    const test::Stream stream;
+    const Stream stream;
     CudaWorkspace workspace(stream);
-    const std::vector<float> pose(static_cast<std::size_t>(table.columnCount()) * 3, 1);
-    CudaBuffer<float> points(static_cast<std::size_t>(table.rowCount()) * 3);
+    const std::vector<float> pose(std::size_t(table.columnCount()) * 3, 1);
+    CudaBuffer<float> points(std::size_t(table.rowCount()) * 3);
     const auto calls = callsOf([&] {
         cuda.evaluate(pose, kXyz, points, kXyz, {0, table.rowCount()}, workspace);
         CudaWorkspace grown(stream);
@@ -138,12 +134,8 @@ TEST(CudaCalls, MakeTheTablesDeviceCurrentAndTheOtherOneAgain) {
     EXPECT_THAT(result, ElementsAre(10));
 
     const CudaEvaluator<float> other(StencilTable<float>(1, {0, 1}, {0}, {2}));
-    try {
-        other.evaluate(source, {0, 1, 1}, result, {0, 1, 1}, {0, 1}, workspace);
-        ADD_FAILURE() << "of the other device, and taken";
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("of CUDA device 1, the table of device 0"));
-    }
+    EXPECT_REFUSED(Error, "of CUDA device 1, the table of device 0",
+                   other.evaluate(source, {0, 1, 1}, result, {0, 1, 1}, {0, 1}, workspace));
 }
 
 // Each call fails in its turn: that is an exception, which names it, unless it was made to give
@@ -155,9 +147,9 @@ TEST(CudaCalls, ThatFailAreExceptions) {
         const std::size_t before = fake::allocationCount();
         std::string thrown;
         try {
-            const test::Stream stream;
-            const std::vector<float> pose(static_cast<std::size_t>(table.columnCount()) * 4, 1);
-            std::vector<float> points(static_cast<std::size_t>(table.rowCount()) * 4);
+            const Stream stream;
+            const std::vector<float> pose(std::size_t(table.columnCount()) * 4, 1);
+            std::vector<float> points(std::size_t(table.rowCount()) * 4);
             fake::failCall(number);
             const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
             CudaWorkspace workspace = cuda.workspace(3, stream);
@@ -191,7 +183,7 @@ TEST(CudaCalls, ThatFailAreExceptions) {
          {"cudaGetDevice", "cudaMalloc", "cudaMemcpy", "cudaMallocAsync", "cudaStreamIsCapturing",
           "cudaMemcpyAsync", "cudaLaunchKernel", "cudaMemcpy2DAsync", "cudaStreamSynchronize",
           "cudaGetDeviceCount", "cudaFuncGetAttributes"})
-        EXPECT_THAT(failed, ::testing::Contains(call));
+        EXPECT_THAT(failed, Contains(call));
 }
 
 // What is refused for its arguments has called nothing.

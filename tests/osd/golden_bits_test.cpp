@@ -3,12 +3,12 @@
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
 #include <bit>
 #include <cstdint>
 #include <span>
 
+#include "support/test.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -36,7 +36,7 @@ private:
     requires std::is_integral_v<Integer>
     void addNumber(Integer number) {
         for (unsigned byte = 0; byte < sizeof number; ++byte) {
-            value_ ^= static_cast<std::uint64_t>(number) >> 8 * byte & 0xFF;
+            value_ ^= std::uint64_t(number) >> 8 * byte & 0xFF;
             value_ *= 0x100000001B3;
         }
     }
@@ -56,7 +56,7 @@ std::vector<Lattice> exactLattices() {
     Lattice marked = shapes::box({.cells = {2, 2, 2}});
     marked.marks = {.edges = {{{0, 1}, far::kSmooth}, {{1, 4}, 2.3}, {{4, 13}, 0.7}},
                     .vertices = {{26, far::kInfinitelySharp}, {13, 1.4}}};
-    return {test::mixedLattice(), shapes::box({.cells = {3, 2, 1}}), marked};
+    return {mixedLattice(), shapes::box({.cells = {3, 2, 1}}), marked};
 }
 
 /// A grid through the box of all of them and beyond.
@@ -69,20 +69,19 @@ std::vector<Point3> exactPoints() {
 }
 
 template <class Real>
-void addResults(const far::TopologyRefiner& refiner, const Lattice& lattice, stencils::Rules rules,
+void addResults(const TopologyRefiner& refiner, const Lattice& lattice, stencils::Rules rules,
                 Hash& hash) {
     add(stencils::convertTable<Real>(stencils::buildStencils(refiner, refiner.maxLevel(), rules)),
         hash);
     const auto points = exactPoints();
     const auto bound = embed::bindPoints(
-        {far::TopologyRefiner(lattice.complex, refiner.options()), lattice.positions, rules},
+        {TopologyRefiner(lattice.complex, refiner.options()), lattice.positions, rules},
         points, {.level = 2});
     const auto table = stencils::convertTable<Real>(bound.binding.table);
     add(table, hash);
     std::vector<Real> source;
     for (const Point3& position : lattice.positions)
-        for (const double coordinate : position)
-            source.push_back(static_cast<Real>(1.25 * coordinate - 0.3));
+        for (const double coordinate : position) source.push_back(Real(1.25 * coordinate - 0.3));
     std::vector<Real> result(3 * table.rowCount());
     const BufferDescriptor points3{0, 3, 3};
     ReferenceEvaluator::evaluate<Real>(table, source, points3, result, points3,
@@ -90,12 +89,11 @@ void addResults(const far::TopologyRefiner& refiner, const Lattice& lattice, ste
     hash.add(std::span<const Real>(result));
 }
 
-std::uint64_t hashOfAll(far::Boundary boundary, stencils::Rules rules) {
+std::uint64_t hashOfAll(Boundary boundary, stencils::Rules rules) {
     Hash hash;
     for (const Lattice& lattice : exactLattices()) {
-        far::TopologyRefiner refiner(lattice.complex,
-                                     {.boundary = boundary, .marks = lattice.marks});
-        refiner.refineUniform(2);
+        TopologyRefiner refiner =
+            refined(lattice.complex, 2, {.boundary = boundary, .marks = lattice.marks});
         addResults<double>(refiner, lattice, rules, hash);
         addResults<float>(refiner, lattice, rules, hash);
     }
@@ -103,10 +101,9 @@ std::uint64_t hashOfAll(far::Boundary boundary, stencils::Rules rules) {
 }
 
 TEST(GoldenBits, AreTheSameEverywhere) {
-    using far::Boundary;
     using stencils::Rules;
     for (const int threads : {1, 7})
-        test::withThreads(threads, [] {
+        withThreads(threads, [] {
             EXPECT_EQ(hashOfAll(Boundary::Sharp, Rules::Siggraph96), 0x998F8ED9E18EABA4u);
         });
     EXPECT_EQ(hashOfAll(Boundary::Sharp, Rules::Cse96), 0x865B2FECE290A868u);

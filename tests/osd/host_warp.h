@@ -63,7 +63,7 @@ public:
     static void prefetch(const void*) {}
 
 private:
-    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+    static std::size_t at(int i) { return std::size_t(i); }
 
     /// As lanes add what their partners have, at distances that are halved.
     template <class Real, class ValueOf>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/base/executor.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
@@ -10,19 +9,15 @@
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <limits>
 #include <memory>
 #include <mutex>
-#include <numeric>
-#include <vector>
 
 #include "support/call_counts.h"
 #include "support/mesh_shapes.h"
 #include "support/refined_lattice.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/thread_pool.h"
 #include "support/zoo.h"
 
@@ -31,11 +26,6 @@ namespace espalier::osd {
 namespace {
 
 using stencils::FactoredTable;
-using stencils::Rules;
-using stencils::StencilTable;
-using test::CallCounts;
-using test::callsOf;
-using ::testing::ElementsAre;
 
 constexpr CallCounts kNone = {};
 
@@ -56,18 +46,17 @@ struct Tables {
     Tables() {
         for (const Lattice& lattice :
              {shapes::box({.cells = {5, 4, 4}}), shapes::cylinder({.sectors = 5})}) {
-            const far::TopologyRefiner base(lattice.complex);
-            const auto points = test::pointsIn(test::Refined(lattice, 1), 12'000, 5);
+            const TopologyRefiner base(lattice.complex);
+            const auto points = pointsIn(Refined(lattice, 1), 12'000, 5);
             tables.push_back(stencils::convertTable<Real>(
                 embed::bindPoints({base, lattice.positions}, points, {.level = 3}).binding.table));
             factored = stencils::convertTable<Real>(
                 embed::bindFactored({base, lattice.positions}, points, {.level = 3}).binding.table);
         }
-        const Lattice torus = test::surfaceOf(shapes::torus());
-        far::TopologyRefiner refiner(torus.complex);
-        refiner.refineUniform(4);
+        const Lattice torus = surfaceOf(shapes::torus());
+        TopologyRefiner refiner = refined(torus.complex, 4);
         tables.push_back(stencils::convertTable<Real>(stencils::buildStencils(refiner, 4)));
-        tables.push_back(test::tableOfLongRows<Real>(60, 2500, [](std::size_t) { return 0.001; }));
+        tables.push_back(tableOfLongRows<Real>(60, 2500, [](std::size_t) { return 0.001; }));
     }
 };
 
@@ -111,7 +100,6 @@ protected:
     }
     SerialExecutor serial;
 };
-using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(RealTimeTest, Reals);
 
 TYPED_TEST(RealTimeTest, CompiledEvaluators) {
@@ -171,11 +159,11 @@ TYPED_TEST(RealTimeTest, PaddedSourcesNeedNoWorkspace) {
     const auto& table = this->tables().tables.front();
     const CompiledTable<Real> compiled(table);
     const BufferDescriptor padded{0, 3, 4}, packed{0, 3, 3};
-    const auto count = static_cast<std::size_t>(table.columnCount()) * 4 * sizeof(Real);
+    const auto count = std::size_t(table.columnCount()) * 4 * sizeof(Real);
     Workspace memory(count);
     auto* const values = reinterpret_cast<Real*>(memory.reserve(count));
     std::uninitialized_fill_n(values, count / sizeof(Real), Real{1});
-    std::vector<Real> destination(3 * static_cast<std::size_t>(table.rowCount()));
+    std::vector<Real> destination(3 * std::size_t(table.rowCount()));
     const auto evaluate = [&](const BufferDescriptor& layout) {
         return callsOf([&] {
             compiled.evaluate(std::span<const Real>(values, count / sizeof(Real)), layout,
@@ -189,13 +177,13 @@ TYPED_TEST(RealTimeTest, PaddedSourcesNeedNoWorkspace) {
 // On threads of the host's: they have locks of their own.
 TYPED_TEST(RealTimeTest, AHostsExecutorAllocatesNothingEither) {
     using Real = TypeParam;
-    test::ThreadPool pool(2);
+    ThreadPool pool(2);
     const ExecutorScope scope(pool);
     const auto& table = this->tables().tables.front();
     const CompiledTable<Real> compiled(table);
     Workspace workspace = compiled.workspace(3);
-    const std::vector<Real> source(3 * static_cast<std::size_t>(table.columnCount()), 1);
-    std::vector<Real> destination(3 * static_cast<std::size_t>(table.rowCount()));
+    const std::vector<Real> source(3 * std::size_t(table.columnCount()), 1);
+    std::vector<Real> destination(3 * std::size_t(table.rowCount()));
     const auto xyz = BufferDescriptor::packed(3);
     EXPECT_EQ(
         callsOf([&] {
@@ -210,7 +198,7 @@ TYPED_TEST(RealTimeTest, KeptPoints) {
     const Lattice cube = shapes::box();
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3.25, 3}, {1, 1, 1}};
     const auto binding = embed::convertBinding<Real>(
-        embed::bindPoints({far::TopologyRefiner(cube.complex), cube.positions}, points,
+        embed::bindPoints({TopologyRefiner(cube.complex), cube.positions}, points,
                           {.level = 2})
             .binding);
     const CompiledTable<Real> compiled(binding.table);

@@ -31,7 +31,7 @@ double errorOfSums(const stencils::StencilTable<Real>& table, std::span<const Re
             if (!(error <= 0))
                 largest = std::max(largest, error / (std::numeric_limits<Real>::epsilon() * size));
         }
-    return static_cast<double>(largest);
+    return double(largest);
 }
 
 }  // namespace espalier::test

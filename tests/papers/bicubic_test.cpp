@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 
 #include <Eigen/LU>
 
 #include "papers/refined_grid.h"
+#include "support/test.h"
 
 // Joy, "Bicubic uniform B-spline surface refinement", and CSE-96-1, section 3.
 namespace espalier::stencils {
 namespace {
 
 using Eigen::Matrix4d;
-using test::difference;
-using test::Place;
-using test::RefinedGrid;
-using test::Row;
-using test::rowOf;
 
 /// The matrix of the uniform cubic B-spline: P(t) = [1 t t² t³] M P.
 Matrix4d splineMatrix() {
@@ -35,7 +30,7 @@ Matrix4d secondHalf() {
     return firstHalf().reverse();
 }
 
-Row rowOf(const Matrix4d& matrix, Index row) {
+Row matrixRow(const Matrix4d& matrix, Index row) {
     Row result;
     for (Index column = 0; column < 4; ++column)
         if (matrix(row, column) != 0) result.weights[column] = matrix(row, column);
@@ -86,7 +81,7 @@ TEST(Bicubic, SubPatchesAreProductsWithTheSplittingMatrices) {
             for (Index r = 0; r < 4; ++r)
                 for (Index s = 0; s < 4; ++s) {
                     const Row expected =
-                        tensorProduct(net, rowOf(halves[u], r), rowOf(halves[v], s));
+                        tensorProduct(net, matrixRow(halves[u], r), matrixRow(halves[v], s));
                     const Row got = rowOf(table, net.vertexAt(1, {u + r, v + s, 0}));
                     // Multiples of 1/64: exact.
                     EXPECT_EQ(difference(got, expected), 0) << u << v << r << s;
@@ -241,8 +236,8 @@ TEST(Bicubic, RefinedNetsDefineTheSameSurface) {
                         weights[i + 1] * weights[j + 1] *
                             rowOf(table, net.vertexAt(level, {place[0] + i, place[1] + j, 0}));
             const Row expected =
-                tensorProduct(net, test::splineAt(1 + std::ldexp(place[0] - 1, -level), 4),
-                              test::splineAt(1 + std::ldexp(place[1] - 1, -level), 3));
+                tensorProduct(net, splineAt(1 + std::ldexp(place[0] - 1, -level), 4),
+                              splineAt(1 + std::ldexp(place[1] - 1, -level), 3));
             // Nine products below 1 of rows exact to the last bit.
             ASSERT_LE(difference(onSurface, expected), 2e-15) << level;
         }

@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 
 #include "papers/refined_grid.h"
+#include "support/complexes.h"
+#include "support/test.h"
 
 // Joy & MacCracken CSE-96-1, section 2: uniform cubic B-spline curves.
 namespace espalier::stencils {
 namespace {
-
-using far::Boundary;
-using far::TopologyRefiner;
-using test::point;
-using test::RefinedGrid;
-using test::Row;
-using test::rowOf;
 
 /// The rows of a table in the order of a refined polygon.
 std::vector<Row> rowsOf(const RefinedGrid& polygon, int level, const StencilTable<double>& table) {
@@ -61,9 +55,9 @@ TEST(Curves, HalvesOfTheSplitAreThoseOfTheCurve) {
     for (int half = 0; half < 2; ++half)
         for (const double t : {0.0, 0.125, 0.5, 0.75, 1.0}) {
             const std::vector<Row> points(rows.begin() + half, rows.begin() + half + 4);
-            const Row onHalf = substituted(test::splineAt(1 + t, 3), points);
+            const Row onHalf = substituted(splineAt(1 + t, 3), points);
             // Sixteen products below 1.
-            EXPECT_LE(difference(onHalf, test::splineAt(1 + (half + t) / 2, 3)), 1e-15) << t;
+            EXPECT_LE(difference(onHalf, splineAt(1 + (half + t) / 2, 3)), 1e-15) << t;
         }
 }
 
@@ -107,18 +101,18 @@ TEST(Curves, EdgeAndVertexRules) {
 // A closed polygon has no ends to lose: n points become 2n, and every vertex point is (1 6 1)/8.
 TEST(Curves, ClosedPolygonsDouble) {
     for (const Index n : {3, 4, 5, 8}) {
-        TopologyRefiner refiner(far::buildCurve(n, true), {.boundary = Boundary::Open});
-        refiner.refineUniform(3);
+        TopologyRefiner refiner =
+            test::refined(far::buildCurve(n, true), 3, {.boundary = Boundary::Open});
         for (int level = 1; level <= 3; ++level) {
             const auto table = buildLevelTable(refiner, level);
             ASSERT_EQ(table.rowCount(), n << level);
-            const far::CellComplex& parent = refiner.level(level - 1).complex;
+            const CellComplex& parent = refiner.level(level - 1).complex;
             for (Index vertex = 0; vertex < parent.count(0); ++vertex) {
                 Row expected = 4. / 8 * point(vertex);
                 for (const Index edge : parent.relation(0, 1)[vertex])
                     for (const Index end : parent.relation(1, 0)[edge])
                         expected = expected + 1. / 8 * point(end);
-                const Index row = test::pointOf(refiner, level, {0, vertex});
+                const Index row = pointOf(refiner, level, {0, vertex});
                 EXPECT_EQ(difference(rowOf(table, row), expected), 0);
                 EXPECT_EQ(table.weights(row).size(), 3u);
             }
@@ -139,7 +133,7 @@ TEST(Curves, EndsThatStayAreThoseOfAPhantomPoint) {
         for (int level = 1; level <= levels; ++level) {
             const std::vector<Row> rows = composedRows(sharp, level);
             const std::vector<Row> openRows = composedRows(open, level);
-            ASSERT_EQ(rows.size(), static_cast<std::size_t>(n << level) + 1);
+            ASSERT_EQ(rows.size(), std::size_t(n << level) + 1);
             ASSERT_EQ(openRows.size(), rows.size() + 2);
             EXPECT_EQ(difference(rows.front(), point(0)), 0);
             EXPECT_EQ(difference(rows.back(), point(n)), 0);
@@ -164,7 +158,7 @@ TEST(Curves, VertexPointsTendToTheSpline) {
             const Row second = point(i - 1) + -2 * point(i) + point(i + 1);
             // Ten sums of three products below 1.
             EXPECT_LE(difference(row, point(i) + (1 - rest) / 6 * second), 4e-15) << level;
-            EXPECT_LE(difference(row, test::splineAt(i, 4)), rest / 3 + 4e-15) << level;
+            EXPECT_LE(difference(row, splineAt(i, 4)), rest / 3 + 4e-15) << level;
         }
     }
 }
@@ -178,10 +172,10 @@ TEST(Curves, RefinedPolygonsDefineTheSameCurve) {
     for (int level = 0; level <= levels; ++level) {
         const std::vector<Row> rows = composedRows(polygon, level);
         for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
-            const double place = 1 + std::ldexp(static_cast<double>(i) - 1, -level);
+            const double place = 1 + std::ldexp(double(i) - 1, -level);
             const Row onCurve = (rows[i - 1] + 4 * rows[i] + rows[i + 1]) / 6;
             // Some twenty products below 1.
-            EXPECT_LE(difference(onCurve, test::splineAt(place, n)), 2e-15) << place;
+            EXPECT_LE(difference(onCurve, splineAt(place, n)), 2e-15) << place;
         }
     }
 }
@@ -203,7 +197,7 @@ TEST(Curves, CubicsStayExact) {
             for (const auto& [vertex, weight] : rows[i].weights)
                 value += weight * coefficient(vertex, 1);
             // Four products of size up to 50.
-            EXPECT_NEAR(value, coefficient(1 + h * (static_cast<double>(i) - 1), h), 5e-14);
+            EXPECT_NEAR(value, coefficient(1 + h * (double(i) - 1), h), 5e-14);
         }
     }
 }

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "papers/frozen.h"
 #include "papers/refined_grid.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 // MacCracken & Joy 1996, sections 4 and 6: how close the deformation is, and that it is tame.
@@ -12,18 +10,12 @@ namespace espalier::stencils {
 namespace {
 
 using Eigen::Vector3d;
-using far::TopologyRefiner;
-using test::Frozen;
-using test::positionsAt;
-using test::refined;
-using test::Row;
-using test::vec;
 
 /// What the cubic B-spline with a phantom point 2P0 − P1 before its first one, and likewise at its
 /// end, weighs the points 0 to n of a polygon with, at x from 0 to n.
 Row clampedSpline(double x, Index n) {
     Row row;
-    const Row extended = test::splineAt(x + 1, n + 2);
+    const Row extended = splineAt(x + 1, n + 2);
     for (const auto& [i, weight] : extended.weights) {
         if (i == 0)
             row = row + weight * (2 * test::point(0) - test::point(1));
@@ -42,11 +34,10 @@ Row clampedSpline(double x, Index n) {
 TEST(Deformation, ApproximationTendsToTheDeformation) {
     const std::array<Index, 3> cells = {3, 2, 4};
     const Lattice box = shapes::box({.cells = {3, 2, 4}, .max = {3, 2, 4}});
-    const test::RefinedGrid grid({3, 2, 4}, 0, far::Boundary::Sharp);
+    const RefinedGrid grid({3, 2, 4}, 0, Boundary::Sharp);
     const std::size_t count = 400;
     std::vector<Point3> points, pose = box.positions;
-    const auto random = test::randomValues(3 * count, 1),
-               noise = test::randomValues(3 * pose.size(), 2);
+    const auto random = randomValues(3 * count, 1), noise = randomValues(3 * pose.size(), 2);
     for (std::size_t i = 0; i < pose.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) pose[i][c] += 0.4 * noise[3 * i + c];
     std::vector<Vector3d> exact;
@@ -80,7 +71,7 @@ TEST(Deformation, ApproximationTendsToTheDeformation) {
 // it. And points of a lattice whose inner edges and surface vertices have three faces or more stay
 // in the hull of the lattice, since no rule has a negative weight there.
 TEST(Deformation, PointsInsideAreConvexCombinations) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         const TopologyRefiner refiner = refined(lattice, 2);
         const auto& complex = refiner.level(2).complex;
         const auto positions = positionsAt(lattice, refiner, 2);

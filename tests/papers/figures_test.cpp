@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <numbers>
 
 #include "papers/frozen.h"
+#include "support/test.h"
 
 // MacCracken & Joy 1996: the figures, as far as numbers can say.
 namespace espalier::stencils {
 namespace {
 
 using Eigen::Vector3d;
-using far::Boundary;
-using far::TopologyRefiner;
 using std::numbers::pi;
-using test::Frozen;
-using test::positionsAt;
-using test::refined;
-using test::vec;
 
 // Figure 4, left: without boundary control the region shrinks away from the boundary. A box of n
 // cells a side keeps its inside, from 1 to n − 1 in the limit: 2^−k more on each side at level k.
@@ -104,7 +97,7 @@ TEST(Figures, DiskBecomesAStar) {
     const std::size_t around = 60, perPoint = around / 5;
     std::vector<Point3> ring;
     for (std::size_t i = 0; i < around; ++i) {
-        const double angle = 2 * pi * static_cast<double>(i) / around;
+        const double angle = 2 * pi * double(i) / around;
         ring.push_back({0.7 * std::cos(angle), 0.7 * std::sin(angle), 0.05});
     }
     const shapes::StarOptions round = {.pattern = {.rings = 2}, .innerRadius = 1};

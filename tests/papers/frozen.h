@@ -5,10 +5,11 @@
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <vector>
+
+#include "support/complexes.h"
+#include "support/test.h"
 
 // Shapes with their positions, refined; and models frozen to them.
 namespace espalier::test {
@@ -17,14 +18,14 @@ inline Eigen::Vector3d vec(const Point3& p) {
     return Eigen::Vector3d(p.data());
 }
 
-inline far::TopologyRefiner refined(const Lattice& lattice, int levels,
-                                    far::Boundary boundary = far::Boundary::Sharp) {
-    far::TopologyRefiner refiner(lattice.complex, {.boundary = boundary, .marks = lattice.marks});
-    refiner.refineUniform(levels);
+inline TopologyRefiner refined(const Lattice& lattice, int levels,
+                               Boundary boundary = Boundary::Sharp) {
+    TopologyRefiner refiner =
+        test::refined(lattice.complex, levels, {.boundary = boundary, .marks = lattice.marks});
     return refiner;
 }
 
-inline std::vector<Point3> positionsAt(const Lattice& lattice, const far::TopologyRefiner& refiner,
+inline std::vector<Point3> positionsAt(const Lattice& lattice, const TopologyRefiner& refiner,
                                        int level) {
     return stencils::refinePositions(refiner, level, stencils::Rules::Siggraph96,
                                      lattice.positions);

@@ -1,38 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <map>
 #include <numbers>
 
 #include "papers/frozen.h"
-#include "papers/rows.h"
 #include "support/named_polyhedra.h"
+#include "support/rows.h"
+#include "support/test.h"
 
 // Azlan & Misro, "Construction of Catmull-Clark subdivision scheme".
 namespace espalier::stencils {
 namespace {
 
 using Eigen::Vector3d;
-using far::CellComplex;
-using far::TopologyRefiner;
-using test::average;
-using test::centroid;
-using test::difference;
-using test::point;
-using test::positionsAt;
-using test::refined;
-using test::Row;
-using test::rowOf;
-using test::vec;
 
 // The rhombic hexecontahedron, which the paper shows but does not define: 60 flat golden rhombi, 62
 // vertices (12 of valence 5, 30 of valence 4 and 20 of valence 3), closed.
 TEST(Polyhedra, HexecontahedronHasSixtyGoldenRhombi) {
-    const Lattice mesh = test::rhombicHexecontahedron();
+    const Lattice mesh = rhombicHexecontahedron();
     const CellComplex& complex = mesh.complex;
     EXPECT_EQ(complex.count(0), 62);
     EXPECT_EQ(complex.count(1), 120);
@@ -64,7 +50,7 @@ TEST(Polyhedra, CountsOfTable2) {
         {"pyramid", {{{5, 5}, {18, 16}, {66, 64}, {258, 256}}}},
         {"dodecahedron", {{{20, 12}, {62, 60}, {242, 240}, {962, 960}}}},
         {"rhombic hexecontahedron", {{{62, 60}, {242, 240}, {962, 960}, {3842, 3840}}}}};
-    const auto polyhedra = test::namedPolyhedra();
+    const auto polyhedra = namedPolyhedra();
     ASSERT_EQ(polyhedra.size(), table.size());
     for (const auto& [name, mesh] : polyhedra) {
         const TopologyRefiner refiner = refined(mesh, 3);
@@ -85,7 +71,7 @@ TEST(Polyhedra, CountsOfTable2) {
 // "Two less" is a property of the sphere: quadrilaterals have F faces and 2F edges, so V − F is the
 // Euler characteristic. The scheme also refines "shapes with holes in them": on a torus, it is 0.
 TEST(Polyhedra, ShapesWithAHoleHaveAsManyFacesAsVertices) {
-    const TopologyRefiner refiner = refined(test::surfaceOf(shapes::torus()), 3);
+    const TopologyRefiner refiner = refined(surfaceOf(shapes::torus()), 3);
     for (int level = 1; level <= 3; ++level)
         EXPECT_EQ(refiner.level(level).complex.count(2), refiner.level(level).complex.count(0));
 }
@@ -94,13 +80,13 @@ TEST(Polyhedra, ShapesWithAHoleHaveAsManyFacesAsVertices) {
 // ((C + D)/2 + (p12 + p22)/2)/2; Eq 2.4, (Q + 2R + S(n − 3))/n, with n the number of faces. (Eq 2.4
 // prints R on its left, too, for the new vertex.)
 TEST(Polyhedra, FaceEdgeAndVertexEquations) {
-    for (const auto& [name, mesh] : test::namedPolyhedra()) {
+    for (const auto& [name, mesh] : namedPolyhedra()) {
         const TopologyRefiner refiner = refined(mesh, 2);
         for (int level = 1; level <= 2; ++level) {
             const CellComplex& old = refiner.level(level - 1).complex;
             const auto table = buildLevelTable(refiner, level);
             const auto got = [&](int dimension, Index index) {
-                return rowOf(table, test::pointOf(refiner, level, {dimension, index}));
+                return rowOf(table, pointOf(refiner, level, {dimension, index}));
             };
             const auto centroids = [&](std::span<const Index> entities, int dimension) {
                 std::vector<Row> rows;
@@ -121,7 +107,7 @@ TEST(Polyhedra, FaceEdgeAndVertexEquations) {
             }
             for (Index vertex = 0; vertex < old.count(0); ++vertex) {
                 const auto faces = old.relation(0, 2)[vertex];
-                const auto n = static_cast<double>(faces.size());
+                const auto n = double(faces.size());
                 const Row q = centroids(faces, 2);
                 const Row r = centroids(old.relation(0, 1)[vertex], 1);
                 const Row expected = (q + 2 * r + (n - 3) * point(vertex)) / n;
@@ -135,9 +121,8 @@ TEST(Polyhedra, FaceEdgeAndVertexEquations) {
 // the edges at p22. (The printed R takes the means of q11, q12, q31 and p31 with each other and
 // with p22 instead: no midpoints, and not symmetric in the two directions of the net.)
 TEST(Polyhedra, VertexEquationOfFourFaces) {
-    const CellComplex net = test::gridMesh(2, 2);
-    TopologyRefiner refiner(net, {.boundary = far::Boundary::Open});
-    refiner.refineUniform(1);
+    const CellComplex net = gridMesh(2, 2);
+    TopologyRefiner refiner = test::refined(net, 1, {.boundary = Boundary::Open});
     const auto p = [](Index i, Index j) { return point((i - 1) + 3 * (j - 1)); };
     const auto face = [&](Index i, Index j) {
         return (p(i, j) + p(i + 1, j) + p(i, j + 1) + p(i + 1, j + 1)) / 4;
@@ -146,7 +131,7 @@ TEST(Polyhedra, VertexEquationOfFourFaces) {
     const Row q = (q11 + q13 + q31 + q33) / 4, s = p(2, 2);
     const Row r =
         ((p(1, 2) + s) / 2 + (p(2, 1) + s) / 2 + (p(2, 3) + s) / 2 + (p(3, 2) + s) / 2) / 4;
-    const Index vertex = test::pointOf(refiner, 1, {0, 4});
+    const Index vertex = pointOf(refiner, 1, {0, 4});
     const Row got = rowOf(buildLevelTable(refiner, 1), vertex);
     EXPECT_EQ(difference(got, q / 4 + r / 2 + s / 4), 0);
     const Row q12 = ((q11 + q13) / 2 + (p(1, 2) + s) / 2) / 2;
@@ -192,7 +177,7 @@ std::vector<Eigen::Matrix3d> symmetriesOf(const std::vector<Point3>& points) {
 TEST(Polyhedra, RefinementKeepsTheSymmetry) {
     const std::map<std::string, std::size_t> orders = {
         {"cube", 48}, {"pyramid", 8}, {"dodecahedron", 120}, {"rhombic hexecontahedron", 120}};
-    for (const auto& [name, mesh] : test::namedPolyhedra()) {
+    for (const auto& [name, mesh] : namedPolyhedra()) {
         const auto symmetries = symmetriesOf(mesh.positions);
         ASSERT_EQ(symmetries.size(), orders.at(name)) << name;
         // Up to 242 vertices: each image is sought among all of them.
@@ -231,7 +216,7 @@ double largestBend(const CellComplex& complex, const std::vector<Point3>& positi
 // quarter as much as at first (90°, 125°, 63° and 108°). On a surface with a tangent plane it goes
 // on to fall by half with each.
 TEST(Polyhedra, BecomeSmootherEachTime) {
-    for (const auto& [name, mesh] : test::namedPolyhedra()) {
+    for (const auto& [name, mesh] : namedPolyhedra()) {
         const TopologyRefiner refiner = refined(mesh, 4);
         std::vector<double> bends;
         for (int level = 0; level <= 4; ++level)
@@ -248,7 +233,7 @@ TEST(Polyhedra, BecomeSmootherEachTime) {
 // "Cube and dodecahedron become almost sphere": the radii differ by 3 and by 2 parts in a hundred.
 // The other two, of which the paper does not say so, are farther from it.
 TEST(Polyhedra, CubeAndDodecahedronBecomeAlmostSpheres) {
-    for (const auto& [name, mesh] : test::namedPolyhedra()) {
+    for (const auto& [name, mesh] : namedPolyhedra()) {
         const TopologyRefiner refiner = refined(mesh, 3);
         double low = 10, high = 0;
         for (const Point3& p : positionsAt(mesh, refiner, 3)) {

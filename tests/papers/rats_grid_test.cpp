@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/rats.h>
-#include <gtest/gtest.h>
 
 #include <functional>
-#include <set>
 #include <utility>
-#include <vector>
 
 #include "papers/refined_grid.h"
+#include "support/test.h"
 
 // Savva & Clapworthy (003), section 2: the new points of n × m old points V_ij, as they are
 // printed, i from 1 to n and j from 1 to m.
 namespace espalier::stencils {
 namespace {
-
-using far::Boundary;
-using test::average;
-using test::RefinedGrid;
-using test::Row;
 
 /// n × m old points, and the new ones of RATS or of Catmull-Clark.
 class RefinedNet {
@@ -38,7 +31,7 @@ public:
 
     /// The new point P_ij, from 1 on.
     Index newPoint(Index i, Index j) const { return grid_.vertexAt(1, {i - 1, j - 1}); }
-    Row P(Index i, Index j) const { return test::rowOf(table_, newPoint(i, j)); }
+    Row P(Index i, Index j) const { return rowOf(table_, newPoint(i, j)); }
 
     Index newPointCount() const { return table_.rowCount(); }
 
@@ -63,7 +56,7 @@ std::vector<std::pair<Index, Index>> sizes() {
 void expectPoint(RefinedNet& net, RatsPoint type, Index i, Index j, const Row& expected) {
     EXPECT_EQ(net.typeOf(i, j), type) << "P_" << i << "," << j;
     // Sums of at most 16 products near 1: some 16 roundings of 1.1e-16.
-    EXPECT_LT(test::difference(net.P(i, j), expected), 2e-15) << "P_" << i << "," << j;
+    EXPECT_LT(difference(net.P(i, j), expected), 2e-15) << "P_" << i << "," << j;
     net.seen().insert(net.newPoint(i, j));
 }
 
@@ -240,7 +233,7 @@ TEST(RatsGrid, EquationsGiveEachNewPointOnce) {
              {vAlpha, vBeta, vGamma, eAlpha, eBeta, eGamma, eDelta, fAlpha, fBeta, fGamma})
             equations(net);
         EXPECT_EQ(net.newPointCount(), (2 * n - 1) * (2 * m - 1));
-        EXPECT_EQ(net.seen().size(), static_cast<std::size_t>(net.newPointCount()));
+        EXPECT_EQ(net.seen().size(), std::size_t(net.newPointCount()));
         for (Index point = 0; point < net.newPointCount(); ++point)
             EXPECT_EQ(net.seen().count(point), 1u) << n << " × " << m << " point " << point;
     }
@@ -253,7 +246,7 @@ TEST(RatsGrid, CatmullClarkPointsOfTheSamePaper) {
         const auto V = [&](Index i, Index j) { return net.V(i, j); };
         const auto F = [&](Index i, Index j) { return net.F(i, j); };
         const auto expect = [&](Index i, Index j, const Row& expected) {
-            EXPECT_LT(test::difference(net.P(i, j), expected), 2e-15) << i << ", " << j;
+            EXPECT_LT(difference(net.P(i, j), expected), 2e-15) << i << ", " << j;
         };
         for (Index i = 2; i <= n; ++i)
             for (Index j = 2; j <= m; ++j)

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "papers/rows.h"
+#include "support/rows.h"
 
 namespace espalier::test {
 

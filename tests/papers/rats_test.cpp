@@ -1,43 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/rats.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numeric>
-#include <set>
 
 #include "papers/rats_reference.h"
 #include "papers/refined_grid.h"
-#include "papers/rows.h"
 #include "support/meshes.h"
+#include "support/rows.h"
+#include "support/test.h"
 
 // Savva & Clapworthy (003) on meshes of any topology: section 3's general form of the inner points,
 // and the rules of section 2 for the border. The equations of grids are in rats_grid_test.cpp.
 namespace espalier::stencils {
 namespace {
 
-using far::Boundary;
-using far::TopologyRefiner;
-using test::average;
-using test::NamedLattice;
-using test::Place;
-using test::pointOf;
-using test::RefinedGrid;
-using test::Row;
-using ::testing::HasSubstr;
-
 /// Sums of some dozen products near 1: a dozen roundings of 1.1e-16.
 constexpr double kRatsRounding = 3e-15;
 
 std::vector<Row> rowsOf(const StencilTable<double>& table) {
     std::vector<Row> rows;
-    for (Index row = 0; row < table.rowCount(); ++row) rows.push_back(test::rowOf(table, row));
+    for (Index row = 0; row < table.rowCount(); ++row) rows.push_back(rowOf(table, row));
     return rows;
 }
 
@@ -53,7 +37,7 @@ bool isRefined(const TopologyRefiner& refiner) {
 template <class Check>
 void forEachMesh(Check check) {
     int count = 0;
-    for (const NamedLattice& mesh : test::meshZoo()) {
+    for (const NamedLattice& mesh : meshZoo()) {
         if (mesh.name.find("360") != std::string::npos) continue;
         TopologyRefiner refiner(mesh.lattice.complex, refinerOptions(mesh.lattice));
         if (!isRefined(refiner)) {
@@ -75,12 +59,12 @@ TEST(Rats, TenTypesOnEveryMesh) {
     forEachMesh([&](const TopologyRefiner& refiner) {
         for (int level = 1; level <= 2; ++level) {
             const far::Level& parent = refiner.level(level - 1);
-            const test::RatsReference reference(parent);
+            const RatsReference reference(parent);
             const auto table = buildLevelTable(refiner, level, Rules::Rats);
             for (Index vertex = 0; vertex < table.rowCount(); ++vertex) {
-                const Entity entity = test::parentOf(refiner, level, vertex);
+                const Entity entity = parentOf(refiner, level, vertex);
                 seen.insert(ratsPoint(parent, entity));
-                ASSERT_LT(test::difference(test::rowOf(table, vertex), reference.newPoint(entity)),
+                ASSERT_LT(difference(rowOf(table, vertex), reference.newPoint(entity)),
                           // The longest sums are those of a pole of 64 edges.
                           1e-14)
                     << "level " << level << " vertex " << vertex;
@@ -105,7 +89,7 @@ TEST(Rats, InnerFaceAndEdgePointsAreMeansOfNewVertexPoints) {
                 for (const Index vertex : base.complex.relation(dimension, 0)[index])
                     corners.push_back(rows[pointOf(refiner, 1, {0, vertex})]);
                 const Row& row = rows[pointOf(refiner, 1, entity)];
-                ASSERT_LT(test::difference(row, average(corners)), kRatsRounding);
+                ASSERT_LT(difference(row, average(corners)), kRatsRounding);
             }
     });
 }
@@ -177,7 +161,7 @@ private:
     static const Row& at(const std::vector<Row>& rows, Index index) { return rows[index]; }
 
     const TopologyRefiner& refiner_;
-    const far::CellComplex& complex_;
+    const CellComplex& complex_;
     std::vector<Row> first_, second_;
 };
 
@@ -193,11 +177,11 @@ private:
 TEST(Rats, SecondStepIsCatmullClarkOfTheFirst) {
     int faces = 0, quadEdges = 0, otherEdges = 0, regular = 0, extraordinary = 0;
     forEachMesh([&](const TopologyRefiner& refiner) {
-        const far::CellComplex& complex = refiner.level(0).complex;
+        const CellComplex& complex = refiner.level(0).complex;
         const SecondStep step(refiner);
         for (Index face = 0; face < complex.count(2); ++face) {
             if (!step.isInner({2, face})) continue;
-            ASSERT_LT(test::difference(step.point({2, face}), step.mean({2, face})), kRatsRounding);
+            ASSERT_LT(difference(step.point({2, face}), step.mean({2, face})), kRatsRounding);
             ++faces;
         }
         for (Index edge = 0; edge < complex.count(1); ++edge) {
@@ -206,13 +190,13 @@ TEST(Rats, SecondStepIsCatmullClarkOfTheFirst) {
             const Row catmullClark = (step.around(entity, 2) + step.mean(entity)) / 2;
             const Row expected =
                 (step.around(entity, 2) + step.meanBeside(edge)) / 4 + step.mean(entity) / 2;
-            ASSERT_LT(test::difference(step.point(entity), expected), kRatsRounding);
+            ASSERT_LT(difference(step.point(entity), expected), kRatsRounding);
             const bool isBetweenQuads = step.isBetweenQuads(edge);
             if (isBetweenQuads) {
-                ASSERT_LT(test::difference(step.point(entity), catmullClark), kRatsRounding);
+                ASSERT_LT(difference(step.point(entity), catmullClark), kRatsRounding);
             }
             // Where faces lie back to back the two may be the same by symmetry.
-            otherEdges += test::difference(step.point(entity), catmullClark) > 1e-3;
+            otherEdges += difference(step.point(entity), catmullClark) > 1e-3;
             quadEdges += isBetweenQuads;
         }
         for (Index vertex = 0; vertex < complex.count(0); ++vertex) {
@@ -223,13 +207,13 @@ TEST(Rats, SecondStepIsCatmullClarkOfTheFirst) {
             const Row Q = step.around(entity, 2), R = step.around(entity, 1),
                       S = step.vertex(vertex);
             // Poles of 64 edges: sums as long.
-            ASSERT_LT(test::difference(step.point(entity), (Q + 2 * R + S) / 4), 1e-14);
-            const auto edgeCount = static_cast<double>(n);
+            ASSERT_LT(difference(step.point(entity), (Q + 2 * R + S) / 4), 1e-14);
+            const auto edgeCount = double(n);
             const Row catmullClark = (Q + 2 * R + (edgeCount - 3) * S) / edgeCount;
             if (n == 4) {
-                ASSERT_LT(test::difference(step.point(entity), catmullClark), kRatsRounding);
+                ASSERT_LT(difference(step.point(entity), catmullClark), kRatsRounding);
             } else {
-                ASSERT_GT(test::difference(step.point(entity), catmullClark), 1e-3) << n;
+                ASSERT_GT(difference(step.point(entity), catmullClark), 1e-3) << n;
             }
             ++(n == 4 ? regular : extraordinary);
         }
@@ -241,9 +225,8 @@ TEST(Rats, SecondStepIsCatmullClarkOfTheFirst) {
 // The same further down: step k + 1 of RATS gives the vertices of level k the points of k steps of
 // Catmull-Clark on the first step's vertex points. On a torus all vertices are inner, with 4 edges.
 TEST(Rats, LaterStepsAreCatmullClarkOfTheFirst) {
-    const Lattice torus = test::surfaceOf(shapes::torus());
-    TopologyRefiner refiner(torus.complex);
-    refiner.refineUniform(4);
+    const Lattice torus = surfaceOf(shapes::torus());
+    TopologyRefiner refiner = test::refined(torus.complex, 4);
     for (Index vertex = 0; vertex < torus.complex.count(0); ++vertex)
         ASSERT_EQ(torus.complex.relation(0, 1)[vertex].size(), 4u);
     std::vector<Row> first = rowsOf(buildStencils(refiner, 1, Rules::Rats));
@@ -252,9 +235,9 @@ TEST(Rats, LaterStepsAreCatmullClarkOfTheFirst) {
         const auto catmullClark = buildStencils(refiner, k, Rules::Siggraph96);
         const auto rats = buildStencils(refiner, k + 1, Rules::Rats);
         for (Index vertex = 0; vertex < catmullClark.rowCount(); ++vertex) {
-            const Row expected = test::substituted(test::rowOf(catmullClark, vertex), first);
-            const Row got = test::rowOf(rats, pointOf(refiner, k + 1, {0, vertex}));
-            ASSERT_LT(test::difference(got, expected), kRatsRounding) << "k " << k << " " << vertex;
+            const Row expected = substituted(rowOf(catmullClark, vertex), first);
+            const Row got = rowOf(rats, pointOf(refiner, k + 1, {0, vertex}));
+            ASSERT_LT(difference(got, expected), kRatsRounding) << "k " << k << " " << vertex;
         }
     }
 }
@@ -285,7 +268,7 @@ TEST(Rats, InterpolatesTheCorners) {
         for (Index vertex = 0; vertex < refiner.level(0).complex.count(0); ++vertex) {
             if (refiner.level(0).strata.of({0, vertex}) != 0) continue;
             const Index child = pointOf(refiner, 2, {0, pointOf(refiner, 1, {0, vertex})});
-            ASSERT_EQ(test::rowOf(table, child).weights, test::point(vertex).weights);
+            ASSERT_EQ(rowOf(table, child).weights, test::point(vertex).weights);
         }
     });
 }
@@ -302,7 +285,7 @@ TEST(Rats, FillsTheBorderPatches) {
     for (Index vertex = 0; vertex < table.rowCount(); ++vertex)
         for (std::size_t axis = 0; axis < 2; ++axis) {
             double coordinate = 0;
-            for (const auto& [column, weight] : test::rowOf(table, vertex).weights)
+            for (const auto& [column, weight] : rowOf(table, vertex).weights)
                 coordinate += weight * rats.places(0)[column][axis];
             const Place place = rats.places(level)[vertex];
             // Coordinates up to 5: a dozen roundings of 1e-15.
@@ -323,12 +306,12 @@ TEST(Rats, BorderIsTheCurveOfTheBorder) {
     const auto curve = buildStencils(side.refiner(), level, Rules::Rats);
     for (Index i = 0; i <= net.size(level)[0]; ++i)
         for (const Index j : {Index{0}, net.size(level)[1]}) {
-            const Row row = test::rowOf(surface, net.vertexAt(level, {i, j, 0}));
+            const Row row = rowOf(surface, net.vertexAt(level, {i, j, 0}));
             Row expected;
             for (const auto& [place, weight] :
-                 test::rowOf(curve, side.vertexAt(level, {i, 0, 0})).weights)
+                 rowOf(curve, side.vertexAt(level, {i, 0, 0})).weights)
                 expected = expected + weight * net.at(0, {place, j == 0 ? 0 : 4, 0});
-            EXPECT_LT(test::difference(row, expected), kRatsRounding) << i << ", " << j;
+            EXPECT_LT(difference(row, expected), kRatsRounding) << i << ", " << j;
         }
 }
 
@@ -350,11 +333,11 @@ TEST(Rats, FirstStepSplitsABezierPatch) {
     for (Index i = 0; i < 7; ++i) {
         const Row& x = split[i];
         // Weights in eighths are exact.
-        EXPECT_EQ(test::difference(test::rowOf(points, curve.vertexAt(1, {i, 0, 0})), x), 0);
+        EXPECT_EQ(difference(rowOf(points, curve.vertexAt(1, {i, 0, 0})), x), 0);
         for (Index j = 0; j < 7; ++j) {
-            const Row expected = test::tensorProduct(patch, x, split[j]);
-            const Row got = test::rowOf(net, patch.vertexAt(1, {i, j, 0}));
-            EXPECT_LT(test::difference(got, expected), kRatsRounding) << i << ", " << j;
+            const Row expected = tensorProduct(patch, x, split[j]);
+            const Row got = rowOf(net, patch.vertexAt(1, {i, j, 0}));
+            EXPECT_LT(difference(got, expected), kRatsRounding) << i << ", " << j;
         }
     }
 }
@@ -362,17 +345,16 @@ TEST(Rats, FirstStepSplitsABezierPatch) {
 // A closed polygon has neither corners nor ends: V_β (1 2 1)/4 and E_β (1 3 3 1)/8.
 TEST(Rats, ClosedPolygon) {
     const Index n = 5;
-    TopologyRefiner refiner(far::buildCurve(n, true));
-    refiner.refineUniform(1);
+    TopologyRefiner refiner = test::refined(far::buildCurve(n, true), 1);
     const auto table = buildLevelTable(refiner, 1, Rules::Rats);
     const auto P = [&](Index i) { return test::point((i + n) % n); };
     for (Index i = 0; i < n; ++i) {
         const Row vertex = (P(i - 1) + 2 * P(i) + P(i + 1)) / 4;
-        EXPECT_EQ(test::difference(test::rowOf(table, i), vertex), 0);
+        EXPECT_EQ(difference(rowOf(table, i), vertex), 0);
         const auto ends = refiner.level(0).complex.relation(1, 0)[i];
         const Index a = (ends[0] + 1) % n == ends[1] ? ends[0] : ends[1];
         const Row edge = (P(a - 1) + 3 * P(a) + 3 * P(a + 1) + P(a + 2)) / 8;
-        EXPECT_EQ(test::difference(test::rowOf(table, pointOf(refiner, 1, {1, i})), edge), 0);
+        EXPECT_EQ(difference(rowOf(table, pointOf(refiner, 1, {1, i})), edge), 0);
     }
 }
 
@@ -389,11 +371,11 @@ TEST(Rats, RowsSumToOne) {
 
 // Composition, demanded rows and evaluators take the tables of RATS as all others.
 TEST(Rats, TablesComposeAndEvaluate) {
-    TopologyRefiner refiner(test::polygonDisk({3, 4, 5, 6, 7}).complex);
+    TopologyRefiner refiner(polygonDisk({3, 4, 5, 6, 7}).complex);
     const int level = 3;
     refiner.refineUniform(level);
     const auto table = buildStencils(refiner, level, Rules::Rats);
-    const auto values = test::randomValues(3 * static_cast<std::size_t>(table.columnCount()), 7);
+    const auto values = randomValues(3 * std::size_t(table.columnCount()), 7);
     const auto stepByStep = refineValues(refiner, level, Rules::Rats, values, 3);
     const auto layout = osd::BufferDescriptor::packed(3);
     std::vector<double> slow(stepByStep.size()), fast(stepByStep.size());
@@ -409,23 +391,17 @@ TEST(Rats, TablesComposeAndEvaluate) {
     const std::vector<Index> some = {table.rowCount() - 1, 0, 5};
     const auto demanded = buildStencils(refiner, level, Rules::Rats, some);
     for (std::size_t i = 0; i < some.size(); ++i)
-        EXPECT_EQ(test::rowOf(demanded, static_cast<Index>(i)).weights,
-                  test::rowOf(table, some[i]).weights);
+        EXPECT_EQ(rowOf(demanded, Index(i)).weights, rowOf(table, some[i]).weights);
 }
 
 void expectRefused(const TopologyRefiner& refiner, const std::string& why) {
-    try {
-        buildStencils(refiner, 0, Rules::Rats);
-        FAIL() << "expected: " << why;
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr(why));
-    }
+    EXPECT_REFUSED(Error, why, buildStencils(refiner, 0, Rules::Rats));
     EXPECT_THROW(refineValues(refiner, 0, Rules::Rats, {}, 1), Error);
 }
 
 TEST(Rats, RefusesWhatItHasNoRulesFor) {
-    expectRefused(TopologyRefiner(test::grid({1, 1, 1})), "not for lattices");
-    const far::CellComplex net = test::gridMesh(3, 3);
+    expectRefused(TopologyRefiner(grid({1, 1, 1})), "not for lattices");
+    const CellComplex net = gridMesh(3, 3);
     expectRefused(TopologyRefiner(net, {.boundary = Boundary::Open}), "reach the border");
     expectRefused(TopologyRefiner(net, {.triangles = far::TriangleSubdivision::Smooth}),
                   "no smooth triangles");

@@ -8,8 +8,8 @@
 #include <map>
 #include <vector>
 
-#include "papers/rows.h"
 #include "support/complexes.h"
+#include "support/rows.h"
 
 namespace espalier::test {
 
@@ -25,8 +25,7 @@ using Place = std::array<Index, 3>;
 class RefinedGrid {
 public:
     /// \param cells along each axis: one number for a polygon, two for a net, three for a lattice
-    RefinedGrid(const std::vector<Index>& cells, int levels,
-                far::Boundary boundary = far::Boundary::Open)
+    RefinedGrid(const std::vector<Index>& cells, int levels, Boundary boundary = Boundary::Open)
         : refiner_(complexOf(cells), {.boundary = boundary}) {
         refiner_.refineUniform(levels);
         std::vector<Place> places;
@@ -35,13 +34,12 @@ public:
         for (Index k = 0; k <= size[2]; ++k)
             for (Index j = 0; j <= size[1]; ++j)
                 for (Index i = 0; i <= size[0]; ++i) places.push_back({i, j, k});
-        const Index margin = boundary == far::Boundary::Open ? 1 : 0;
+        const Index margin = boundary == Boundary::Open ? 1 : 0;
         for (int level = 0;; ++level) {
             sizes_.push_back(size);
             places_.push_back(places);
             vertices_.emplace_back();
-            for (std::size_t v = 0; v < places.size(); ++v)
-                vertices_.back()[places[v]] = static_cast<Index>(v);
+            for (std::size_t v = 0; v < places.size(); ++v) vertices_.back()[places[v]] = Index(v);
             if (level == levels) break;
             places.clear();
             for (Index v = 0; v < refiner_.level(level + 1).complex.count(0); ++v) {
@@ -54,7 +52,7 @@ public:
         }
     }
 
-    const far::TopologyRefiner& refiner() const { return refiner_; }
+    const TopologyRefiner& refiner() const { return refiner_; }
     const CellComplex& complex(int level) const { return refiner_.level(level).complex; }
 
     /// Cells along each axis.
@@ -87,11 +85,11 @@ private:
         for (const Index vertex : vertices)
             for (std::size_t axis = 0; axis < 3; ++axis)
                 sum[axis] += 2 * places(level)[vertex][axis];
-        for (Index& x : sum) x /= static_cast<Index>(vertices.size());
+        for (Index& x : sum) x /= Index(vertices.size());
         return sum;
     }
 
-    far::TopologyRefiner refiner_;
+    TopologyRefiner refiner_;
     std::vector<Place> sizes_;
     std::vector<std::vector<Place>> places_;
     std::vector<std::map<Place, Index>> vertices_;
@@ -113,7 +111,7 @@ inline Row tensorProduct(const RefinedGrid& grid, const Row& x, const Row& y,
 /// Joy's notes, at s + t: the curve of a polygon P_0, P_1, …, from 1 to the number of its edges
 /// less 1.
 inline Row splineAt(double place, Index edges) {
-    const Index first = std::min(static_cast<Index>(place), edges - 2);
+    const Index first = std::min(Index(place), edges - 2);
     const double t = place - first;
     return {{{first - 1, (1 - t) * (1 - t) * (1 - t) / 6},
              {first, (4 - 6 * t * t + 3 * t * t * t) / 6},

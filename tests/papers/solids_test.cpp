@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
-#include <set>
-
-#include "papers/rows.h"
 #include "support/random_lattices.h"
+#include "support/rows.h"
+#include "support/test.h"
 
 // Catmull-Clark solids: CSE-96-1, sections 4 and 6; MacCracken & Joy 1996, sections 2.2 and 3.
 namespace espalier::stencils {
 namespace {
-
-using far::CellComplex;
-using far::TopologyRefiner;
-using test::average;
-using test::centroid;
-using test::difference;
-using test::Row;
-using test::rowOf;
 
 /// A lattice of polyhedra, and what the papers' rules say of its points. All of it from faces and
 /// cells alone: neither strata nor masks are asked.
@@ -44,7 +34,7 @@ public:
         }
         const Row a = averageAround(entity, 2);
         if (entity.dimension == 1) {
-            const auto n = static_cast<double>(around(entity, 2).size());
+            const auto n = double(around(entity, 2).size());
             return rules == Rules::Cse96 ? (c + 2 * a + own) / 4 : (c + 2 * a + (n - 3) * own) / n;
         }
         return (c + 3 * a + 3 * averageAround(entity, 1) + own) / 8;
@@ -67,7 +57,7 @@ public:
         if (around(entity, 3).size() == 1 || neighbours.size() > 2) return own;
         if (neighbours.size() == 2) return (neighbours[0] + 6 * own + neighbours[1]) / 8;
         const std::vector<Index> edges = onSurface(entity, 1);
-        const auto n = static_cast<double>(edges.size());
+        const auto n = double(edges.size());
         return (centroids(2, onSurface(entity, 2)) + 2 * centroids(1, edges) + (n - 3) * own) / n;
     }
 
@@ -99,19 +89,18 @@ private:
 };
 
 /// Lattices with inner edges of 3, 5 and more faces, and cells of all types; without marks.
-std::vector<test::NamedLattice> irregularLattices() {
-    std::vector<test::NamedLattice> all;
-    for (const auto& lattices : {test::zoo(), test::featureLattices()})
+std::vector<NamedLattice> irregularLattices() {
+    std::vector<NamedLattice> all;
+    for (const auto& lattices : {zoo(), featureLattices()})
         for (const auto& named : lattices)
             if (named.lattice.marks.empty()) all.push_back(named);
     for (unsigned seed = 0; seed < 40; seed += 4)  // those without marks
-        all.push_back({"seed " + std::to_string(seed), test::randomLattice(seed)});
+        all.push_back({"seed " + std::to_string(seed), randomLattice(seed)});
     return all;
 }
 
 TopologyRefiner refined(const CellComplex& complex, int levels) {
-    TopologyRefiner refiner(complex);
-    refiner.refineUniform(levels);
+    TopologyRefiner refiner = test::refined(complex, levels);
     return refiner;
 }
 
@@ -126,7 +115,7 @@ TEST(Solids, PointsInsideAreThoseOfTheRules) {
                 const Solid solid(refiner.level(level - 1).complex);
                 const auto table = buildLevelTable(refiner, level, rules);
                 for (Index vertex = 0; vertex < table.rowCount(); ++vertex) {
-                    const Entity parent = test::parentOf(refiner, level, vertex);
+                    const Entity parent = parentOf(refiner, level, vertex);
                     if (solid.isOnBoundary(parent)) continue;
                     // Averages of averages: some hundred terms that sum to 1, or to 2 where weights
                     // are negative.
@@ -147,14 +136,14 @@ TEST(Solids, PointsOnTheBoundaryAreThoseOfTheRules) {
         "star",        "barbell", "arm",  "octahedron", "dodecahedron",
         "mixed cells", "L",       "torus"};
     std::size_t seen = 0;
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         if (unmarked.count(name) == 0) continue;
         ++seen;
         const TopologyRefiner refiner = refined(lattice.complex, 1);
         const Solid solid(lattice.complex);
         const auto table = buildLevelTable(refiner, 1);
         for (Index vertex = 0; vertex < table.rowCount(); ++vertex) {
-            const Entity parent = test::parentOf(refiner, 1, vertex);
+            const Entity parent = parentOf(refiner, 1, vertex);
             if (!solid.isOnBoundary(parent)) continue;
             // Some fifty terms that sum to 1.
             ASSERT_LE(difference(rowOf(table, vertex), solid.onBoundary(parent)), 2e-15)
@@ -175,7 +164,7 @@ TEST(Solids, EditionsDifferAtInnerEdgesOfOtherThanFourFacesOnly) {
             const auto siggraph = buildLevelTable(refiner, level, Rules::Siggraph96);
             const auto cse = buildLevelTable(refiner, level, Rules::Cse96);
             for (Index vertex = 0; vertex < siggraph.rowCount(); ++vertex) {
-                const Entity parent = test::parentOf(refiner, level, vertex);
+                const Entity parent = parentOf(refiner, level, vertex);
                 bool isOther = parent.dimension == 1 && strata.of(parent) == 3;
                 if (isOther) {
                     const std::size_t n = complex.relation(1, 2)[parent.index].size();
@@ -195,7 +184,7 @@ TEST(Solids, EditionsDifferAtInnerEdgesOfOtherThanFourFacesOnly) {
 // new vertex points of their ends. Nothing else is.
 TEST(Solids, NewPointsAreJoinedAsThePapersSay) {
     for (const CellComplex& base :
-         {test::mixedCells(), test::bipyramid(5), test::grid({2, 1, 2}), test::gridMesh(3, 2),
+         {mixedCells(), bipyramid(5), grid({2, 1, 2}), gridMesh(3, 2),
           far::buildMesh(4, far::faceLoops(far::StandardCell::Tetrahedron)),
           far::buildCurve(5, true)}) {
         const TopologyRefiner refiner = refined(base, 2);
@@ -206,14 +195,14 @@ TEST(Solids, NewPointsAreJoinedAsThePapersSay) {
             for (int d = 1; d <= old.dimension(); ++d)
                 for (Index whole = 0; whole < old.count(d); ++whole)
                     for (const Index part : old.relation(d, d - 1)[whole])
-                        expected.insert(std::minmax(test::pointOf(refiner, level, {d, whole}),
-                                                    test::pointOf(refiner, level, {d - 1, part})));
+                        expected.insert(std::minmax(pointOf(refiner, level, {d, whole}),
+                                                    pointOf(refiner, level, {d - 1, part})));
             for (Index edge = 0; edge < child.count(1); ++edge) {
                 const auto ends = child.relation(1, 0)[edge];
                 got.insert(std::minmax(ends[0], ends[1]));
             }
             EXPECT_EQ(got, expected);
-            EXPECT_EQ(got.size(), static_cast<std::size_t>(child.count(1)));
+            EXPECT_EQ(got.size(), std::size_t(child.count(1)));
         }
     }
 }
@@ -223,8 +212,8 @@ TEST(Solids, NewPointsAreJoinedAsThePapersSay) {
 // four faces. They lie on curves through the points of the first faces and cells, so from level 1
 // on their number doubles, where that of all edges grows eightfold: their share falls to a quarter.
 TEST(Solids, BulkIsRegularAfterAFewSubdivisions) {
-    for (const CellComplex& base : {test::mixedCells(), shapes::icosahedron().complex,
-                                    test::bipyramid(6), shapes::cylinder({.layers = 2}).complex}) {
+    for (const CellComplex& base : {mixedCells(), shapes::icosahedron().complex, bipyramid(6),
+                                    shapes::cylinder({.layers = 2}).complex}) {
         const TopologyRefiner refiner = refined(base, 4);
         Index irregularBefore = 0;
         double shareBefore = 0;
@@ -237,7 +226,7 @@ TEST(Solids, BulkIsRegularAfterAFewSubdivisions) {
                 ++inner;
                 irregular += complex.relation(1, 2)[edge].size() != 4;
             }
-            const double share = static_cast<double>(irregular) / inner;
+            const double share = double(irregular) / inner;
             EXPECT_GT(irregular, 0);
             if (level > 1) {
                 EXPECT_EQ(irregular, 2 * irregularBefore);

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 
 #include <functional>
 
 #include "papers/refined_grid.h"
+#include "support/test.h"
 
 // Joy & MacCracken CSE-96-1, section 5: the trivariate cubic uniform B-spline solid.
 namespace espalier::stencils {
 namespace {
-
-using test::average;
-using test::difference;
-using test::Place;
-using test::RefinedGrid;
-using test::Row;
-using test::rowOf;
 
 // Each rule is an average of averages of up to 8, 12 and 6 points: some thirty terms below 1/8.
 constexpr double kTricubicRounding = 1e-15;
@@ -27,7 +20,7 @@ struct Lattice {
     int level;
 
     static int dimensionAt(const Place& half) {
-        return static_cast<int>(half[0] % 2 + half[1] % 2 + half[2] % 2);
+        return int(half[0] % 2 + half[1] % 2 + half[2] % 2);
     }
 
     /// What is around a place, at one step up or down in `steps` of the axes that `isFree` says.

@@ -4,18 +4,13 @@
 #include <espalier/osd/compiled_adjoint.h>
 #include <espalier/petsc/distributed_table.h>
 #include <espalier/shapes/inventory.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 #include "ranks.h"
 #include "support/refined_lattice.h"
+#include "support/test.h"
 
 namespace espalier::petsc {
 namespace {
-
-using test::Spread;
 
 /// A model of which each rank binds its own points; and, to compare, all of it.
 class DistributedBinding : public ::testing::Test {
@@ -23,26 +18,19 @@ protected:
     static constexpr int kLevel = 3;
 
     embed::Binding bind(std::span<const Point3> points) const {
-        return embed::bindPoints({far::TopologyRefiner(lattice_.complex), lattice_.positions},
+        return embed::bindPoints({TopologyRefiner(lattice_.complex), lattice_.positions},
                                  points, {.level = kLevel})
             .binding;
     }
 
     /// Some in cells of irregular valence, and every fifth outside, to be kept.
     std::vector<Point3> makePoints() const {
-        auto points = test::pointsIn(test::Refined(lattice_, kLevel), 500, 5);
-        for (std::size_t i = 0; i < points.size(); i += 5)
-            points[i] = {9, static_cast<double>(i), -3};
+        auto points = pointsIn(Refined(lattice_, kLevel), 500, 5);
+        for (std::size_t i = 0; i < points.size(); i += 5) points[i] = {9, double(i), -3};
         return points;
     }
 
-    std::vector<Point3> makePose() const {
-        std::vector<Point3> pose = lattice_.positions;
-        const auto moves = test::randomValues(3 * pose.size(), 7);
-        for (std::size_t i = 0; i < pose.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c) pose[i][c] += 0.1 * moves[3 * i + c];
-        return pose;
-    }
+    std::vector<Point3> makePose() const { return shaken(lattice_.positions, 7, 0.1); }
 
     static std::vector<double> numbers(const std::vector<Point3>& points) {
         std::vector<double> result;
@@ -52,25 +40,24 @@ protected:
 
     const Lattice lattice_ = shapes::cylinder({.sectors = 5});
     const std::vector<Point3> points_ = makePoints();
-    const OwnedRange own_ = test::ownRange(static_cast<Offset>(points_.size()), Spread::Uneven);
-    const OwnedRange vertices_ =
-        test::ownRange(static_cast<Offset>(lattice_.positions.size()), Spread::Even);
+    const OwnedRange own_ = ownRange(Offset(points_.size()), Spread::Uneven);
+    const OwnedRange vertices_ = ownRange(Offset(lattice_.positions.size()), Spread::Even);
     const std::vector<Point3> ownPoints_{points_.begin() + own_.first, points_.begin() + own_.last};
 };
 
 TEST_F(DistributedBinding, HasTheRowsOfTheWhole) {
     const auto whole = bind(points_), own = bind(ownPoints_);
-    EXPECT_EQ(own.table, test::ownRows(whole.table, own_));
+    EXPECT_EQ(own.table, ownRows(whole.table, own_));
     EXPECT_EQ(whole.kept.size(), 100u);
 
     DistributedTable distributed(MPI_COMM_WORLD, own, vertices_.count());
     const auto pose = makePose();
     std::vector<double> moved(3 * ownPoints_.size(), 99);
-    distributed.evaluate(test::ownValues(numbers(pose), vertices_, 3), moved);
-    const auto expected = test::ownValues(numbers(osd::evaluateBinding(whole, pose)), own_, 3);
+    distributed.evaluate(ownValues(numbers(pose), vertices_, 3), moved);
+    const auto expected = ownValues(numbers(osd::evaluateBinding(whole, pose)), own_, 3);
     ASSERT_EQ(moved.size(), expected.size());
     for (std::size_t i = 0; i < moved.size(); ++i) {
-        if ((static_cast<std::size_t>(own_.first) + i / 3) % 5 == 0) {
+        if ((std::size_t(own_.first) + i / 3) % 5 == 0) {
             EXPECT_EQ(moved[i], numbers(ownPoints_)[i]) << "is kept";
         } else {
             // Sums of up to 64 products of positions up to 2 by weights that sum to 1, in another
@@ -84,15 +71,15 @@ TEST_F(DistributedBinding, HasTheRowsOfTheWhole) {
 TEST_F(DistributedBinding, CarriesBackWhatTheAdjointDoes) {
     const auto whole = bind(points_);
     DistributedTable distributed(MPI_COMM_WORLD, bind(ownPoints_), vertices_.count());
-    const auto gradients = test::randomValues(3 * points_.size(), 8);
+    const auto gradients = randomValues(3 * points_.size(), 8);
     std::vector<double> back(3 * vertices_.count(), 99);
-    distributed.evaluateAdjoint(test::ownValues(gradients, own_, 3), back);
+    distributed.evaluateAdjoint(ownValues(gradients, own_, 3), back);
 
     const osd::CompiledAdjoint<double> adjoint(whole.table);
     std::vector<double> expected(3 * adjoint.rowCount(), 99);
     const auto layout = osd::BufferDescriptor::packed(3);
     adjoint.evaluate(gradients, layout, expected, layout, {0, adjoint.rowCount()});
-    const auto own = test::ownValues(expected, vertices_, 3);
+    const auto own = ownValues(expected, vertices_, 3);
     ASSERT_EQ(back.size(), own.size());
     // 400 points of gradients up to 1, whose weights sum to 1 each: as many ulp as products at
     // most, of sums of sizes below 400; in practice the root of that.

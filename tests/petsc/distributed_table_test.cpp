@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/petsc/distributed_table.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdint>
-#include <limits>
-#include <set>
 
 #include "ranks.h"
+#include "support/test.h"
 
 // Every rank makes the whole table, alike, and gives its own part; what comes back is its own part
 // of what the reference gives for the whole.
@@ -16,7 +13,6 @@ namespace espalier::petsc {
 namespace {
 
 using stencils::StencilTable;
-using test::Spread;
 
 constexpr Index kPoints = 301, kVertices = 97;
 
@@ -40,7 +36,7 @@ std::vector<double> bounds(const StencilTable<double>& table, const std::vector<
                                  values[table.columns(row)[k] * components + c]);
             // Two sums of n products in different orders: each is off by n/2 ulp of the size for
             // the products and the sums.
-            result.push_back(static_cast<double>(table.columns(row).size()) *
+            result.push_back(double(table.columns(row).size()) *
                              std::numeric_limits<double>::epsilon() * size);
         }
     return result;
@@ -48,8 +44,8 @@ std::vector<double> bounds(const StencilTable<double>& table, const std::vector<
 
 void expectOwnPart(const std::vector<double>& got, const std::vector<double>& all,
                    const std::vector<double>& bound, OwnedRange own, int components) {
-    ASSERT_EQ(got.size(), static_cast<std::size_t>(own.count() * components));
-    const auto first = static_cast<std::size_t>(own.first * components);
+    ASSERT_EQ(got.size(), std::size_t(own.count() * components));
+    const auto first = std::size_t(own.first * components);
     for (std::size_t i = 0; i < got.size(); ++i)
         EXPECT_LE(std::abs(got[i] - all[first + i]), bound[first + i]) << "number " << i;
 }
@@ -76,10 +72,10 @@ INSTANTIATE_TEST_SUITE_P(Spreads, DistributedTableTest,
 
 TEST_P(DistributedTableTest, EvaluatesAsTheReference) {
     const int components = GetParam().components;
-    const auto table = test::randomTable(kPoints, kVertices, 1);
-    const OwnedRange points = test::ownRange(kPoints, GetParam().points);
-    const OwnedRange vertices = test::ownRange(kVertices, GetParam().vertices);
-    DistributedTable distributed(MPI_COMM_WORLD, test::ownRows(table, points), vertices.count(),
+    const auto table = randomTable(kPoints, kVertices, 1);
+    const OwnedRange points = ownRange(kPoints, GetParam().points);
+    const OwnedRange vertices = ownRange(kVertices, GetParam().vertices);
+    DistributedTable distributed(MPI_COMM_WORLD, ownRows(table, points), vertices.count(),
                                  components);
     EXPECT_EQ(distributed.ownPoints().count(), points.count());
     EXPECT_EQ(distributed.ownVertices().count(), vertices.count());
@@ -87,43 +83,43 @@ TEST_P(DistributedTableTest, EvaluatesAsTheReference) {
     EXPECT_EQ(distributed.pointCount(), kPoints);
     EXPECT_EQ(distributed.vertexCount(), kVertices);
 
-    const auto values = test::randomValues(kVertices * components, 2);
+    const auto values = randomValues(kVertices * components, 2);
     std::vector<double> got(points.count() * components, 99);
-    distributed.evaluate(test::ownValues(values, vertices, components), got);
+    distributed.evaluate(ownValues(values, vertices, components), got);
     expectOwnPart(got, reference(table, values, components), bounds(table, values, components),
                   points, components);
 
     const auto transpose = stencils::transposeTable(table);
-    const auto gradients = test::randomValues(kPoints * components, 3);
+    const auto gradients = randomValues(kPoints * components, 3);
     std::vector<double> back(vertices.count() * components, 99);
-    distributed.evaluateAdjoint(test::ownValues(gradients, points, components), back);
+    distributed.evaluateAdjoint(ownValues(gradients, points, components), back);
     expectOwnPart(back, reference(transpose, gradients, components),
                   bounds(transpose, gradients, components), vertices, components);
 }
 
 TEST_P(DistributedTableTest, CountsWhatItNeedsOfOthers) {
-    const auto table = test::randomTable(kPoints, kVertices, 1);
-    const OwnedRange points = test::ownRange(kPoints, GetParam().points);
-    const OwnedRange vertices = test::ownRange(kVertices, GetParam().vertices);
-    const auto rows = test::ownRows(table, points);
+    const auto table = randomTable(kPoints, kVertices, 1);
+    const OwnedRange points = ownRange(kPoints, GetParam().points);
+    const OwnedRange vertices = ownRange(kVertices, GetParam().vertices);
+    const auto rows = ownRows(table, points);
     const DistributedTable distributed(MPI_COMM_WORLD, rows, vertices.count(),
                                        GetParam().components);
     std::set<Index> others;
     for (const Index column : rows.columns())
         if (column < distributed.ownVertices().first || column >= distributed.ownVertices().last)
             others.insert(column);
-    EXPECT_EQ(distributed.ghostCount(), static_cast<Offset>(others.size()));
+    EXPECT_EQ(distributed.ghostCount(), Offset(others.size()));
 }
 
 // Bit for bit, however messages arrive: the same table again and again, and another made alike.
 TEST(DistributedTable, RepeatsItself) {
     constexpr Index kMany = 20'000;
-    const auto table = test::randomTable(kMany, kVertices, 4);
-    const OwnedRange points = test::ownRange(kMany, Spread::Uneven);
-    const OwnedRange vertices = test::ownRange(kVertices, Spread::Even);
-    const auto rows = test::ownRows(table, points);
-    const auto values = test::ownValues(test::randomValues(3 * kVertices, 5), vertices, 3);
-    const auto gradients = test::ownValues(test::randomValues(3 * kMany, 6), points, 3);
+    const auto table = randomTable(kMany, kVertices, 4);
+    const OwnedRange points = ownRange(kMany, Spread::Uneven);
+    const OwnedRange vertices = ownRange(kVertices, Spread::Even);
+    const auto rows = ownRows(table, points);
+    const auto values = ownValues(randomValues(3 * kVertices, 5), vertices, 3);
+    const auto gradients = ownValues(randomValues(3 * kMany, 6), points, 3);
     std::vector<double> forward(gradients.size()), back(values.size());
     std::vector<double> firstForward, firstBack;
     for (int made = 0; made < 2; ++made) {
@@ -142,11 +138,11 @@ TEST(DistributedTable, RepeatsItself) {
 }
 
 TEST(DistributedTable, MovesWithItsMatrices) {
-    const auto table = test::randomTable(kPoints, kVertices, 1);
-    const OwnedRange points = test::ownRange(kPoints, Spread::Even);
-    const OwnedRange vertices = test::ownRange(kVertices, Spread::Even);
+    const auto table = randomTable(kPoints, kVertices, 1);
+    const OwnedRange points = ownRange(kPoints, Spread::Even);
+    const OwnedRange vertices = ownRange(kVertices, Spread::Even);
     const auto make = [&](int components) {
-        return DistributedTable(MPI_COMM_WORLD, test::ownRows(table, points), vertices.count(),
+        return DistributedTable(MPI_COMM_WORLD, ownRows(table, points), vertices.count(),
                                 components);
     };
     DistributedTable distributed = make(1);
@@ -160,15 +156,14 @@ TEST(DistributedTable, MovesWithItsMatrices) {
     EXPECT_EQ(rows, 3 * points.count());
     EXPECT_EQ(columns, 3 * vertices.count());
     std::vector<double> got(3 * points.count());
-    const auto values = test::randomValues(3 * kVertices, 2);
-    moved.evaluate(test::ownValues(values, vertices, 3), got);
+    const auto values = randomValues(3 * kVertices, 2);
+    moved.evaluate(ownValues(values, vertices, 3), got);
     expectOwnPart(got, reference(table, values, 3), bounds(table, values, 3), points, 3);
 }
 
 TEST(DistributedTable, MayHaveNoPointsAtAll) {
-    const OwnedRange vertices = test::ownRange(kVertices, Spread::Even);
-    DistributedTable distributed(MPI_COMM_WORLD, test::randomTable(0, kVertices, 1),
-                                 vertices.count());
+    const OwnedRange vertices = ownRange(kVertices, Spread::Even);
+    DistributedTable distributed(MPI_COMM_WORLD, randomTable(0, kVertices, 1), vertices.count());
     std::vector<double> none, gradients(3 * vertices.count(), 7);
     distributed.evaluate(gradients, none);
     distributed.evaluateAdjoint(none, gradients);
@@ -180,7 +175,7 @@ TEST(EvenRange, IsThatOfPetsc) {
         PetscInt local = PETSC_DECIDE;
         auto all = static_cast<PetscInt>(total);
         ASSERT_EQ(PetscSplitOwnership(MPI_COMM_WORLD, &local, &all), 0);
-        const OwnedRange own = evenRange(total, test::rank(), test::rankCount());
+        const OwnedRange own = evenRange(total, test::rank(), rankCount());
         EXPECT_EQ(own.count(), local);
         std::int64_t last = 0;
         const std::int64_t count = own.count();

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/petsc/distributed_table.h>
-#include <gtest/gtest.h>
 #include <petscsys.h>
 
 #include <cstdio>
-#include <string>
 
 #include "refusals.h"
+#include "support/test.h"
 
 namespace espalier::test {
 
@@ -29,22 +27,14 @@ private:
     int rank_;
 };
 
-std::string refusal() {
-    try {
-        petsc::DistributedTable(MPI_COMM_WORLD, stencils::StencilTable<double>(), 0);
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "none";
-}
-
 }  // namespace
 }  // namespace espalier::test
 
 int main(int argumentCount, char** arguments) {
     using namespace espalier;
     ::testing::InitGoogleTest(&argumentCount, arguments);
-    test::refusalBeforeInitialisation = test::refusal();
+    test::refusalBeforeInitialisation = messageOf(
+        [] { petsc::DistributedTable(MPI_COMM_WORLD, stencils::StencilTable<double>(), 0); });
     if (PetscInitialize(&argumentCount, &arguments, nullptr, nullptr)) return 2;
     int rank = 0;
     MPI_Comm_rank(PETSC_COMM_WORLD, &rank);

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/io/matrices/matrix_file.h>
 #include <espalier/io/matrices/petsc_binary.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <petscmat.h>
 
 #include <bit>
 #include <filesystem>
 #include <optional>
-#include <string>
 
 #include "petsc/errors.h"
 #include "ranks.h"
 #include "support/temporary_folder.h"
+#include "support/test.h"
 
 // Files that io writes, read by PETSc itself; and the other way round.
 namespace espalier::petsc {
@@ -32,7 +29,7 @@ protected:
             folder_.emplace();
             path_ = (*folder_ / "D.petsc").string();
         }
-        auto length = static_cast<int>(path_.size());
+        auto length = int(path_.size());
         MPI_Bcast(&length, 1, MPI_INT, 0, MPI_COMM_WORLD);
         path_.resize(length);
         MPI_Bcast(path_.data(), length, MPI_CHAR, 0, MPI_COMM_WORLD);
@@ -64,13 +61,13 @@ protected:
         withViewer(FILE_MODE_READ, [&](PetscViewer viewer) { return MatLoad(matrix_, viewer); });
     }
 
-    std::optional<test::TemporaryFolder> folder_;
+    std::optional<TemporaryFolder> folder_;
     std::string path_;
     Mat matrix_ = nullptr;
 };
 
 TEST_F(MatrixLoad, GivesEveryWeightToTheLastBit) {
-    const auto table = test::randomTable(203, 31, 9);
+    const auto table = randomTable(203, 31, 9);
     write(table, kOwnIntegers);
     load();
     PetscInt rows = 0, columns = 0, first = 0, last = 0;
@@ -78,7 +75,7 @@ TEST_F(MatrixLoad, GivesEveryWeightToTheLastBit) {
     EXPECT_EQ(rows, table.rowCount());
     EXPECT_EQ(columns, table.columnCount());
     ASSERT_EQ(MatGetOwnershipRange(matrix_, &first, &last), 0);
-    const OwnedRange own = evenRange(rows, test::rank(), test::rankCount());
+    const OwnedRange own = evenRange(rows, test::rank(), rankCount());
     EXPECT_EQ(first, own.first);
     EXPECT_EQ(last, own.last);
     for (PetscInt row = first; row < last; ++row) {
@@ -86,11 +83,10 @@ TEST_F(MatrixLoad, GivesEveryWeightToTheLastBit) {
         const PetscInt* at = nullptr;
         const PetscScalar* values = nullptr;
         ASSERT_EQ(MatGetRow(matrix_, row, &count, &at, &values), 0);
-        const auto expected = table.columns(static_cast<Index>(row));
-        const auto weights = table.weights(static_cast<Index>(row));
+        const auto expected = table.columns(Index(row));
+        const auto weights = table.weights(Index(row));
         EXPECT_EQ(count, static_cast<PetscInt>(expected.size()));
-        for (std::size_t k = 0; k < std::min(expected.size(), static_cast<std::size_t>(count));
-             ++k) {
+        for (std::size_t k = 0; k < std::min(expected.size(), std::size_t(count)); ++k) {
             EXPECT_EQ(at[k], expected[k]);
             EXPECT_EQ(std::bit_cast<std::uint64_t>(values[k]),
                       std::bit_cast<std::uint64_t>(weights[k]));
@@ -100,7 +96,7 @@ TEST_F(MatrixLoad, GivesEveryWeightToTheLastBit) {
 }
 
 TEST_F(MatrixLoad, WhatPetscWritesComesBackToTheLastBit) {
-    const auto table = test::randomTable(203, 31, 9);
+    const auto table = randomTable(203, 31, 9);
     write(table, kOwnIntegers);
     load();
     withViewer(FILE_MODE_WRITE, [&](PetscViewer viewer) { return MatView(matrix_, viewer); });
@@ -112,13 +108,8 @@ TEST_F(MatrixLoad, WhatPetscWritesComesBackToTheLastBit) {
 
 // A PETSc reads files of its own integers only; it says so, and does not misread the others.
 TEST_F(MatrixLoad, RefusesIntegersOfTheOtherSize) {
-    write(test::randomTable(20, 5, 9), kOtherIntegers);
-    try {
-        load();
-        ADD_FAILURE() << "was loaded";
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), ::testing::HasSubstr("Not a matrix"));
-    }
+    write(randomTable(20, 5, 9), kOtherIntegers);
+    EXPECT_REFUSED(Error, "Not a matrix", load());
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ inline OwnedRange ownRange(Offset total, Spread spread) {
 
 inline StencilTable<double> ownRows(const StencilTable<double>& table, OwnedRange own) {
     std::vector<Index> rows(own.count());
-    std::iota(rows.begin(), rows.end(), static_cast<Index>(own.first));
+    std::iota(rows.begin(), rows.end(), Index(own.first));
     return stencils::selectRows(table, std::span<const Index>(rows));
 }
 
@@ -66,35 +66,6 @@ inline StencilTable<double> ownRows(const StencilTable<double>& table, OwnedRang
 inline std::vector<double> ownValues(const std::vector<double>& all, OwnedRange own,
                                      int components) {
     return {all.begin() + own.first * components, all.begin() + own.last * components};
-}
-
-/// The same on all ranks.
-inline std::vector<double> randomValues(std::size_t count, unsigned seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(-1, 1);
-    std::vector<double> values;
-    while (values.size() < count) values.push_back(uniform(random));
-    return values;
-}
-
-/// Rows of 0 to 20 entries anywhere, all weights different; the same on all ranks.
-inline StencilTable<double> randomTable(Index rowCount, Index columnCount, unsigned seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> weight(-1, 1);
-    Array<Offset> offsets = {0};
-    Array<Index> columns;
-    Array<double> weights;
-    for (Index row = 0; row < rowCount; ++row) {
-        const auto share = static_cast<double>(random() % 21) / columnCount;
-        std::bernoulli_distribution isThere(std::min(share, 1.0));
-        for (Index column = 0; column < columnCount; ++column)
-            if (isThere(random)) {
-                columns.push_back(column);
-                weights.push_back(weight(random));
-            }
-        offsets.push_back(static_cast<Offset>(columns.size()));
-    }
-    return {columnCount, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
 }  // namespace espalier::test

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/inventory.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <numbers>
 
 #include "lattice_checks.h"
+#include "support/test.h"
 
 namespace espalier::shapes {
 namespace {
 
-using namespace espalier::test;
 using std::numbers::pi;
 
 /// A limb of constant radius through given points.
@@ -74,7 +72,7 @@ TEST(Arm, keepsItsThicknessRoundBends) {
     for (std::size_t bone = 0; bone + 1 < points.size(); ++bone) {
         const Point3 along = minus(points[bone + 1], points[bone]);
         for (Index v = 0; v < 4; ++v) {
-            const Index first = static_cast<Index>(bone) * 2 * 4 + v;
+            const Index first = Index(bone) * 2 * 4 + v;
             const Point3 step = minus(at(lattice, first + 8), at(lattice, first));
             const Point3 half = minus(at(lattice, first + 4), at(lattice, first));
             EXPECT_GT(step[0] * along[0] + step[1] * along[1] + step[2] * along[2], 0);
@@ -132,26 +130,18 @@ TEST(Arm, hasTheTopologyOfItsPose) {
 }
 
 TEST(Arm, refusesAJointThatCannotBe) {
-    EXPECT_EQ(errorOf([] {
-                  arm(limb({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}));
-              }),
-              "arm: joints[2].position is (1, 0, 0); allowed: points other than that of the joint "
-              "before");
-    EXPECT_EQ(
-        errorOf([] {
-            arm(limb({{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}}));
-        }),
+    EXPECT_MESSAGE(
+        "arm: joints[2].position is (1, 0, 0); allowed: points other than that of the joint "
+        "before",
+        arm(limb({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}})));
+    EXPECT_MESSAGE(
         "arm: joints[1].position is (1, 0, 0); allowed: points at which the limb bends by less "
-        "than 179 degrees");
-    EXPECT_EQ(errorOf([] {
-                  arm(limb({{0, 0, 0}}));
-              }),
-              "arm: the number of joints is 1; allowed: 2 or more");
-    EXPECT_EQ(
-        errorOf([] {
-            arm(limb({{0, 0, 0}, {0, 0, 2}}));
-        }),
-        "arm: up is (0, 0, 1); allowed: vectors that are not along the first bone, (0, 0, 1)");
+        "than 179 degrees",
+        arm(limb({{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}})));
+    EXPECT_MESSAGE("arm: the number of joints is 1; allowed: 2 or more", arm(limb({{0, 0, 0}})));
+    EXPECT_MESSAGE(
+        "arm: up is (0, 0, 1); allowed: vectors that are not along the first bone, (0, 0, 1)",
+        arm(limb({{0, 0, 0}, {0, 0, 2}})));
 }
 
 }  // namespace

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/inventory.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 
 #include "lattice_checks.h"
+#include "support/test.h"
 
 namespace espalier::shapes {
 namespace {
-
-using namespace espalier::test;
 
 /// A block of 6 by 2 by 0.5: its ends are squares of side 2, and the bar between them is as wide.
 BarbellOptions blockOptions() {
@@ -105,13 +100,14 @@ TEST(Barbell, hasRoundEnds) {
 TEST(Barbell, refusesARoundEndAsWideAsItsBar) {
     BarbellOptions options;
     options.barHalfWidth = options.endRadius;
-    EXPECT_EQ(errorOf([&] { barbell(options); }),
-              "barbell: barHalfWidth is 1; allowed: with roundness 1, numbers below endRadius, "
-              "which is 1");
+    EXPECT_MESSAGE(
+        "barbell: barHalfWidth is 1; allowed: with roundness 1, numbers below endRadius, "
+        "which is 1",
+        barbell(options));
     options.roundness = 0.5;
     options.barHalfWidth = 1.25;
-    EXPECT_EQ(errorOf([&] { barbell(options); }),
-              "barbell: barHalfWidth is 1.25; allowed: numbers up to endRadius, which is 1");
+    EXPECT_MESSAGE("barbell: barHalfWidth is 1.25; allowed: numbers up to endRadius, which is 1",
+                   barbell(options));
 }
 
 }  // namespace

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/complex_builder.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/shapes/extrude.h>
 #include <espalier/shapes/section.h>
-#include <gtest/gtest.h>
 
 #include "lattice_checks.h"
+#include "support/test.h"
 
 namespace espalier::shapes {
 namespace {
 
-using namespace espalier::test;
-
 Lattice mesh(std::vector<Point3> positions, const std::vector<std::vector<Index>>& loops) {
-    return {
-        far::buildMesh(static_cast<Index>(positions.size()), loops), std::move(positions), {}, {}};
+    return {far::buildMesh(Index(positions.size()), loops), std::move(positions), {}, {}};
 }
 
 /// An L of area 3 as one hexagon (not convex), with a square and a triangle at its ends.
@@ -124,43 +120,40 @@ TEST(Extrude, takesSurfacesThatAreNotFlat) {
 TEST(Extrude, refusesFacesWithoutVolume) {
     const Lattice wall = mesh({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 1}, {1, 1, 1}},
                               {{0, 1, 2, 3}, {1, 4, 5, 2}});
-    EXPECT_EQ(errorOf([&] { extrude(wall); }),
-              "extrude: face 1 of the mesh lies along the direction (0, 0, 1) or has no area; its "
-              "cells would have no volume");
+    EXPECT_MESSAGE(
+        "extrude: face 1 of the mesh lies along the direction (0, 0, 1) or has no area; its "
+        "cells would have no volume",
+        extrude(wall));
     // A hook: face 1 hangs over face 0.
     const Lattice fold = mesh(
         {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}, {1, 0, 1}, {1, 1, 1}, {0, 2, 0}, {2, 2, 0}},
         {{0, 1, 2, 3}, {1, 4, 5, 2}, {3, 2, 7, 6}});
-    EXPECT_EQ(errorOf([&] {
-                  extrude(fold, {{1, 0, 3}, 1});
-              }),
-              "extrude: face 1 of the mesh looks against the direction (1, 0, 3), other than its "
-              "neighbours; its cells would have a negative volume");
+    EXPECT_MESSAGE(
+        "extrude: face 1 of the mesh looks against the direction (1, 0, 3), other than its "
+        "neighbours; its cells would have a negative volume",
+        extrude(fold, {{1, 0, 3}, 1}));
 }
 
 TEST(Extrude, refusesWhatIsNoMesh) {
     const Lattice solid = extrude(frame());
-    EXPECT_EQ(errorOf([&] { extrude(solid); }), "extrude: the mesh is a lattice; expected a mesh");
+    EXPECT_MESSAGE("extrude: the mesh is a lattice; expected a mesh", extrude(solid));
     const Lattice fins = mesh({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}},
                               {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}});
-    EXPECT_EQ(errorOf([&] { extrude(fins); }),
-              "extrude: edge (0, 1) of the mesh lies in 3 faces; expected 1 or 2");
+    EXPECT_MESSAGE("extrude: edge (0, 1) of the mesh lies in 3 faces; expected 1 or 2",
+                   extrude(fins));
     Lattice broken = frame();
     broken.positions.pop_back();
-    EXPECT_EQ(errorOf([&] { extrude(broken); }),
-              "extrude: the mesh has 7 positions; expected 8, one a vertex");
+    EXPECT_MESSAGE("extrude: the mesh has 7 positions; expected 8, one a vertex", extrude(broken));
     broken = frame();
-    broken.positions[3][1] = std::numeric_limits<double>::infinity();
-    EXPECT_EQ(errorOf([&] { extrude(broken); }),
-              "extrude: vertex 3 of the mesh is at (-2, inf, 0); expected finite numbers");
+    broken.positions[3][1] = kInfinity;
+    EXPECT_MESSAGE("extrude: vertex 3 of the mesh is at (-2, inf, 0); expected finite numbers",
+                   extrude(broken));
     broken = frame();
     broken.attributes.push_back({"u", 2, std::vector<double>(8)});
-    EXPECT_EQ(errorOf([&] { extrude(broken); }),
-              "extrude: attribute 'u' of the mesh has 8 values; expected 16");
+    EXPECT_MESSAGE("extrude: attribute 'u' of the mesh has 8 values; expected 16", extrude(broken));
     broken = frame();
     broken.marks.vertices.push_back({8});
-    EXPECT_EQ(errorOf([&] { extrude(broken); }),
-              "extrude: a mark of the mesh names vertex 8; there are 8");
+    EXPECT_MESSAGE("extrude: a mark of the mesh names vertex 8; there are 8", extrude(broken));
 }
 
 TEST(Extrude, copiesAttributesToEachLayer) {
@@ -191,8 +184,8 @@ TEST(Extrude, carriesMarksToTheEndsAndAlongTheSweep) {
     EXPECT_EQ(lattice.marks, expected);
     expectSound(lattice);
     // The corner of the mesh is now the end of a sharp edge of the lattice.
-    const far::Strata strata = far::classify(lattice.complex, far::Boundary::Sharp,
-                                             far::SharpEdges::SingleCell, lattice.marks);
+    const far::Strata strata =
+        far::classify(lattice.complex, Boundary::Sharp, far::SharpEdges::SingleCell, lattice.marks);
     EXPECT_EQ(strata.of({1, edgeBetween(lattice.complex, 2, 10)}), 1);
     EXPECT_EQ(strata.of({1, edgeBetween(lattice.complex, 1, 9)}), 2);
 }
@@ -234,16 +227,16 @@ TEST(Sweep, wrapsAClosedSurfaceInAShell) {
 TEST(Sweep, refusesLayersThatDoNotFit) {
     const Lattice flat = gridMesh();
     std::vector<std::vector<Point3>> layers(2, flat.positions);
-    EXPECT_EQ(errorOf([&] { sweep(flat, layers, SweepEnds::Closed); }),
-              "sweep: the number of layers is 2; allowed: 3 or more");
-    EXPECT_EQ(errorOf([&] { sweep(flat, std::span(layers).first(1)); }),
-              "sweep: the number of layers is 1; allowed: 2 or more");
+    EXPECT_MESSAGE("sweep: the number of layers is 2; allowed: 3 or more",
+                   sweep(flat, layers, SweepEnds::Closed));
+    EXPECT_MESSAGE("sweep: the number of layers is 1; allowed: 2 or more",
+                   sweep(flat, std::span(layers).first(1)));
     layers[1].pop_back();
-    EXPECT_EQ(errorOf([&] { sweep(flat, layers); }),
-              "sweep: layer 1 has 3 positions; expected 4, one a vertex of the mesh");
-    layers[1].push_back({0, std::numeric_limits<double>::quiet_NaN(), 0});
-    EXPECT_EQ(errorOf([&] { sweep(flat, layers); }),
-              "sweep: vertex 3 of layer 1 is (0, nan, 0); allowed: finite numbers");
+    EXPECT_MESSAGE("sweep: layer 1 has 3 positions; expected 4, one a vertex of the mesh",
+                   sweep(flat, layers));
+    layers[1].push_back({0, kNan, 0});
+    EXPECT_MESSAGE("sweep: vertex 3 of layer 1 is (0, nan, 0); allowed: finite numbers",
+                   sweep(flat, layers));
 }
 
 TEST(Sweep, refusesAMoebiusBand) {

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/inventory.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <numbers>
 
 #include "lattice_checks.h"
+#include "support/test.h"
 
 namespace espalier::shapes {
 namespace {
 
-using namespace espalier::test;
 using std::numbers::pi;
 
 /// Vertices and faces of a disk of n sides: per ring n vertices and n faces, but that the core is
@@ -86,7 +84,7 @@ TEST(Cylinder, hasWedgesAroundItsAxis) {
         // All the wedges of the layer meet in its piece of the axis; no other cell does.
         const Index axis = edgeBetween(lattice.complex, layer * perLayer, (layer + 1) * perLayer);
         const auto cells = lattice.complex.relation(1, 3)[axis];
-        EXPECT_EQ(cells.size(), static_cast<std::size_t>(sectors));
+        EXPECT_EQ(cells.size(), std::size_t(sectors));
         for (const Index cell : cells) EXPECT_EQ(lattice.complex.relation(3, 0)[cell].size(), 6U);
     }
     // One edge along the axis at the ends and two inside, besides one a sector.

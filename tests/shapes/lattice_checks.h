@@ -1,23 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/lattice.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <span>
-#include <string>
 #include <utility>
-#include <vector>
+
+#include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::test {
-
-using far::CellComplex;
 
 /// Rounding of sums of a few hundred terms of size 10.
 inline constexpr double kRounding = 1e-12;
@@ -72,7 +65,7 @@ inline double signedVolume(const Lattice& lattice, Index cell) {
         Point3 centre = {0, 0, 0};
         for (const Index vertex : loop)
             for (std::size_t axis = 0; axis < 3; ++axis)
-                centre[axis] += at(lattice, vertex)[axis] / static_cast<double>(loop.size());
+                centre[axis] += at(lattice, vertex)[axis] / double(loop.size());
         for (std::size_t i = 0; i < loop.size(); ++i)
             volume += signs[f] *
                       triple(minus(centre, origin), minus(at(lattice, loop[i]), origin),
@@ -92,7 +85,7 @@ inline double totalVolume(const Lattice& lattice) {
 /// What every lattice of the inventory must be: valid at levels 0 to 2 with its marks, without
 /// duplicate vertices, and with cells of positive volume.
 inline void expectSound(const Lattice& lattice) {
-    ASSERT_EQ(lattice.positions.size(), static_cast<std::size_t>(lattice.complex.count(0)));
+    ASSERT_EQ(lattice.positions.size(), std::size_t(lattice.complex.count(0)));
     std::vector<Point3> sorted = lattice.positions;
     std::sort(sorted.begin(), sorted.end());
     EXPECT_EQ(std::adjacent_find(sorted.begin(), sorted.end()), sorted.end());
@@ -100,8 +93,7 @@ inline void expectSound(const Lattice& lattice) {
         EXPECT_GT(signedVolume(lattice, cell), 0) << "cell " << cell;
     far::RefinerOptions options;
     options.marks = lattice.marks;
-    far::TopologyRefiner refiner(lattice.complex, options);
-    refiner.refineUniform(2);
+    TopologyRefiner refiner = test::refined(lattice.complex, 2, options);
     for (int level = 0; level <= 2; ++level) {
         EXPECT_NO_THROW(far::validate(refiner.level(level).complex)) << "level " << level;
         EXPECT_EQ(refiner.level(level).complex.eulerCharacteristic(),
@@ -141,30 +133,6 @@ inline std::size_t valenceInCell(const CellComplex& complex, Index cell, Index v
     for (const Index edge : complex.relation(3, 1)[cell])
         valence += far::contains(complex.relation(1, 0)[edge], vertex) ? 1 : 0;
     return valence;
-}
-
-/// The message of the Error that a call throws; empty, with a failure, if it throws none.
-template <class Call>
-std::string errorOf(Call call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    ADD_FAILURE() << "no Error was thrown";
-    return {};
-}
-
-/// The cause of the TopologyError that a call throws.
-template <class Call>
-far::TopologyCause causeOf(Call call) {
-    try {
-        call();
-    } catch (const far::TopologyError& error) {
-        return error.cause();
-    }
-    ADD_FAILURE() << "no TopologyError was thrown";
-    return {};
 }
 
 }  // namespace espalier::test

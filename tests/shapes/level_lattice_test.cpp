@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/level_lattice.h>
 #include <espalier/shapes/refiner_options.h>
-#include <gtest/gtest.h>
 
 #include "support/mesh_shapes.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier {
 namespace {
-
-using far::Boundary;
-using far::TopologyRefiner;
 
 std::vector<Point3> anyPositions(const TopologyRefiner& refiner, int level) {
     return std::vector<Point3>(refiner.level(level).complex.count(0));
@@ -21,14 +17,12 @@ std::vector<Point3> anyPositions(const TopologyRefiner& refiner, int level) {
 /// Refined by what it says itself, level 1 as a lattice has the levels that come after level 1.
 void expectToGoOn(const Lattice& base, far::RefinerOptions options) {
     options.marks = base.marks;
-    TopologyRefiner whole(base.complex, options);
-    whole.refineUniform(3);
+    TopologyRefiner whole = test::refined(base.complex, 3, options);
     const Lattice level = levelLattice(whole, 1, anyPositions(whole, 1));
     RefinementTags chosen;
     if (base.complex.dimension() == 3 && options.boundary == Boundary::Open)
         chosen.boundary = Boundary::Open;
-    TopologyRefiner rest(level.complex, refinerOptions(level, chosen));
-    rest.refineUniform(2);
+    TopologyRefiner rest = test::refined(level.complex, 2, refinerOptions(level, chosen));
     for (int k = 0; k <= 2; ++k) {
         const auto& expected = whole.level(1 + k);
         const auto& actual = rest.level(k);
@@ -69,8 +63,7 @@ TEST(LevelLattice, KeepsMarksAndTags) {
                                           .creasing = far::Creasing::Chaikin,
                                           .triangles = far::TriangleSubdivision::Smooth};
         expectToGoOn(mesh, options);
-        TopologyRefiner refiner(mesh.complex, options);
-        refiner.refineUniform(1);
+        TopologyRefiner refiner = test::refined(mesh.complex, 1, options);
         EXPECT_EQ(levelLattice(refiner, 1, anyPositions(refiner, 1)).tags,
                   (RefinementTags{boundary, options.creasing, options.triangles}));
     }
@@ -84,8 +77,7 @@ TEST(LevelLattice, CornersThatAreMarkedStayMarked) {
         const auto ends = cube.complex.relation(1, 0)[edge];
         cube.marks.edges.push_back({{ends[0], ends[1]}, far::kSmooth});
     }
-    TopologyRefiner refiner(cube.complex, refinerOptions(cube));
-    refiner.refineUniform(1);
+    TopologyRefiner refiner = test::refined(cube.complex, 1, refinerOptions(cube));
     const Lattice level = levelLattice(refiner, 1, anyPositions(refiner, 1));
     const TopologyRefiner again(level.complex,
                                 refinerOptions(level, {.boundary = Boundary::EdgeOnly}));

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/solids.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <numbers>
 
 #include "lattice_checks.h"
+#include "support/complexes.h"
+#include "support/test.h"
 
 namespace espalier::shapes {
 namespace {
-
-using namespace espalier::test;
 
 struct RegularCase {
     Lattice (*make)(const RegularSolidOptions&);
@@ -68,14 +66,14 @@ TEST(Solids, standOnPolygons) {
         const Lattice onPyramid = pyramid(options);
         EXPECT_EQ(countsOf(onPyramid.complex), (Counts{n + 1, 2 * n, n + 1, 1}));
         EXPECT_NEAR(totalVolume(onPyramid), base, kRounding);
-        EXPECT_EQ(valenceInCell(onPyramid.complex, 0, n), static_cast<std::size_t>(n));
+        EXPECT_EQ(valenceInCell(onPyramid.complex, 0, n), std::size_t(n));
         expectSound(onPyramid);
 
         const Lattice onBoth = bipyramid(options);
         EXPECT_EQ(countsOf(onBoth.complex), (Counts{n + 2, 3 * n, 2 * n, 1}));
         EXPECT_NEAR(totalVolume(onBoth), base, kRounding);
-        EXPECT_EQ(valenceInCell(onBoth.complex, 0, n), static_cast<std::size_t>(n));
-        EXPECT_EQ(valenceInCell(onBoth.complex, 0, n + 1), static_cast<std::size_t>(n));
+        EXPECT_EQ(valenceInCell(onBoth.complex, 0, n), std::size_t(n));
+        EXPECT_EQ(valenceInCell(onBoth.complex, 0, n + 1), std::size_t(n));
         EXPECT_EQ(at(onBoth, n), (Point3{0, 0, -1.5}));
         EXPECT_EQ(at(onBoth, n + 1), (Point3{0, 0, 1.5}));
         expectSound(onBoth);
@@ -85,8 +83,7 @@ TEST(Solids, standOnPolygons) {
 TEST(Solids, becomeTypeNCells) {
     // MacCracken & Joy 1996, section 2.2: a vertex of valence n becomes a cell of 2n quadrilaterals
     // (with 2n + 2 vertices: 2 of valence n and 2n of valence 3; the paper says 2n − 2).
-    far::TopologyRefiner refiner(icosahedron().complex);
-    refiner.refineUniform(1);
+    TopologyRefiner refiner = test::refined(icosahedron().complex, 1);
     const CellComplex& refined = refiner.level(1).complex;
     EXPECT_EQ(refined.count(3), 12);
     for (Index cell = 0; cell < refined.count(3); ++cell) {

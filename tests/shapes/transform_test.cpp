@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/transform.h>
-#include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "lattice_checks.h"
+#include "support/test.h"
 
 namespace espalier::shapes {
 namespace {
 
-using namespace espalier::test;
 using std::numbers::pi;
 
 /// A few roundings of numbers of size 1.
@@ -50,14 +49,10 @@ TEST(Affine, turnsOneDirectionIntoAnother) {
 }
 
 TEST(Affine, refusesDirectionsWithoutLength) {
-    EXPECT_EQ(errorOf([] {
-                  rotation({0, 0, 0}, 1);
-              }),
-              "rotation: axis is (0, 0, 0); allowed: non-zero vectors");
-    EXPECT_EQ(errorOf([] {
-                  rotationBetween({1, 0, 0}, {0, 0, 0});
-              }),
-              "rotation: to is (0, 0, 0); allowed: non-zero vectors");
+    EXPECT_MESSAGE("rotation: axis is (0, 0, 0); allowed: non-zero vectors",
+                   rotation({0, 0, 0}, 1));
+    EXPECT_MESSAGE("rotation: to is (0, 0, 0); allowed: non-zero vectors",
+                   rotationBetween({1, 0, 0}, {0, 0, 0}));
 }
 
 TEST(Transformed, scalesVolumesByTheDeterminant) {
@@ -78,10 +73,9 @@ TEST(Transformed, keepsVolumesPositiveInAMirror) {
 }
 
 TEST(Transformed, refusesASingularMap) {
-    EXPECT_EQ(errorOf([] {
-                  transformed(box(), scaling({1, 0, 1}));
-              }),
-              "transformed: the determinant of the map is 0; allowed: finite numbers other than 0");
+    EXPECT_MESSAGE(
+        "transformed: the determinant of the map is 0; allowed: finite numbers other than 0",
+        transformed(box(), scaling({1, 0, 1})));
 }
 
 }  // namespace

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shapes/weld.h"
-#include <gtest/gtest.h>
-
-#include <random>
 
 #include "lattice_checks.h"
+#include "support/test.h"
 
 namespace espalier::shapes {
 namespace {
-
-using namespace espalier::test;
 
 /// What weld() promises, by looking at every pair.
 Welding weldSlowly(const std::vector<Point3>& points, double distance) {
@@ -25,7 +21,7 @@ Welding weldSlowly(const std::vector<Point3>& points, double distance) {
             bestDistance = apart;
         }
         if (best == welding.positions.size()) welding.positions.push_back(point);
-        welding.newIndex.push_back(static_cast<Index>(best));
+        welding.newIndex.push_back(Index(best));
     }
     return welding;
 }

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include "solve/bernstein.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "polynomials.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::solve {
@@ -36,7 +32,7 @@ TEST(BernsteinBounds, TellsTheSignOfWhatIsLeastInside) {
     // What cannot be told counts as not positive: no such thing is ever "proved".
     EXPECT_FALSE(isPositive(point(0)));
     EXPECT_FALSE(isPositive(plane(0)));
-    EXPECT_FALSE(isPositive(plane(std::numeric_limits<double>::quiet_NaN())));
+    EXPECT_FALSE(isPositive(plane(kNan)));
 }
 
 // The same of degree 8: (2u − 1)² has the coefficients 1 − 4i/8 + 4i(i − 1)/(8 · 7).
@@ -44,7 +40,7 @@ TEST(BernsteinBounds, TellsTheSignInDegreeEight) {
     const auto point = [](double least) {
         Trivariate<8, 1> result;
         const auto square = [](std::size_t i) {
-            const auto x = static_cast<double>(i);
+            const auto x = double(i);
             return 1 - x / 2 + x * (x - 1) / 14;
         };
         for (std::size_t i = 0; i < result.size(); ++i)
@@ -61,11 +57,11 @@ TEST(BernsteinBounds, TellsTheSignInDegreeEight) {
 // Against the least of samples, which is no less than the least of all.
 TEST(BernsteinBounds, LeastQuotientIsBelowAllSamplesAndNotByMuch) {
     for (unsigned seed = 0; seed < 10; ++seed) {
-        const auto values = test::randomValues(54, seed);
+        const auto values = randomValues(54, seed);
         Trivariate<2, 2> quotient;
         for (std::size_t i = 0; i < 27; ++i)
             quotient[i] = {values[i] + (seed % 3 == 0 ? 0.8 : 0), 1.5 + values[27 + i]};
-        double sampled = std::numeric_limits<double>::infinity();
+        double sampled = kInfinity;
         constexpr int kParts = 12;
         forGrid(kParts, [&](const Vector3d& uvw) {
             sampled = std::min(sampled, valueAt(quotient, 0, uvw) / valueAt(quotient, 1, uvw));
@@ -129,7 +125,7 @@ TEST(BernsteinBounds, TheFirstTimeIsFound) {
     EXPECT_NEAR(positiveUpTo(moving(lower, nothing()), 1).time, 0.25, 1e-6);
     // Not positive at the start; or nowhere a number.
     EXPECT_EQ(positiveUpTo(moving({0, 1, 1, 1}, nothing()), 1).time, 0);
-    lower.fill(std::numeric_limits<double>::quiet_NaN());
+    lower.fill(kNan);
     EXPECT_EQ(positiveUpTo(moving(lower, nothing()), 1).time, 0);
     // Negative after 1e-13: as good as at once. After 1e-9 not.
     EXPECT_EQ(positiveUpTo(moving({1e-13, -1.0 / 3, -2.0 / 3, -1}, nothing()), 1).time, 0);
@@ -164,8 +160,8 @@ TEST(BernsteinBounds, WorkIsBounded) {
     // 1/3, 1, and a −1, 0, 1.
     for (std::size_t i = 0; i < 27; ++i)
         for (std::size_t lane = 0; lane < 4; ++lane) {
-            const double a = static_cast<double>(i % 3) - 1;
-            const double b = static_cast<double>(lane) * 2 / 3 - 1;
+            const double a = double(i % 3) - 1;
+            const double b = double(lane) * 2 / 3 - 1;
             diagonal[i][lane] = kSquare[i % 3] + 2 * a * b + kSquareInTime[lane] + 1e-12;
         }
     const ProvedTime proved = positiveUpTo(diagonal, 1);

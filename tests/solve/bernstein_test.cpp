@@ -2,16 +2,13 @@
 #include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/shapes/inventory.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "polynomials.h"
 #include "solve/bernstein.h"
 #include "solve/validity_pieces.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::solve {
@@ -27,7 +24,7 @@ struct RandomCell {
 
 RandomCell randomCell(unsigned seed) {
     Lattice cube = shapes::box();
-    const auto moves = test::randomValues(24, seed);
+    const auto moves = randomValues(24, seed);
     for (std::size_t i = 0; i < 24; ++i) cube.positions[i / 3][i % 3] += moves[i];
     const auto vertices = far::hexahedronVertices(cube.complex, CellId(0));
     embed::Trilinear::Corners corners;
@@ -79,7 +76,7 @@ struct RandomPatch {
     Piece<3> piece;
 
     explicit RandomPatch(unsigned seed) {
-        const auto values = test::randomValues(192, seed);
+        const auto values = randomValues(192, seed);
         for (std::size_t i = 0; i < 192; ++i) patch.points[i / 3][i % 3] = values[i];
         patch.largestCoordinate = 1;
         piece = pieceOf(patch);
@@ -144,16 +141,15 @@ TEST(Bernstein, ConstantsStayConstant) {
 template <std::size_t Degree>
 void expectHalvesAreTheSame() {
     Trivariate<Degree, 2> whole;
-    const auto values = test::randomValues(2 * whole.size(), 3);
+    const auto values = randomValues(2 * whole.size(), 3);
     for (std::size_t i = 0; i < values.size(); ++i) whole[i / 2][i % 2] = values[i];
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto both = halves(whole, axis);
         for (std::size_t lane = 0; lane < 2; ++lane)
             forGrid(3, [&](const Vector3d& uvw) {
                 Vector3d inLower = uvw, inUpper = uvw;
-                inLower[static_cast<Eigen::Index>(axis)] /= 2;
-                inUpper[static_cast<Eigen::Index>(axis)] =
-                    (1 + uvw[static_cast<Eigen::Index>(axis)]) / 2;
+                inLower[Eigen::Index(axis)] /= 2;
+                inUpper[Eigen::Index(axis)] = (1 + uvw[Eigen::Index(axis)]) / 2;
                 // Means of numbers of size 1.
                 EXPECT_NEAR(valueAt(both.first, lane, uvw), valueAt(whole, lane, inLower), 1e-14);
                 EXPECT_NEAR(valueAt(both.second, lane, uvw), valueAt(whole, lane, inUpper), 1e-14);
@@ -167,7 +163,7 @@ TEST(Bernstein, HalvesAreTheSamePolynomials) {
 }
 
 TEST(Bernstein, PartsInTimeAreTheSamePolynomial) {
-    const auto values = test::randomValues(108, 5);
+    const auto values = randomValues(108, 5);
     Trivariate<2, 4> whole;
     for (std::size_t i = 0; i < 108; ++i) whole[i / 4][i % 4] = values[i];
     const auto cubic = [](const std::array<double, 4>& c, double t) {

@@ -1,27 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/solve/lattice_fit.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
+#include <espalier/stencils/composition.h>
 
 #include "support/refined_lattice.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::solve {
 namespace {
 
-using stencils::Rules;
-using stencils::StencilTable;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 using ::testing::Property;
-using ::testing::Throws;
-using ::testing::ThrowsMessage;
 
 /// Points bound to a lattice at level 2.
 struct Model {
@@ -29,30 +19,20 @@ struct Model {
     StencilTable<double> deformation;
 
     Model(const Lattice& chosen, std::size_t pointCount) : lattice(chosen) {
-        const test::Refined refined(lattice, 2);
-        deformation = embed::bindPoints({far::TopologyRefiner(lattice.complex), lattice.positions},
-                                        test::pointsIn(refined, pointCount, 5), {.level = 2})
+        const Refined refined(lattice, 2);
+        deformation = embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions},
+                                        pointsIn(refined, pointCount, 5), {.level = 2})
                           .binding.table;
     }
 
     std::vector<Point3> moved(const std::vector<Point3>& displacements) const {
-        std::vector<Point3> result(deformation.rowCount(), Point3{});
-        for (Index row = 0; row < deformation.rowCount(); ++row)
-            for (std::size_t k = 0; k < deformation.columns(row).size(); ++k)
-                for (std::size_t c = 0; c < 3; ++c)
-                    result[row][c] +=
-                        deformation.weights(row)[k] * displacements[deformation.columns(row)[k]][c];
-        return result;
+        return stencils::applyLevelTable(deformation, displacements);
     }
     LatticeFit fit(const std::vector<Point3>& misses, const FitOptions& options = {}) const {
         return fitLattice(deformation, misses, lattice.complex, options);
     }
     std::vector<Point3> randomDisplacements() const {
-        const auto values = test::randomValues(3 * lattice.positions.size(), 7);
-        std::vector<Point3> result;
-        for (std::size_t i = 0; i < values.size(); i += 3)
-            result.push_back({values[i], values[i + 1], values[i + 2]});
-        return result;
+        return randomPoints(lattice.positions.size(), 7);
     }
 };
 
@@ -117,10 +97,7 @@ TEST(LatticeFit, FrozenVerticesStay) {
 // Targets that contradict each other: the residual is orthogonal to all that the lattice can do.
 TEST(LatticeFit, ContradictionsAreSharedByLeastSquares) {
     const Model model(shapes::box(), 40);
-    const auto random = test::randomValues(120, 9);
-    std::vector<Point3> misses;
-    for (std::size_t i = 0; i < 120; i += 3)
-        misses.push_back({random[i], random[i + 1], random[i + 2]});
+    const auto misses = randomPoints(40, 9);
     const LatticeFit fit = model.fit(misses);
     auto left = model.moved(fit.displacements);
     for (std::size_t i = 0; i < left.size(); ++i)
@@ -139,7 +116,7 @@ TEST(LatticeFit, ContradictionsAreSharedByLeastSquares) {
 TEST(LatticeFit, TikhonovMakesThemSmaller) {
     const Model model(shapes::box({.cells = {2, 2, 2}}), 200);
     const auto misses = model.moved(model.randomDisplacements());
-    double size = std::numeric_limits<double>::infinity(), miss = -1;
+    double size = kInfinity, miss = -1;
     for (const double strength : {1e-3, 1e-1, 1.0, 10.0}) {
         const LatticeFit fit =
             model.fit(misses, {.smoothing = Smoothing::Tikhonov, .strength = strength});
@@ -176,40 +153,27 @@ TEST(LatticeFit, LaplacianCarriesTheRestAlong) {
 
 TEST(LatticeFit, RefusesWhatIsNotDetermined) {
     const Model model(shapes::box({.cells = {3, 3, 3}}), 1);
-    EXPECT_THAT(
-        [&] {
-            model.fit({{1, 0, 0}}, {.undetermined = Undetermined::Refuse});
-        },
-        ThrowsMessage<Error>(HasSubstr("the targets leave vertex ")));
+    EXPECT_REFUSED(Error, "the targets leave vertex ",
+                   model.fit({{1, 0, 0}}, {.undetermined = Undetermined::Refuse}));
 }
 
 TEST(LatticeFit, RefusesBadInputByName) {
     const Model model(shapes::box(), 3);
     const std::vector<Point3> misses(3, Point3{0.1, 0, 0});
-    const auto expectRefused = [](const auto& call, const char* why) {
-        EXPECT_THAT(call, ThrowsMessage<Error>(HasSubstr(why)));
-    };
-    expectRefused([&] { model.fit({{0, 0, 0}}); }, "got 1 targets for 3 points");
-    expectRefused(
-        [&] { fitLattice(StencilTable<double>(8, {0}, {}, {}), {}, model.lattice.complex); },
-        "there are no targets");
-    expectRefused(
-        [&] {
-            fitLattice(StencilTable<double>(8, {0, 0}, {}, {}), std::vector<Point3>(1),
-                       model.lattice.complex);
-        },
-        "point 0 has a target, but lies outside the lattice");
-    expectRefused([&] { fitLattice(model.deformation, misses, shapes::octahedron().complex); },
-                  "the points are bound to 8 vertices; the lattice has 6");
+    EXPECT_REFUSED(Error, "got 1 targets for 3 points", model.fit({{0, 0, 0}}));
+    EXPECT_REFUSED(Error, "there are no targets",
+                   fitLattice(StencilTable<double>(8, {0}, {}, {}), {}, model.lattice.complex));
+    EXPECT_REFUSED(Error, "point 0 has a target, but lies outside the lattice",
+                   fitLattice(StencilTable<double>(8, {0, 0}, {}, {}), std::vector<Point3>(1),
+                              model.lattice.complex));
+    EXPECT_REFUSED(Error, "the points are bound to 8 vertices; the lattice has 6",
+                   fitLattice(model.deformation, misses, shapes::octahedron().complex));
     auto bad = misses;
-    bad[1][2] = std::numeric_limits<double>::quiet_NaN();
-    expectRefused([&] { model.fit(bad); }, "the target of point 1 is not finite");
-    expectRefused([&] { model.fit(misses, {.frozen = {8}}); }, "vertex 8 cannot be frozen");
-    expectRefused(
-        [&] {
-            model.fit(misses, {.frozen = {0, 1, 2, 3, 4, 5, 6, 7}});
-        },
-        "all vertices are frozen");
+    bad[1][2] = kNan;
+    EXPECT_REFUSED(Error, "the target of point 1 is not finite", model.fit(bad));
+    EXPECT_REFUSED(Error, "vertex 8 cannot be frozen", model.fit(misses, {.frozen = {8}}));
+    EXPECT_REFUSED(Error, "all vertices are frozen",
+                   model.fit(misses, {.frozen = {0, 1, 2, 3, 4, 5, 6, 7}}));
     EXPECT_THAT([&] { model.fit(bad); }, Throws<TargetError>(Property(&TargetError::row, 1)));
     EXPECT_THAT(
         [&] {
@@ -218,11 +182,11 @@ TEST(LatticeFit, RefusesBadInputByName) {
         AllOf(Throws<TargetError>(Property(&TargetError::row, 2)),
               ThrowsMessage<TargetError>(
                   HasSubstr("the target of point 2 is too far from the point"))));
-    const StencilTable<double> broken(8, {0, 1}, {0}, {std::numeric_limits<double>::infinity()});
-    expectRefused([&] { fitLattice(broken, std::vector<Point3>(1), model.lattice.complex); },
-                  "point 0 has a weight that is not finite");
-    for (const double strength : {0.0, -1.0, 1e-5, 1e5, std::numeric_limits<double>::quiet_NaN()})
-        expectRefused([&] { model.fit(misses, {.strength = strength}); }, "a strength of");
+    const StencilTable<double> broken(8, {0, 1}, {0}, {kInfinity});
+    EXPECT_REFUSED(Error, "point 0 has a weight that is not finite",
+                   fitLattice(broken, std::vector<Point3>(1), model.lattice.complex));
+    for (const double strength : {0.0, -1.0, 1e-5, 1e5, kNan})
+        EXPECT_REFUSED(Error, "a strength of", model.fit(misses, {.strength = strength}));
 }
 
 }  // namespace

@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/limit/limit_binding.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/solve/validity.h>
 #include <espalier/stencils/composition.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numeric>
 
 #include "poses.h"
 #include "solve/validity_pieces.h"
 #include "support/random_lattices.h"
 #include "support/refined_lattice.h"
 #include "support/sanitizers.h"
+#include "support/test.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
@@ -27,17 +21,9 @@ namespace {
 
 using limit::LimitParts;
 using limit::LimitPositions;
-using stencils::Rules;
-using test::vec;
-using ::testing::Contains;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
-using ::testing::ThrowsMessage;
 
 LimitParts partsOf(const Lattice& lattice, int level) {
-    const far::TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+    const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
     return LimitParts(base, Rules::Siggraph96, level);
 }
 
@@ -94,24 +80,24 @@ TEST(LimitValidity, NoGradientContradictsIt) {
     int invertedCount = 0, limitedCount = 0;
     for (const Lattice& lattice :
          {shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}}), shapes::cylinder({.sectors = 5}),
-          shapes::octahedron(), test::mixedLattice()}) {
-        const test::Refined refined(lattice, 1);
+          shapes::octahedron(), mixedLattice()}) {
+        const Refined refined(lattice, 1);
         limit::LimitOptions options;
         options.gradients = true;
-        const auto points = test::pointsIn(refined, test::kIsSlow ? 20 : 100, 3);
-        const far::TopologyRefiner base(lattice.complex, refinerOptions(lattice));
+        const auto points = pointsIn(refined, kIsSlow ? 20 : 100, 3);
+        const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         const auto bound = limit::bindLimit({base, lattice.positions}, points, options);
         /// The least determinant, of those in cells.
         const auto sampled = [&](const Positions& pose) {
             std::array<Positions, 3> columns;
             for (std::size_t c = 0; c < 3; ++c)
                 columns[c] = stencils::applyLevelTable(bound.binding.table.gradients[c], pose);
-            double least = std::numeric_limits<double>::infinity();
+            double least = kInfinity;
             for (std::size_t i = 0; i < points.size(); ++i) {
                 if (bound.statuses[i] != embed::PointStatus::Inside) continue;
                 Eigen::Matrix3d gradient;
                 for (std::size_t c = 0; c < 3; ++c)
-                    gradient.col(static_cast<Eigen::Index>(c)) = vec(columns[c][i]);
+                    gradient.col(Eigen::Index(c)) = vec(columns[c][i]);
                 least = std::min(least, gradient.determinant());
             }
             return least;
@@ -119,8 +105,8 @@ TEST(LimitValidity, NoGradientContradictsIt) {
         ASSERT_LT(sampled(lattice.positions), 2);  // there are some
         const ValidityCheck validity(partsOf(lattice, 3), lattice.positions);
         ASSERT_THAT(validity.badAtRest(), IsEmpty());
-        for (unsigned seed = 0; seed < (test::kIsSlow ? 2 : 4); ++seed) {
-            const Positions pose = randomlyMoved(lattice.positions, 0.8, seed);
+        for (unsigned seed = 0; seed < (kIsSlow ? 2 : 4); ++seed) {
+            const Positions pose = shaken(lattice.positions, seed, 0.8);
             const PoseValidity checked = validity.check(pose);
             // Blends of level 3 are not those of a binding, which are 1e-6 in size: a tenth.
             const double least = sampled(pose);
@@ -153,8 +139,7 @@ double volumeOf(const Lattice& lattice, int level) {
             part,
             [&](const auto& piece) {
                 const auto polynomial = determinant(piece.derivatives);
-                for (const auto& lanes : polynomial)
-                    sum += lanes[0] / static_cast<double>(polynomial.size());
+                for (const auto& lanes : polynomial) sum += lanes[0] / double(polynomial.size());
             },
             positions);
     }
@@ -181,7 +166,7 @@ TEST(LimitValidity, PartsFillTheLimit) {
 }
 
 TEST(LimitValidity, NothingChangesAtRest) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         const ValidityCheck validity(partsOf(lattice, 2), lattice.positions);
         if (name == "tripod") continue;  // Its limit folds.
         EXPECT_THAT(validity.badAtRest(), IsEmpty()) << name;
@@ -195,7 +180,7 @@ TEST(LimitValidity, NothingChangesAtRest) {
 
 // A cell beside a box of three along each axis has all of its vertices on the boundary.
 TEST(LimitValidity, WhatShrinksAwayIsNeitherGoodNorBad) {
-    const Lattice lattice = test::carvedGrid(
+    const Lattice lattice = carvedGrid(
         {4, 3, 3}, [](Index i, Index j, Index k) { return i < 3 || (j == 1 && k == 1); });
     Index beside = 0;
     const auto isBeside = [&](Index cell) {
@@ -204,7 +189,7 @@ TEST(LimitValidity, WhatShrinksAwayIsNeitherGoodNorBad) {
                            [&](Index v) { return lattice.positions[std::size_t(v)][0] == 4; });
     };
     while (!isBeside(beside)) ++beside;
-    const far::TopologyRefiner base(lattice.complex, {.boundary = far::Boundary::Open});
+    const TopologyRefiner base(lattice.complex, {.boundary = Boundary::Open});
     const ValidityCheck validity(LimitParts(base, Rules::Siggraph96, 2), lattice.positions);
     EXPECT_THAT(validity.badAtRest(), IsEmpty());
     Positions pose = lattice.positions;
@@ -223,28 +208,25 @@ TEST(LimitValidity, WhatShrinksAwayIsNeitherGoodNorBad) {
 
 TEST(LimitValidity, DoesNotDependOnThreads) {
     const Lattice lattice = shapes::cylinder({.sectors = 4, .layers = 3});
-    const Positions pose = randomlyMoved(lattice.positions, 0.4, 8);
+    const Positions pose = shaken(lattice.positions, 8, 0.4);
     const auto work = [&] {
         const ValidityCheck validity(partsOf(lattice, 3), lattice.positions);
         const LargestStep step = validity.largestStep(pose);
         return std::tuple(validity.check(pose).ratios, step.length, step.limitingCell);
     };
-    const auto one = test::withThreads(1, work);
-    for (const int threads : {2, 5}) EXPECT_EQ(test::withThreads(threads, work), one);
+    const auto one = withThreads(1, work);
+    for (const int threads : {2, 5}) EXPECT_EQ(withThreads(threads, work), one);
 }
 
 TEST(LimitValidity, RefusesBadInputByName) {
     const Lattice cube = shapes::box();
-    const auto expectRefused = [](const auto& call, const char* why) {
-        EXPECT_THAT(call, ThrowsMessage<Error>(HasSubstr(why)));
-    };
     const Positions few(7);
-    expectRefused([&] { ValidityCheck(partsOf(cube, 1), few); },
-                  "got 7 positions of the rest for 8");
+    EXPECT_REFUSED(Error, "got 7 positions of the rest for 8",
+                   ValidityCheck(partsOf(cube, 1), few));
     const ValidityCheck validity(partsOf(cube, 1), cube.positions);
     Positions broken = cube.positions;
-    broken[5][1] = std::numeric_limits<double>::quiet_NaN();
-    expectRefused([&] { validity.check(broken); }, "the pose of vertex 5 is not finite");
+    broken[5][1] = kNan;
+    EXPECT_REFUSED(Error, "the pose of vertex 5 is not finite", validity.check(broken));
 }
 
 }  // namespace

@@ -23,10 +23,8 @@ double valueAt(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane,
                const Eigen::Vector3d& uvw) {
     const auto weight = [](std::size_t i, double t) {
         double factor = 1;  // of i in Degree
-        for (std::size_t k = 0; k < i; ++k)
-            factor = factor * static_cast<double>(Degree - k) / static_cast<double>(k + 1);
-        return factor * std::pow(t, static_cast<double>(i)) *
-               std::pow(1 - t, static_cast<double>(Degree - i));
+        for (std::size_t k = 0; k < i; ++k) factor = factor * double(Degree - k) / double(k + 1);
+        return factor * std::pow(t, double(i)) * std::pow(1 - t, double(Degree - i));
     };
     double sum = 0;
     for (std::size_t i = 0; i < polynomials.size(); ++i)

@@ -1,38 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/cell_place.h>
 #include <espalier/embed/trilinear.h>
 #include <espalier/far/standard_cells.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/solve/validity.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "poses.h"
 #include "solve/validity_pieces.h"
 #include "support/refined_lattice.h"
+#include "support/test.h"
 #include "support/threads.h"
 #include "support/zoo.h"
 
 namespace espalier::solve {
 namespace {
 
-using test::Refined;
-using test::vec;
-using ::testing::Contains;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::ThrowsMessage;
-
-const far::CellComplex& cube() {
-    static const far::CellComplex complex = shapes::box().complex;
+const CellComplex& cube() {
+    static const CellComplex complex = shapes::box().complex;
     return complex;
 }
 
@@ -48,7 +35,7 @@ Eigen::Vector3d positionOf(const Positions& positions, Index vertex) {
 
 /// Determinants all over a cell, the slow way: a type-3 cell by its trilinear map on a grid, a
 /// type-n cell by its tetrahedra around the mean of its vertices.
-std::vector<double> sampleDeterminants(const far::CellComplex& complex, Index cell,
+std::vector<double> sampleDeterminants(const CellComplex& complex, Index cell,
                                        const Positions& positions, int parts) {
     std::vector<double> samples;
     if (const auto vertices = far::hexahedronVertices(complex, CellId(cell))) {
@@ -64,7 +51,7 @@ std::vector<double> sampleDeterminants(const far::CellComplex& complex, Index ce
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     const auto vertices = complex.relation(3, 0)[cell];
     for (const Index vertex : vertices)
-        centre += positionOf(positions, vertex) / static_cast<double>(vertices.size());
+        centre += positionOf(positions, vertex) / double(vertices.size());
     for (Index t = 0; t < embed::tetrahedronCount(complex, CellId(cell)); ++t) {
         const auto base = embed::tetrahedronBase(complex, CellId(cell), t);
         Eigen::Matrix3d edges;
@@ -75,11 +62,11 @@ std::vector<double> sampleDeterminants(const far::CellComplex& complex, Index ce
 }
 
 /// The least quotient of samples of a pose and of the rest.
-double sampledRatio(const far::CellComplex& complex, Index cell, const Positions& rest,
+double sampledRatio(const CellComplex& complex, Index cell, const Positions& rest,
                     const Positions& pose, int parts) {
     const auto before = sampleDeterminants(complex, cell, rest, parts);
     const auto now = sampleDeterminants(complex, cell, pose, parts);
-    double least = std::numeric_limits<double>::infinity();
+    double least = kInfinity;
     for (std::size_t i = 0; i < now.size(); ++i) least = std::min(least, now[i] / before[i]);
     return least;
 }
@@ -110,7 +97,7 @@ TEST(Validity, VertexPulledThroughACube) {
 }
 
 TEST(Validity, NothingChangesAtRest) {
-    for (const auto& [name, lattice] : test::zoo()) {
+    for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 1);
         const ValidityCheck validity(refined.complex(), refined.positions);
         EXPECT_THAT(validity.badAtRest(), IsEmpty()) << name;
@@ -254,7 +241,7 @@ TEST(Validity, LeftHandedLatticesAreAsGood) {
     const auto mirrored = [](const Positions& positions) {
         return changed(positions, [](Point3 p) { return Point3{p[0], p[1], -p[2]}; });
     };
-    const Positions pose = refined.pose(randomlyMoved(refined.base, 1, 4));
+    const Positions pose = refined.pose(shaken(refined.base, 4, 1));
     const ValidityCheck right(refined.complex(), refined.positions);
     const ValidityCheck left(refined.complex(), mirrored(refined.positions));
     EXPECT_THAT(left.badAtRest(), IsEmpty());
@@ -278,8 +265,7 @@ TEST(Validity, SomeTetrahedraOfATypeFourCell) {
     Point3 centre{};
     const auto vertices = refined.complex().relation(3, 0)[cell];
     for (const Index other : vertices)
-        for (std::size_t c = 0; c < 3; ++c)
-            centre[c] += pose[other][c] / static_cast<double>(vertices.size());
+        for (std::size_t c = 0; c < 3; ++c) centre[c] += pose[other][c] / double(vertices.size());
     const auto samplesOf = [&](Index of, const Positions& positions) {
         return sampleDeterminants(refined.complex(), of, positions, 4);
     };
@@ -294,7 +280,7 @@ TEST(Validity, SomeTetrahedraOfATypeFourCell) {
         turned += now[i] * before[i] < 0;
     }
     ASSERT_GT(turned, 0);
-    ASSERT_LT(turned, static_cast<std::ptrdiff_t>(now.size()));
+    ASSERT_LT(turned, std::ptrdiff_t(now.size()));
     const PoseValidity folded = ValidityCheck(refined.complex(), refined.positions).check(pose);
     EXPECT_THAT(folded.inverted, Contains(cell));
     EXPECT_NEAR(*folded.ratios[cell], least, 1e-12);  // exact: rounding
@@ -305,14 +291,14 @@ TEST(Validity, NoSampleContradictsIt) {
     int invertedCount = 0, limitedCount = 0;
     for (const Lattice& lattice :
          {shapes::box({.cells = {2, 1, 1}}), shapes::cylinder({.sectors = 5}), shapes::octahedron(),
-          test::mixedLattice()})
+          mixedLattice()})
         for (unsigned seed = 0; seed < 3; ++seed) {
             const Refined refined(lattice, 1);
-            const far::CellComplex& complex = refined.complex();
+            const CellComplex& complex = refined.complex();
             const Positions& rest = refined.positions;
             // Partly along with the base vertices, partly each on its own: more of them fold.
             const Positions pose =
-                randomlyMoved(refined.pose(randomlyMoved(refined.base, 0.3, seed)), 0.1, seed + 50);
+                shaken(refined.pose(shaken(refined.base, seed, 0.3)), seed + 50, 0.1);
             const ValidityCheck validity(complex, rest);
             ASSERT_THAT(validity.badAtRest(), IsEmpty());
             const PoseValidity checked = validity.check(pose);
@@ -400,16 +386,16 @@ TEST(Validity, TiltedPlanesAreFlat) {
 
 TEST(Validity, DoesNotDependOnThreads) {
     const Refined refined(shapes::cylinder({.sectors = 6, .layers = 6}), 2);
-    const Positions pose = refined.pose(randomlyMoved(refined.base, 0.5, 8));
+    const Positions pose = refined.pose(shaken(refined.base, 8, 0.5));
     const auto work = [&] {
         const ValidityCheck validity(refined.complex(), refined.positions);
         return std::pair(validity.check(pose), validity.largestStep(pose));
     };
-    const auto [one, oneStep] = test::withThreads(1, work);
+    const auto [one, oneStep] = withThreads(1, work);
     ASSERT_FALSE(one.inverted.empty());
     ASSERT_GT(one.ratios.size(), 1024);  // more than one range
     for (const int threads : {2, 5}) {
-        const auto [other, otherStep] = test::withThreads(threads, work);
+        const auto [other, otherStep] = withThreads(threads, work);
         EXPECT_EQ(other.ratios, one.ratios);
         EXPECT_EQ(other.inverted, one.inverted);
         EXPECT_EQ(otherStep.length, oneStep.length);
@@ -434,7 +420,7 @@ TEST(Validity, SizeDoesNotCount) {
 }
 
 TEST(Validity, BaseCellsAreThoseThatCellsDescendFrom) {
-    const Refined refined(test::mixedLattice(), 2);
+    const Refined refined(mixedLattice(), 2);
     std::vector<Index> firsts;
     refined.refiner.refinement(1).forEachChild(
         0, 3, [&](Entity, const far::Interval& from) { firsts.push_back(from.upper.index); });
@@ -447,29 +433,25 @@ TEST(Validity, BaseCellsAreThoseThatCellsDescendFrom) {
 TEST(Validity, RefusesBadInputByName) {
     const Positions rest = shapes::box().positions;
     const ValidityCheck validity(cube(), rest);
-    const auto expectRefused = [](const auto& call, const char* why) {
-        EXPECT_THAT(call, ThrowsMessage<Error>(HasSubstr(why)));
-    };
     const Positions few(7);
-    expectRefused([&] { ValidityCheck(cube(), few); }, "got 7 positions of the rest for 8");
-    expectRefused([&] { validity.check(few); }, "got 7 positions of the pose for 8 vertices");
-    expectRefused([&] { validity.largestStep(few); }, "got 7 positions of the pose");
-    for (const double bad :
-         {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
+    EXPECT_REFUSED(Error, "got 7 positions of the rest for 8", ValidityCheck(cube(), few));
+    EXPECT_REFUSED(Error, "got 7 positions of the pose for 8 vertices", validity.check(few));
+    EXPECT_REFUSED(Error, "got 7 positions of the pose", validity.largestStep(few));
+    for (const double bad : {kNan, -kInfinity}) {
         Positions broken = rest;
         broken[5][1] = bad;
-        expectRefused([&] { ValidityCheck(cube(), broken); }, "the rest of vertex 5 is not finite");
-        expectRefused([&] { validity.check(broken); }, "the pose of vertex 5 is not finite");
+        EXPECT_REFUSED(Error, "the rest of vertex 5 is not finite", ValidityCheck(cube(), broken));
+        EXPECT_REFUSED(Error, "the pose of vertex 5 is not finite", validity.check(broken));
     }
     Positions far = rest;
     far[2][0] = 1e100;
-    expectRefused([&] { validity.check(far); }, "the pose of vertex 2 is too far");
-    for (const double most : {0.0, -1.0, 1e7, std::numeric_limits<double>::quiet_NaN()})
-        expectRefused([&] { validity.largestStep(rest, most); }, "expected a number above 0");
+    EXPECT_REFUSED(Error, "the pose of vertex 2 is too far", validity.check(far));
+    for (const double most : {0.0, -1.0, 1e7, kNan})
+        EXPECT_REFUSED(Error, "expected a number above 0", validity.largestStep(rest, most));
     const Lattice octahedron = shapes::octahedron();
-    expectRefused([&] { ValidityCheck(octahedron.complex, octahedron.positions); },
-                  "is not a quadrilateral");
-    expectRefused([&] { ValidityCheck(far::CellComplex(), {}); }, "dimension 0");
+    EXPECT_REFUSED(Error, "is not a quadrilateral",
+                   ValidityCheck(octahedron.complex, octahedron.positions));
+    EXPECT_REFUSED(Error, "dimension 0", ValidityCheck(CellComplex(), {}));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/stencils/masks.h>
-#include <gtest/gtest.h>
+
+#include "support/test.h"
 
 namespace espalier::stencils {
 namespace {

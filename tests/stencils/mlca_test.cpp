@@ -1,37 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/far/strata.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
 #include <espalier/stencils/mlca.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <map>
-#include <set>
-
-#include "papers/rows.h"
 #include "support/meshes.h"
 #include "support/random_lattices.h"
+#include "support/rows.h"
 #include "support/sanitizers.h"
+#include "support/test.h"
 
 // MLCA: Bajaj, Schaefer, Warren & Xu 2002.
 namespace espalier::stencils {
 namespace {
 
-using far::Boundary;
-using far::CellComplex;
-using far::TopologyRefiner;
 using far::TriangleSubdivision;
-using test::average;
-using test::centroid;
-using test::difference;
-using test::expectRow;
-using test::NamedLattice;
-using test::pointOf;
-using test::Row;
-using test::rowOf;
 
 /// MLCA as it is told: points are split multilinearly, and then each becomes the mean of the
 /// centroids of the sub-cells around it, which are the cells (faces, edges, vertices) of the child.
@@ -59,7 +42,7 @@ private:
     static double mean(std::span<const Index> vertices, std::span<const double> values) {
         double sum = 0;
         for (const Index vertex : vertices) sum += values[vertex];
-        return sum / static_cast<double>(vertices.size());
+        return sum / double(vertices.size());
     }
 
     /// \param crease the edges to go by alone, if any
@@ -87,11 +70,11 @@ private:
 /// Lattices, meshes and curves with every feature that there is a rule for.
 std::vector<NamedLattice> everything() {
     std::vector<NamedLattice> all;
-    for (const auto& shapes : {test::zoo(), test::featureLattices(), test::meshZoo()})
+    for (const auto& shapes : {zoo(), featureLattices(), meshZoo()})
         for (const NamedLattice& shape : shapes)
             if (shape.lattice.tags.triangles != TriangleSubdivision::Smooth) all.push_back(shape);
-    for (unsigned seed = 0; seed < (test::kIsSlow ? 10 : 60); ++seed)
-        all.push_back({"seed " + std::to_string(seed), test::randomLattice(seed)});
+    for (unsigned seed = 0; seed < (kIsSlow ? 10 : 60); ++seed)
+        all.push_back({"seed " + std::to_string(seed), randomLattice(seed)});
     for (const bool closed : {false, true})
         all.push_back({closed ? "closed curve" : "open curve",
                        {far::buildCurve(6, closed),
@@ -126,7 +109,7 @@ TEST(Mlca, SplitsAndAverages) {
     forEachRefinedShape(2, [&](const TopologyRefiner& refiner) {
         for (int k = 1; k <= 2; ++k) {
             const far::Level& parent = refiner.level(k - 1);
-            const auto values = test::randomValues(parent.complex.count(0), 3);
+            const auto values = randomValues(parent.complex.count(0), 3);
             const SplitAndAveraged reference(parent, values);
             const auto table = buildLevelTable(refiner, k, Rules::Mlca);
             for (Index row = 0; row < table.rowCount(); ++row) {
@@ -177,10 +160,9 @@ TEST(Mlca, RowsArePositiveAndSumToOne) {
 // On grids all rules are the cubic B-spline's, whose weights on the way are sums of powers of two:
 // there is no rounding.
 TEST(Mlca, OfGridsIsCatmullClark) {
-    const std::vector<CellComplex> grids = {test::grid({4, 3, 5}),   test::grid({1, 1, 1}),
-                                            test::grid({3, 1, 2}),   test::gridMesh(5, 4),
-                                            test::gridMesh(1, 3),    far::buildCurve(7, false),
-                                            far::buildCurve(5, true)};
+    const std::vector<CellComplex> grids = {
+        test::grid({4, 3, 5}), test::grid({1, 1, 1}),     test::grid({3, 1, 2}),   gridMesh(5, 4),
+        gridMesh(1, 3),        far::buildCurve(7, false), far::buildCurve(5, true)};
     for (const CellComplex& grid : grids)
         for (const Boundary boundary : {Boundary::Sharp, Boundary::Open}) {
             TopologyRefiner refiner(grid, {.boundary = boundary});
@@ -204,8 +186,8 @@ TEST(Mlca, OfGridsIsCatmullClark) {
 CellComplex coneOver(const Lattice& polyhedron) {
     far::ComplexBuilder builder(3, polyhedron.complex.count(0));
     const Index middle = builder.addVertex();
-    for (const std::vector<Index>& loop : test::loopsOf(polyhedron)) {
-        test::Loops cell = {loop};
+    for (const std::vector<Index>& loop : loopsOf(polyhedron)) {
+        Loops cell = {loop};
         for (std::size_t i = 0; i < loop.size(); ++i)
             cell.push_back({loop[i], loop[(i + 1) % loop.size()], middle});
         builder.addCell(cell);
@@ -234,8 +216,7 @@ TEST(Mlca, OfHexahedraHasTheRulesOfCse96WithWeightedEdges) {
     std::set<std::size_t> cellsAtEdges;
     int weighted = 0;
     for (const auto& [name, base] : simpleCells()) {
-        TopologyRefiner refiner(base);
-        refiner.refineUniform(3);
+        TopologyRefiner refiner = test::refined(base, 3);
         for (int level = 2; level <= 3; ++level) {
             const CellComplex& complex = refiner.level(level - 1).complex;
             const auto table = buildLevelTable(refiner, level, Rules::Mlca);
@@ -275,8 +256,7 @@ TEST(Mlca, OfHexahedraHasTheRulesOfCse96WithWeightedEdges) {
 }
 
 Row mlcaRow(const CellComplex& complex, Entity entity) {
-    TopologyRefiner refiner(complex);
-    refiner.refineUniform(1);
+    TopologyRefiner refiner = test::refined(complex, 1);
     return rowOf(buildLevelTable(refiner, 1, Rules::Mlca), pointOf(refiner, 1, entity));
 }
 
@@ -287,7 +267,7 @@ Row mlcaRow(const CellComplex& complex, Entity entity) {
 // for each corner.
 TEST(Mlca, GoldenPointOfAPyramid) {
     const double apex = 341. / 1500, corner = (1 - apex) / 4;
-    expectRow(mlcaRow(test::singleCell(far::StandardCell::Pyramid), {3, 0}),
+    expectRow(mlcaRow(singleCell(far::StandardCell::Pyramid), {3, 0}),
               {{0, corner}, {1, corner}, {2, corner}, {3, corner}, {4, apex}});
 }
 
@@ -308,7 +288,7 @@ TEST(Mlca, GoldenPointsOfATetrahedralSurface) {
 
 // Where the loop of a face passes a vertex twice there are two sub-cells, with two edges each.
 TEST(Mlca, SubCellsAreAtPositionsOfALoop) {
-    const CellComplex mesh = far::buildMesh(5, test::Loops{{0, 1, 2, 0, 3, 4}});
+    const CellComplex mesh = far::buildMesh(5, Loops{{0, 1, 2, 0, 3, 4}});
     const auto edges = mesh.relation(2, 1)[0];
     EXPECT_EQ(mlcaSubCell(mesh, {2, 0}, 0),
               (std::vector<Entity>{{0, 0}, {1, edges[0]}, {1, edges[5]}, {2, 0}}));
@@ -319,10 +299,9 @@ TEST(Mlca, SubCellsAreAtPositionsOfALoop) {
 /// Two prisms of two storeys on a triangle that they share, each one cell. On the far storey of the
 /// lower one, three faces of four corners or, with the same vertices and as many faces, one of
 /// three corners and one of five: f–i is there, or d–i.
-test::Loops twoStoreys(std::array<Index, 9> v, bool isTurned) {
+Loops twoStoreys(std::array<Index, 9> v, bool isTurned) {
     const auto [a, b, c, d, e, f, g, h, i] = v;
-    test::Loops loops = {{a, b, c},    {a, b, e, d}, {b, c, f, e},
-                         {c, a, d, f}, {d, e, h, g}, {g, h, i}};
+    Loops loops = {{a, b, c}, {a, b, e, d}, {b, c, f, e}, {c, a, d, f}, {d, e, h, g}, {g, h, i}};
     if (isTurned)
         loops.insert(loops.end(), {{e, f, d, i, h}, {d, g, i}});
     else
@@ -340,8 +319,7 @@ TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
             for (Index k = 0; k < 9; ++k) vertices[k] = first + (k < 3 ? k : storey + k - 3);
             builder.addCell(twoStoreys(vertices, first == 15 && storey == 9));
         }
-    TopologyRefiner refiner(builder.build());
-    refiner.refineUniform(2);
+    TopologyRefiner refiner = test::refined(builder.build(), 2);
     const auto whole = buildStencils(refiner, 2, Rules::Mlca);
     EXPECT_EQ(whole, multiply(buildLevelTable(refiner, 2, Rules::Mlca),
                               buildLevelTable(refiner, 1, Rules::Mlca)));
@@ -358,15 +336,11 @@ TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
 
 TEST(Mlca, HasNoSmoothTriangles) {
     for (const CellComplex& complex :
-         {test::grid({1, 1, 1}), test::gridMesh(2, 2), far::buildCurve(3, false)}) {
-        TopologyRefiner refiner(complex, {.triangles = TriangleSubdivision::Smooth});
-        refiner.refineUniform(1);
-        try {
-            buildStencils(refiner, 1, Rules::Mlca);
-            FAIL() << "accepted";
-        } catch (const Error& error) {
-            EXPECT_THAT(error.what(), ::testing::HasSubstr("MLCA have no smooth triangles"));
-        }
+         {test::grid({1, 1, 1}), gridMesh(2, 2), far::buildCurve(3, false)}) {
+        TopologyRefiner refiner =
+            test::refined(complex, 1, {.triangles = TriangleSubdivision::Smooth});
+        EXPECT_REFUSED(Error, "MLCA have no smooth triangles",
+                       buildStencils(refiner, 1, Rules::Mlca));
     }
 }
 

@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <random>
-
+#include "support/complexes.h"
+#include "support/test.h"
 #include "support/threads.h"
 
 namespace espalier::stencils {
 namespace {
-
-using ::testing::ElementsAre;
 
 TEST(Multiply, IsTheProductOfMatrices) {
     const StencilTable<double> left(3, {0, 2, 2, 3}, {0, 2, 1}, {2, 3, 5});
@@ -34,21 +26,18 @@ StencilTable<double> randomTable(Index rows, Index columns, Index longest, Index
     Array<Index> all;
     Array<double> weights;
     for (Index row = 0; row < rows; ++row) {
-        const Index first = static_cast<Index>(
-            random() % static_cast<unsigned>(std::max(columns - band, Index{1})));
+        const Index first = Index(random() % unsigned(std::max(columns - band, Index{1})));
         std::vector<Index> chosen;
-        for (Index k = static_cast<Index>(random() % static_cast<unsigned>(longest + 1)); k > 0;
-             --k)
-            chosen.push_back(std::min(
-                first + static_cast<Index>(random() % static_cast<unsigned>(band)), columns - 1));
+        for (Index k = Index(random() % unsigned(longest + 1)); k > 0; --k)
+            chosen.push_back(std::min(first + Index(random() % unsigned(band)), columns - 1));
         std::sort(chosen.begin(), chosen.end());
         chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
         for (const Index column : chosen) {
             all.push_back(column);
             // Halves cancel now and then.
-            weights.push_back(static_cast<double>(random() % 9) / 2 - 2.25);
+            weights.push_back(double(random() % 9) / 2 - 2.25);
         }
-        offsets.push_back(static_cast<Offset>(all.size()));
+        offsets.push_back(Offset(all.size()));
     }
     return StencilTable<double>(columns, std::move(offsets), std::move(all), std::move(weights));
 }
@@ -80,7 +69,7 @@ StencilTable<double> plainProduct(const StencilTable<double>& left,
             columns.push_back(column);
             weights.push_back(sum);
         }
-        offsets.push_back(static_cast<Offset>(columns.size()));
+        offsets.push_back(Offset(columns.size()));
     }
     return StencilTable<double>(right.columnCount(), std::move(offsets), std::move(columns),
                                 std::move(weights));
@@ -106,12 +95,10 @@ TEST(Multiply, DoesNotDependOnOrderOrThreads) {
     std::mt19937 random(5);
     for (const Index groupCount : {1, 7, 3000}) {
         std::vector<Index> groups(20000);
-        for (Index& group : groups)
-            group = static_cast<Index>(random() % static_cast<unsigned>(groupCount));
+        for (Index& group : groups) group = Index(random() % unsigned(groupCount));
         const RowOrder order(groups, groupCount);
         for (const int threads : {1, 3})
-            EXPECT_EQ(test::withThreads(threads, [&] { return multiply(left, right, order); }),
-                      expected)
+            EXPECT_EQ(withThreads(threads, [&] { return multiply(left, right, order); }), expected)
                 << groupCount;
     }
 }
@@ -139,14 +126,13 @@ TEST(RowOrder, KeepsGroupsTogetherAndTheirRowsInOrder) {
 // point whose coordinates are its own, or 1/2 where those are between two numbers.
 TEST(BaseEntities, AreThoseThatVerticesLieIn) {
     const Lattice box = shapes::box({.cells = {2, 1, 1}, .max = {2, 1, 1}});
-    far::TopologyRefiner refiner(box.complex);
-    refiner.refineUniform(3);
+    TopologyRefiner refiner = test::refined(box.complex, 3);
     const auto centre = [&](int dimension, Index index) {
         Point3 sum{};
         const auto vertices = box.complex.relation(dimension, 0)[index];
         for (const Index vertex : vertices)
             for (std::size_t c = 0; c < 3; ++c)
-                sum[c] += box.positions[vertex][c] / static_cast<double>(vertices.size());
+                sum[c] += box.positions[vertex][c] / double(vertices.size());
         return sum;
     };
     std::vector<Point3> centres;
@@ -156,7 +142,7 @@ TEST(BaseEntities, AreThoseThatVerticesLieIn) {
     // Linear precision: the vertices of a box of a level lie where the grid of that level does.
     const auto positions = refinePositions(refiner, 3, Rules::Siggraph96, box.positions);
     const auto origins = baseEntities(refiner, 3);
-    ASSERT_EQ(origins.back().count(), static_cast<Index>(centres.size()));
+    ASSERT_EQ(origins.back().count(), Index(centres.size()));
     const auto ofVertices = origins.back().of(0);
     ASSERT_EQ(ofVertices.size(), positions.size());
     for (std::size_t v = 0; v < positions.size(); ++v)

@@ -1,36 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/stencils/composition.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <map>
-
-#include "papers/rows.h"
+#include "support/rows.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::stencils {
 namespace {
 
-using far::CellComplex;
 using far::kInfinitelySharp;
 using far::Marks;
-using far::TopologyRefiner;
-using test::expectRow;
-using test::Row;
-using test::rowOf;
 
 /// The plane of 4 × 4 quadrilaterals; 12 is its middle, 11, 13, 7 and 17 are around it, and 6, 8,
 /// 16 and 18 the corners.
 StencilTable<double> levelTable(const Marks& marks) {
-    TopologyRefiner refiner(test::gridMesh(4, 4), {.marks = marks});
-    refiner.refineUniform(1);
+    TopologyRefiner refiner = refined(gridMesh(4, 4), 1, {.marks = marks});
     return buildLevelTable(refiner, 1);
 }
 
 /// The row of the point of the edge from 11 to 12.
 Row westRow(const Marks& marks) {
-    TopologyRefiner refiner(test::gridMesh(4, 4), {.marks = marks});
-    refiner.refineUniform(1);
+    TopologyRefiner refiner = refined(gridMesh(4, 4), 1, {.marks = marks});
     const CellComplex& base = refiner.level(0).complex;
     for (const Index edge : base.relation(0, 1)[12])
         if (far::contains(base.relation(1, 0)[edge], 11))
@@ -81,8 +71,8 @@ TEST(SemiSharp, GoldenVertexPoint) {
 // On a curve, (P₋ + 6P + P₊)/8 smooth, and the vertex itself sharp.
 TEST(SemiSharp, GoldenVertexPointOfACurve) {
     for (const bool closed : {false, true}) {
-        TopologyRefiner refiner(far::buildCurve(6, closed), {.marks = {.vertices = {{2, 0.5}}}});
-        refiner.refineUniform(1);
+        TopologyRefiner refiner =
+            refined(far::buildCurve(6, closed), 1, {.marks = {.vertices = {{2, 0.5}}}});
         expectRow(rowOf(buildLevelTable(refiner, 1), 2), {{1, 1. / 16}, {2, 7. / 8}, {3, 1. / 16}});
     }
 }
@@ -90,9 +80,8 @@ TEST(SemiSharp, GoldenVertexPointOfACurve) {
 // TriangleSubdivision::Smooth: of an edge between triangles, each centroid has 0.47, and each end
 // 0.03 besides; between a triangle and a square, each centroid has (0.47 + 0.25)/2 = 0.36.
 TEST(SemiSharp, GoldenSmoothTriangles) {
-    const CellComplex mesh = far::buildMesh(6, test::Loops{{0, 1, 2}, {1, 0, 3}, {0, 2, 4, 5}});
-    TopologyRefiner refiner(mesh, {.triangles = far::TriangleSubdivision::Smooth});
-    refiner.refineUniform(1);
+    const CellComplex mesh = far::buildMesh(6, Loops{{0, 1, 2}, {1, 0, 3}, {0, 2, 4, 5}});
+    TopologyRefiner refiner = refined(mesh, 1, {.triangles = far::TriangleSubdivision::Smooth});
     const auto table = buildLevelTable(refiner, 1);
     const auto edgeRow = [&](Index a, Index b) {
         for (Index edge = 0; edge < mesh.count(1); ++edge) {
@@ -113,7 +102,7 @@ TEST(SemiSharp, GoldenSmoothTriangles) {
 // Sharpness of exactly k means k levels of the sharp rules, and the smooth ones from then on: on
 // the surface of a lattice as on a mesh.
 TEST(SemiSharp, WholeSharpnessIsSomeSharpLevelsThenSmoothOnes) {
-    const CellComplex box = test::grid({2, 1, 1});
+    const CellComplex box = grid({2, 1, 1});
     Marks sharp, once;
     for (Index edge = 0; edge < box.count(1); ++edge) {
         const auto ends = box.relation(1, 0)[edge];
@@ -134,8 +123,7 @@ TEST(SemiSharp, WholeSharpnessIsSomeSharpLevelsThenSmoothOnes) {
     }
     for (Index vertex = 0; vertex < middle.count(0); ++vertex)
         smooth.vertices.push_back({vertex, far::kSmooth});
-    TopologyRefiner never(middle, {.marks = smooth});
-    never.refineUniform(1);
+    TopologyRefiner never = refined(middle, 1, {.marks = smooth});
     EXPECT_EQ(buildLevelTable(fading, 2), buildLevelTable(never, 1));
 }
 
@@ -143,13 +131,12 @@ TEST(SemiSharp, WholeSharpnessIsSomeSharpLevelsThenSmoothOnes) {
 // the cone of triangles, and 721 shares add up to it.
 TEST(Stencils, PoleOf360EdgesKeepsItsPrecision) {
     const Index n = 360;
-    test::Loops loops;
+    Loops loops;
     for (Index i = 0; i < n; ++i) {
         loops.push_back({0, 2 + i, 2 + (i + 1) % n});
         loops.push_back({1, 2 + (i + 1) % n, 2 + i});
     }
-    TopologyRefiner refiner(far::buildMesh(n + 2, loops));
-    refiner.refineUniform(2);
+    TopologyRefiner refiner = refined(far::buildMesh(n + 2, loops), 2);
     const double exact = 358. / 360 + 1. / (3 * 360);
     EXPECT_NEAR(rowOf(buildLevelTable(refiner, 1), 0).weights.at(0), exact, 2e-16);
     // Two levels: R₂ R₁ by its definition, in long double.
@@ -159,8 +146,7 @@ TEST(Stencils, PoleOf360EdgesKeepsItsPrecision) {
         const auto row = rowOf(first, middle).weights;
         if (row.count(0)) expected += static_cast<long double>(factor) * row.at(0);
     }
-    EXPECT_NEAR(rowOf(buildStencils(refiner, 2), 0).weights.at(0), static_cast<double>(expected),
-                4e-16);
+    EXPECT_NEAR(rowOf(buildStencils(refiner, 2), 0).weights.at(0), double(expected), 4e-16);
 }
 
 }  // namespace

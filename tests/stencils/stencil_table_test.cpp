@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/stencils/sparse_matrix.h>
 #include <espalier/stencils/stencil_table.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+
+#include "support/test.h"
 
 namespace espalier::stencils {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-
 template <class Real>
 class StencilTableTest : public ::testing::Test {};
-using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(StencilTableTest, Reals);
 
 TYPED_TEST(StencilTableTest, GivesItsRows) {
@@ -32,12 +26,9 @@ TYPED_TEST(StencilTableTest, GivesItsRows) {
 TYPED_TEST(StencilTableTest, RefusesWhatIsNoTable) {
     const auto expectRefused = [](const char* why, Index columnCount, Array<Offset> offsets,
                                   Array<Index> columns, std::size_t weights) {
-        try {
-            StencilTable<TypeParam>(columnCount, offsets, columns, Array<TypeParam>(weights, 1));
-            FAIL() << "accepted; expected: " << why;
-        } catch (const Error& error) {
-            EXPECT_THAT(error.what(), HasSubstr(why));
-        }
+        EXPECT_REFUSED(
+            Error, why,
+            StencilTable<TypeParam>(columnCount, offsets, columns, Array<TypeParam>(weights, 1)));
     };
     expectRefused("0 offsets", 4, {}, {}, 0);
     expectRefused("compressed sparse rows", 4, {1, 2}, {0, 1}, 2);
@@ -104,12 +95,8 @@ TYPED_TEST(StencilTableTest, TablesInterleaveRowByRow) {
               Table(3, {0, 2, 4, 5, 5}, {0, 1, 0, 1, 2}, {.5, .5, -1, 1, 1}));
     EXPECT_EQ(interleaveRows<TypeParam>({&position}), position);
     const Table other(2, {0, 0, 0}, {}, {});
-    try {
-        interleaveRows<TypeParam>({&position, &other});
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("table 1 is 2 × 2, but table 0 is 2 × 3"));
-    }
+    EXPECT_REFUSED(Error, "table 1 is 2 × 2, but table 0 is 2 × 3",
+                   interleaveRows<TypeParam>({&position, &other}));
     EXPECT_THROW(interleaveRows<TypeParam>({}), Error);
 }
 

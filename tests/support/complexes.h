@@ -2,16 +2,20 @@
 #pragma once
 
 #include <espalier/far/complex_builder.h>
+#include <espalier/far/topology_refiner.h>
 
 #include <algorithm>
 #include <array>
 #include <random>
 #include <set>
+#include <utility>
 #include <vector>
 
 namespace espalier::test {
 
+using far::Boundary;
 using far::CellComplex;
+using far::TopologyRefiner;
 
 using Loops = std::vector<std::vector<Index>>;
 
@@ -25,7 +29,7 @@ inline CellComplex lattice(Index vertexCount, const std::vector<Loops>& cells) {
 inline CellComplex singleCell(far::StandardCell cell) {
     far::ComplexBuilder builder(3, far::vertexCount(cell));
     std::vector<Index> vertices(far::vertexCount(cell));
-    for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = static_cast<Index>(i);
+    for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = Index(i);
     builder.addCell(cell, vertices);
     return builder.build();
 }
@@ -104,7 +108,7 @@ inline std::vector<Loops> cellLoops(const CellComplex& complex) {
 /// A permutation of 0 to count − 1.
 inline std::vector<Index> shuffledIndices(Index count, unsigned seed) {
     std::vector<Index> order(count);
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = Index(i);
     std::shuffle(order.begin(), order.end(), std::mt19937(seed));
     return order;
 }
@@ -120,8 +124,7 @@ inline CellComplex relabelled(const CellComplex& complex, const std::vector<Inde
         std::shuffle(loops.begin(), loops.end(), random);
         for (auto& loop : loops) {
             for (Index& vertex : loop) vertex = names[vertex];
-            std::rotate(loop.begin(),
-                        loop.begin() + static_cast<std::ptrdiff_t>(random() % loop.size()),
+            std::rotate(loop.begin(), loop.begin() + std::ptrdiff_t(random() % loop.size()),
                         loop.end());
             if (random() % 2 == 0) std::reverse(loop.begin(), loop.end());
         }
@@ -133,6 +136,14 @@ inline CellComplex relabelled(const CellComplex& complex, const std::vector<Inde
 inline std::set<Index> vertexSet(const CellComplex& complex, Index cell) {
     const auto row = complex.relation(3, 0)[cell];
     return {row.begin(), row.end()};
+}
+
+/// The refiner of a complex, refined to a level.
+inline far::TopologyRefiner refined(CellComplex base, int level,
+                                    const far::RefinerOptions& options = {}) {
+    far::TopologyRefiner refiner(std::move(base), options);
+    refiner.refineUniform(level);
+    return refiner;
 }
 
 }  // namespace espalier::test

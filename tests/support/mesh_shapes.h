@@ -15,7 +15,7 @@
 namespace espalier::test {
 
 inline Lattice mesh(std::vector<Point3> positions, const Loops& loops) {
-    far::CellComplex complex = far::buildMesh(static_cast<Index>(positions.size()), loops);
+    far::CellComplex complex = far::buildMesh(Index(positions.size()), loops);
     return {std::move(complex), std::move(positions), {}, {}};
 }
 
@@ -33,8 +33,7 @@ template <class IsTurned>
 Lattice turned(const Lattice& given, IsTurned isTurned) {
     Loops loops = loopsOf(given);
     for (std::size_t face = 0; face < loops.size(); ++face)
-        if (isTurned(static_cast<Index>(face)))
-            std::reverse(loops[face].begin(), loops[face].end());
+        if (isTurned(Index(face))) std::reverse(loops[face].begin(), loops[face].end());
     Lattice result = given;
     result.complex = mesh(given.positions, loops).complex;
     return result;
@@ -70,7 +69,7 @@ inline Lattice surfaceOf(const Lattice& solid) {
     std::vector<Point3> positions;
     for (std::size_t vertex = 0; vertex < isUsed.size(); ++vertex)
         if (isUsed[vertex] != 0) {
-            names[vertex] = static_cast<Index>(positions.size());
+            names[vertex] = Index(positions.size());
             positions.push_back(solid.positions[vertex]);
         }
     for (auto& loop : loops)
@@ -140,7 +139,7 @@ inline Lattice polygonDisk(const std::vector<Index>& above, const std::vector<In
     }
     Loops loops;
     const auto addSide = [&](const std::vector<Index>& polygons, double height) {
-        const auto middle = static_cast<Index>(positions.size());
+        const auto middle = Index(positions.size());
         positions.push_back({0, 0, height});
         Index start = 0;
         for (const Index sides : polygons) {
@@ -204,7 +203,7 @@ inline Lattice fans(const Loops& paths) {
 /// Fins along a chain of edges: counts[i] quadrilaterals at edge i, vertices i and i + 1, all wound
 /// the same way along it.
 inline Lattice fins(const std::vector<Index>& counts) {
-    const auto length = static_cast<Index>(counts.size());
+    const auto length = Index(counts.size());
     const Index most = *std::max_element(counts.begin(), counts.end());
     std::vector<Point3> positions;
     for (Index i = 0; i <= length; ++i) positions.push_back({double(i), 0, 0.1 * double(i * i)});
@@ -216,7 +215,7 @@ inline Lattice fins(const std::vector<Index>& counts) {
             if (fin >= counts[i]) continue;
             for (Index at = last == i ? i + 1 : i; at <= i + 1; ++at)
                 positions.push_back({double(at), std::cos(angle), std::sin(angle)});
-            const auto end = static_cast<Index>(positions.size());
+            const auto end = Index(positions.size());
             loops.push_back({i, i + 1, end - 1, end - 2});
             last = i + 1;
         }

@@ -2,16 +2,13 @@
 #pragma once
 
 #include <espalier/base/parallel.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <mutex>
-#include <stdexcept>
-#include <string>
 #include <thread>
-#include <vector>
+
+#include "support/test.h"
 
 // What parallelFor() promises, whoever runs its ranges.
 namespace espalier::test {
@@ -28,14 +25,12 @@ inline void expectEachItemOnceInFixedRanges() {
 
 inline void expectTheErrorOfTheLowestRange(int repeats) {
     for (int repeat = 0; repeat < repeats; ++repeat) {
-        try {
-            parallelFor(1000, 10, [](Offset first, Offset) {
-                if (first >= 300) throw std::runtime_error(std::to_string(first));
-            });
-            FAIL() << "nothing thrown";
-        } catch (const std::runtime_error& error) {
-            EXPECT_STREQ(error.what(), "300");
-        }
+        EXPECT_EQ(test::messageOf<std::runtime_error>([&] {
+                      parallelFor(1000, 10, [](Offset first, Offset) {
+                          if (first >= 300) throw std::runtime_error(std::to_string(first));
+                      });
+                  }),
+                  "300");
     }
 }
 

@@ -101,14 +101,14 @@ public:
         std::vector<Point3> positions;
         for (std::size_t vertex = 0; vertex < names.size(); ++vertex)
             if (names[vertex] != 0) {
-                names[vertex] = static_cast<Index>(positions.size());
+                names[vertex] = Index(positions.size());
                 positions.push_back(positions_[vertex]);
             }
         std::vector<Loops> cells = cells_;
         for (Loops& loops : cells)
             for (auto& loop : loops)
                 for (Index& vertex : loop) vertex = names[vertex];
-        return {test::lattice(static_cast<Index>(positions.size()), cells), positions, {}, {}};
+        return {test::lattice(Index(positions.size()), cells), positions, {}, {}};
     }
 
 private:
@@ -166,8 +166,8 @@ private:
         Point3 middle = {0, 0, 0};
         for (const Index vertex : vertices)
             for (std::size_t c = 0; c < 3; ++c)
-                middle[c] += positions_[vertex][c] / static_cast<double>(vertices.size());
-        const auto apex = static_cast<Index>(positions_.size());
+                middle[c] += positions_[vertex][c] / double(vertices.size());
+        const auto apex = Index(positions_.size());
         positions_.push_back(middle);
         for (const auto& loop : loops) {
             Loops pyramid = {loop};
@@ -199,9 +199,9 @@ private:
         Loops renamed = loops;
         for (auto& loop : renamed)
             for (Index& vertex : loop)
-                vertex = names.emplace(vertex, static_cast<Index>(names.size())).first->second;
+                vertex = names.emplace(vertex, Index(names.size())).first->second;
         try {
-            test::lattice(static_cast<Index>(names.size()), {renamed});
+            test::lattice(Index(names.size()), {renamed});
             return true;
         } catch (const far::TopologyError&) {
             return false;
@@ -218,7 +218,7 @@ private:
                 if (count[faceOf(loop)] == 1) merged.push_back(loop);
         if (!isSphere(merged)) return false;
         cells_[first] = std::move(merged);
-        cells_.erase(cells_.begin() + static_cast<std::ptrdiff_t>(second));
+        cells_.erase(cells_.begin() + std::ptrdiff_t(second));
         return true;
     }
 

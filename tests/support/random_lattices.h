@@ -80,7 +80,7 @@ inline Lattice extendedBipyramid(int sides) {
         const auto loop = lattice.complex.relation(2, 0)[face];
         for (const Index vertex : loop)
             for (std::size_t c = 0; c < 3; ++c)
-                middle[c] += lattice.positions[vertex][c] / static_cast<double>(loop.size());
+                middle[c] += lattice.positions[vertex][c] / double(loop.size());
         return middle;
     };
     // The bipyramid is about the origin: the middle of a side is outward from it. Away from the

@@ -20,7 +20,7 @@ public:
     explicit Draws(unsigned seed) : engine_(seed) {}
 
     /// From 0 to count − 1. (All but uniform, for these small counts.)
-    Index below(std::size_t count) { return static_cast<Index>(engine_() % count); }
+    Index below(std::size_t count) { return Index(engine_() % count); }
 
     /// True once in `count` times.
     bool oneIn(std::size_t count) { return below(count) == 0; }
@@ -31,7 +31,7 @@ public:
     template <class T>
     void shuffle(std::vector<T>& values) {
         for (std::size_t i = values.size(); i > 1; --i) {
-            const auto other = static_cast<std::size_t>(below(i));
+            const auto other = std::size_t(below(i));
             std::swap(values[i - 1], values[other]);
         }
     }
@@ -51,7 +51,7 @@ inline void addRandomSharpness(Lattice& lattice, std::span<const Index> edges,
                                std::span<const Index> vertices, far::Creasing creasing,
                                Draws& draws) {
     const auto ends = [&](Index edge) { return lattice.complex.relation(1, 0)[edge]; };
-    const auto vertexCount = static_cast<std::size_t>(lattice.complex.count(0));
+    const auto vertexCount = std::size_t(lattice.complex.count(0));
     std::vector<int> semiSharpEdges(vertexCount, 0), semiSharp(vertexCount, 0);
     const auto countAt = [](std::vector<int>& counts, Index vertex) -> int& {
         return counts[vertex];

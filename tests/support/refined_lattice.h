@@ -11,6 +11,9 @@
 
 namespace espalier::test {
 
+using stencils::Rules;
+using stencils::StencilTable;
+
 inline constexpr stencils::Rules kLatticeRules[] = {stencils::Rules::Siggraph96,
                                                     stencils::Rules::Cse96, stencils::Rules::Mlca};
 
@@ -36,6 +39,10 @@ struct Refined {
                            const embed::EmbeddingOptions& options = {}) const {
         return embed::embedPoints(complex(), positions, points, options);
     }
+    /// D of embedded points.
+    stencils::StencilTable<double> table(const embed::Embedding& embedding) const {
+        return embed::buildDeformationTable(refiner, level, stencils::Rules::Siggraph96, embedding);
+    }
 };
 
 inline Eigen::Vector3d vec(const Point3& p) {
@@ -52,8 +59,7 @@ inline std::vector<Point3> pointsIn(const Refined& refined, std::size_t count, u
     std::exponential_distribution<double> weight;
     std::vector<Point3> points;
     for (std::size_t i = 0; i < count; ++i) {
-        const Index cell =
-            static_cast<Index>(random() % static_cast<unsigned>(refined.complex().count(3)));
+        const Index cell = Index(random() % unsigned(refined.complex().count(3)));
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
         double total = 0;
         for (const Index vertex : refined.complex().relation(3, 0)[cell]) {

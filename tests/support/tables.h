@@ -2,6 +2,7 @@
 #pragma once
 
 #include <espalier/embed/tensor_product.h>
+#include <espalier/stencils/composition.h>
 #include <espalier/stencils/sparse_matrix.h>
 
 #include <Eigen/Core>
@@ -11,11 +12,13 @@
 
 namespace espalier::test {
 
+using stencils::Rules;
+using stencils::StencilTable;
+
 using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 inline Positions asMatrix(const std::vector<Point3>& points) {
-    return Eigen::Map<const Positions>(points.data()->data(),
-                                       static_cast<Eigen::Index>(points.size()), 3);
+    return Eigen::Map<const Positions>(points.data()->data(), Eigen::Index(points.size()), 3);
 }
 
 /// Table times points.
@@ -28,13 +31,24 @@ inline double largestDistance(const Positions& a, const Positions& b) {
     return (a - b).rowwise().norm().maxCoeff();
 }
 
-/// Points moved by up to `size` in each coordinate.
-inline std::vector<Point3> shaken(std::vector<Point3> points, unsigned seed, double size = 0.5) {
+/// Rows of 0 to 20 entries anywhere, all weights different.
+template <class Real = double>
+stencils::StencilTable<Real> randomTable(Index rowCount, Index columnCount, unsigned seed) {
     std::mt19937 random(seed);
-    std::uniform_real_distribution<double> move(-size, size);
-    for (Point3& point : points)
-        for (double& coordinate : point) coordinate += move(random);
-    return points;
+    std::uniform_real_distribution<Real> weight(-1, 1);
+    Array<Offset> offsets = {0};
+    Array<Index> columns;
+    Array<Real> weights;
+    for (Index row = 0; row < rowCount; ++row) {
+        std::bernoulli_distribution isThere(std::min(double(random() % 21) / columnCount, 1.0));
+        for (Index column = 0; column < columnCount; ++column)
+            if (isThere(random)) {
+                columns.push_back(column);
+                weights.push_back(weight(random));
+            }
+        offsets.push_back(Offset(columns.size()));
+    }
+    return {columnCount, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
 /// A table of long rows: the first two thirds share their `length` columns, each row of the rest
@@ -47,10 +61,10 @@ stencils::StencilTable<Real> tableOfLongRows(Index rowCount, Index length, Weigh
     Array<Real> weights;
     for (Index row = 0; row < rowCount; ++row) {
         for (Index k = 0; k < length; ++k) {
-            weights.push_back(static_cast<Real>(weightOf(columns.size())));
+            weights.push_back(Real(weightOf(columns.size())));
             columns.push_back(k + (3 * row < 2 * rowCount ? 0 : row));
         }
-        offsets.push_back(static_cast<Offset>(columns.size()));
+        offsets.push_back(Offset(columns.size()));
     }
     return {length + rowCount, std::move(offsets), std::move(columns), std::move(weights)};
 }

@@ -118,14 +118,6 @@ inline std::vector<NamedLattice> zoo() {
     return someOf(std::move(all));
 }
 
-inline std::vector<double> randomValues(std::size_t count, unsigned seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(-1, 1);
-    std::vector<double> values(count);
-    for (double& value : values) value = uniform(random);
-    return values;
-}
-
 /// For each level, which vertex of `second` corresponds to each vertex of `first`, given which do
 /// at level 0: entities correspond if their vertices do.
 inline std::vector<std::vector<Index>> matchLevels(const far::TopologyRefiner& first,

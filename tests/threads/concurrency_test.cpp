@@ -8,15 +8,13 @@
 #include <espalier/osd/compiled_table.h>
 #include <espalier/osd/cpu_evaluator.h>
 #include <espalier/shapes/inventory.h>
-#include <gtest/gtest.h>
 
 #include <atomic>
 #include <functional>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "support/refined_lattice.h"
+#include "support/test.h"
 #include "support/thread_pool.h"
 #include "support/zoo.h"
 
@@ -24,16 +22,13 @@
 namespace espalier::osd {
 namespace {
 
-using far::TopologyRefiner;
-using stencils::Rules;
-
 constexpr int kThreads = 6;
 
 /// Calls work(thread) on all threads at once: each alone, then each on the threads of a pool that
 /// they share. Not in oneTBB's arena, which the thread sanitizer does not see through.
 template <class Work>
 void onThreads(Work work) {
-    test::ThreadPool pool(2);
+    ThreadPool pool(2);
     for (const bool isShared : {false, true}) {
         std::atomic<int> ready = 0;
         std::vector<std::thread> threads;
@@ -56,13 +51,12 @@ const Lattice& lattice() {
 }
 
 std::vector<Point3> points(std::size_t count) {
-    return test::pointsIn(test::Refined(lattice(), 2), count, 7);
+    return pointsIn(Refined(lattice(), 2), count, 7);
 }
 
 /// Of a thread: each has another pose.
 std::vector<float> valuesOf(int thread, Index entries) {
-    const auto values =
-        test::randomValues(3 * static_cast<std::size_t>(entries), static_cast<unsigned>(thread));
+    const auto values = randomValues(3 * std::size_t(entries), unsigned(thread));
     return {values.begin(), values.end()};
 }
 
@@ -71,12 +65,12 @@ void expectSame(Index rowCount, Index columnCount,
                 const std::function<void(std::span<const float>, std::span<float>)>& evaluate) {
     std::vector<std::vector<float>> expected;
     for (int thread = 0; thread < kThreads; ++thread) {
-        expected.emplace_back(3 * static_cast<std::size_t>(rowCount));
+        expected.emplace_back(3 * std::size_t(rowCount));
         evaluate(valuesOf(thread, columnCount), expected.back());
     }
     onThreads([&](int thread) {
         const auto source = valuesOf(thread, columnCount);
-        std::vector<float> result(3 * static_cast<std::size_t>(rowCount));
+        std::vector<float> result(3 * std::size_t(rowCount));
         for (int repeat = 0; repeat < 3; ++repeat) {
             std::fill(result.begin(), result.end(), 99.0F);
             evaluate(source, result);

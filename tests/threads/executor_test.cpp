@@ -5,21 +5,16 @@
 #include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/inventory.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
 #include <mutex>
-#include <set>
-#include <stdexcept>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "support/parallel_contract.h"
 #include "support/refined_lattice.h"
+#include "support/test.h"
 #include "support/thread_pool.h"
 #include "support/threads.h"
 
@@ -29,8 +24,6 @@
 
 namespace espalier::far {
 namespace {
-
-using test::ThreadPool;
 
 /// One that does no more than it must: of the calls it makes some, the last first.
 class LazyExecutor final : public Executor {
@@ -57,11 +50,11 @@ void withEachExecutor(Work work) {
 }
 
 TEST(Executor, CoversEachItemOnceInFixedRanges) {
-    withEachExecutor([] { test::expectEachItemOnceInFixedRanges(); });
+    withEachExecutor([] { expectEachItemOnceInFixedRanges(); });
 }
 
 TEST(Executor, RethrowsTheErrorOfTheLowestRange) {
-    withEachExecutor([] { test::expectTheErrorOfTheLowestRange(20); });
+    withEachExecutor([] { expectTheErrorOfTheLowestRange(20); });
 }
 
 TEST(Executor, ItsOwnErrorsArrive) {
@@ -135,7 +128,7 @@ TEST(ExecutorScope, HoldsForNestedLoops) {
 TEST(Executor, WaitingThreadTakesUpNoOtherWork) {
     ThreadPool pool(8, ThreadPool::Waiting::HelpsAnybody);
     const ExecutorScope scope(pool);
-    test::expectNoOtherWorkWhileWaiting(50);
+    expectNoOtherWorkWhileWaiting(50);
 }
 
 /// Has job() run by a thread of a pool that waits for a loop of ours, in a scope of ours.
@@ -198,8 +191,7 @@ TEST(Executor, WorkOfTheHostAsksForWhatIsBeingDerived) {
     const Incidence* seen = nullptr;
     // Until the other thread of the pool has had a range of it.
     for (int repeat = 0; repeat < 1000 && seen == nullptr; ++repeat) {
-        TopologyRefiner refiner(lattice.complex);
-        refiner.refineUniform(1);
+        TopologyRefiner refiner = refined(lattice.complex, 1);
         const CellComplex complex = refiner.level(1).complex;
         std::atomic<bool> isDone = false;
         const ProgressScope holding(
@@ -243,7 +235,7 @@ TEST(Executor, OffersAgainWhatWasTurnedAway) {
 /// Points bound to a lattice, by groups on several threads.
 embed::BindingResult bindModel() {
     static const Lattice lattice = shapes::cylinder({.sectors = 5});
-    static const std::vector<Point3> points = test::pointsIn(test::Refined(lattice, 2), 20'000, 3);
+    static const std::vector<Point3> points = pointsIn(Refined(lattice, 2), 20'000, 3);
     return embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
                              {.level = 3});
 }

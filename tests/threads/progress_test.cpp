@@ -1,27 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/base/executor.h>
 #include <espalier/base/parallel.h>
 #include <espalier/base/progress.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/shapes/inventory.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
-#include <array>
 #include <atomic>
 #include <chrono>
-#include <stdexcept>
 #include <thread>
-#include <vector>
 
 #include "support/refined_lattice.h"
+#include "support/test.h"
 #include "support/thread_pool.h"
 
 namespace espalier::far {
 namespace {
 
-using test::ThreadPool;
 using namespace std::chrono_literals;
 
 TEST(Progress, CountsItemsOfOutermostLoops) {
@@ -120,8 +115,7 @@ TEST(Progress, WorkOfTheCallbackIsNotHeard) {
 
 // Of the very relation that is being derived.
 TEST(Progress, CallbackMayAskForWhatIsBeingDerived) {
-    TopologyRefiner refiner(shapes::box({.cells = {12, 12, 12}}).complex);
-    refiner.refineUniform(1);
+    TopologyRefiner refiner = refined(shapes::box({.cells = {12, 12, 12}}).complex, 1);
     const CellComplex complex = refiner.level(1).complex;
     const Incidence* seen = nullptr;
     const ProgressScope scope(
@@ -234,8 +228,7 @@ const Lattice& lattice() {
 
 // It has the levels that were complete, and goes on from there.
 TEST(Cancelled, LeavesARefinerAsItWas) {
-    TopologyRefiner whole(lattice().complex);
-    whole.refineUniform(3);
+    TopologyRefiner whole = refined(lattice().complex, 3);
     const auto loops = [](const TopologyRefiner& refiner) {
         const auto values = refiner.level(3).complex.relation(2, 0).values();
         return std::vector<Index>(values.begin(), values.end());
@@ -265,10 +258,9 @@ TEST(Cancelled, LeavesARefinerAsItWas) {
 }
 
 TEST(Cancelled, TablesAndBindings) {
-    TopologyRefiner refiner(lattice().complex);
-    refiner.refineUniform(2);
+    TopologyRefiner refiner = refined(lattice().complex, 2);
     const TopologyRefiner base(lattice().complex);
-    const auto points = test::pointsIn(test::Refined(lattice(), 1), 20'000, 4);
+    const auto points = pointsIn(Refined(lattice(), 1), 20'000, 4);
     withAndWithoutThreads([&] {
         cancelEverywhere([&] { return stencils::buildStencils(refiner, 2); });
         cancelEverywhere([&] {

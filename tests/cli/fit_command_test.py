@@ -2,14 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """`espalier fit`: the pose of a lattice from where points of a model are wanted.
 
-    fit_test.py PATH_OF_ESPALIER
+    fit_command_test.py PATH_OF_ESPALIER
 """
 
 import json
 import math
-import os
-import pty
-import subprocess
 import sys
 import unittest
 
@@ -41,32 +38,21 @@ class Fit(CliTest):
         self.run_program("shape", "cylinder", "--sectors", 5, "--layers", 6, "--from", 0.5, 0.5, -0.2,
                          "--to", 0.5, 0.5, 1.2, "--radius", 0.8, "-o", "rest.ovm")
 
-    def write_pose(self, move):
-        """The rest lattice with each vertex moved."""
-        lines = (self.path / "rest.ovm").read_text().splitlines()
-        at = lines.index("Vertices") + 2
-        positions = [move(p) for p in self.read_ovm_positions("rest.ovm")]
-        lines[at:at + len(positions)] = ["%.17g %.17g %.17g" % p for p in positions]
-        (self.path / "known.ovm").write_text("\n".join(lines) + "\n")
-        return positions
-
     def test_a_whole_model_gives_the_lattice_that_deformed_it(self):
-        known = self.write_pose(lambda p: (p[0] + 0.2 * math.sin(3 * p[2]), p[1] + 0.1 * p[0] * p[2],
-                                           1.2 * p[2]))
-        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "known.ovm", "-n", 2,
-                         "-o", "moved.obj")
+        known = self.write_pose("known.ovm", "rest.ovm", lambda p: (
+            p[0] + 0.2 * math.sin(3 * p[2]), p[1] + 0.1 * p[0] * p[2], 1.2 * p[2]))
+        self.deform("model.obj", "rest.ovm", "known.ovm", "-n", 2, out="moved.obj")
         report = self.fit("moved.obj", "--undetermined", "refuse")
         self.assertEqual(report["targets"], 400)
         self.assertLess(report["largest_miss"], 1e-12)
         self.assert_close(self.read_ovm_positions("pose.ovm"), known, 1e-10)
 
     def test_a_few_targets_are_reached(self):
-        (self.path / "t.txt").write_text("# where two points go\n7 0.5 0.5 1.1  # up\n\n30 0.2 0.2 0.2\n")
+        self.put("t.txt", "# where two points go\n7 0.5 0.5 1.1  # up\n\n30 0.2 0.2 0.2\n")
         report = self.fit("t.txt")
         self.assertEqual(report["targets"], 2)
         self.assertIsNone(report["condition"])
-        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "pose.ovm", "-n", 2,
-                         "-o", "moved.obj")
+        self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         moved = self.read_points("moved.obj")
         self.assert_close([moved[7], moved[30]], [(0.5, 0.5, 1.1), (0.2, 0.2, 0.2)], 1e-12)
         # With all of the lattice taken along, the rest of the model moves more.
@@ -75,7 +61,7 @@ class Fit(CliTest):
         self.assertGreater(smooth["largest_miss"], 1e-12)
 
     def test_frozen_vertices_stay(self):
-        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        self.put("t.txt", "7 0.5 0.5 1.1\n")
         self.fit("t.txt", "--freeze", "0,3,4")
         rest, pose = (self.read_ovm_positions(name) for name in ["rest.ovm", "pose.ovm"])
         for vertex in [0, 3, 4]:
@@ -86,7 +72,7 @@ class Fit(CliTest):
         self.make_tall_lattice()
         rest = self.read_ovm_positions("rest.ovm")
         layer = [sum(p[2] < -0.2 + k * 1.4 / 6 + 1e-9 for p in rest) for k in range(3)]
-        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        self.put("t.txt", "7 0.5 0.5 1.1\n")
         # A cap of the cylinder, in a box without height.
         for continuity, count in [("c0", layer[0]), ("c1", layer[1]), ("c2", layer[1])]:
             report = self.fit("t.txt", "--hold", -9, -9, -0.2, 9, 9, -0.2, "--continuity", continuity)
@@ -96,8 +82,7 @@ class Fit(CliTest):
                              [q for q in rest if q[2] < -0.2 + 1e-9])
         # A part of the model.
         self.assertGreater(self.fit("t.txt", "--hold", 0, 0, 0, 1, 1, 0.3)["held_vertices"], layer[0])
-        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "pose.ovm", "-n", 2,
-                         "-o", "moved.obj")
+        self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2, out="moved.obj")
         moved = self.read_points("moved.obj")
         held = [i for i, p in enumerate(self.points) if p[2] <= 0.3]
         self.assert_close([moved[i] for i in held], [self.points[i] for i in held], 1e-14)
@@ -107,14 +92,14 @@ class Fit(CliTest):
         self.make_tall_lattice()
         self.points[399] = (0.5, 0.6, -0.5)
         self.write_model(self.points)
-        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        self.put("t.txt", "7 0.5 0.5 1.1\n")
         box = ["--hold", 0, 0, -1, 1, 1, -0.3]
         counts = []
         for continuity in ["c0", "c1", "c2"]:
             counts.append(self.fit("t.txt", *box, "--continuity", continuity, "--outside",
                                    "nearest", "--smoothing", "laplacian")["held_vertices"])
-            self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "pose.ovm", "-n", 2,
-                             "--outside", "nearest", "-o", "moved.obj")
+            self.deform("model.obj", "rest.ovm", "pose.ovm", "-n", 2,
+                             "--outside", "nearest", out="moved.obj")
             # Sums of some hundred products of numbers about 1.
             self.assert_close([self.read_points("moved.obj")[399]], [self.points[399]], 1e-14)
         self.assertGreater(counts[0], 0)
@@ -134,8 +119,8 @@ class Fit(CliTest):
         self.make_tall_lattice()
         # Of those held, none, one or all have a target.
         few = "7 0.5 0.5 1.1\n"
-        (self.path / "few.txt").write_text(few)
-        (self.path / "more.txt").write_text(few + "399 0.5 0.5 0.1\n")
+        self.put("few.txt", few)
+        self.put("more.txt", few + "399 0.5 0.5 0.1\n")
         for continuity in ["c0", "c1"]:
             reports = [self.fit(targets, "--hold", 0, 0, 0, 1, 1, 0.11, "--continuity", continuity)
                        for targets in ["few.txt", "more.txt", "model.obj"]]
@@ -144,12 +129,12 @@ class Fit(CliTest):
             self.assertGreater(reports[0]["held_vertices"], 0)
 
     def test_points_outside_that_did_not_move_are_left_out(self):
-        known = self.write_pose(lambda p: (p[0] + 0.1 * p[2], p[1], 1.2 * p[2]))
+        known = self.write_pose("known.ovm", "rest.ovm",
+                                lambda p: (p[0] + 0.1 * p[2], p[1], 1.2 * p[2]))
         self.points[7] = (9, 9, 9)
         self.points[8] = (9, -9, 9)
         self.write_model(self.points)
-        self.run_program("deform", "model.obj", "--rest", "rest.ovm", "--to", "known.ovm", "-n", 2,
-                         "-o", "moved.obj")
+        self.deform("model.obj", "rest.ovm", "known.ovm", "-n", 2, out="moved.obj")
         report = self.fit("moved.obj", "--undetermined", "refuse")
         self.assertEqual((report["targets"], report["left_out"]), (398, 2))
         self.assert_close(self.read_ovm_positions("pose.ovm"), known, 1e-10)
@@ -159,14 +144,14 @@ class Fit(CliTest):
         (self.path / "pose.ovm").unlink()
         self.assertIn("model.obj: point 7 lies outside the lattice rest.ovm",
                       self.error_of_fit("moved.obj", "--outside", "error"))
-        (self.path / "t.txt").write_text("7 9 9 9\n8 9 -9 9\n")
+        self.put("t.txt", "7 9 9 9\n8 9 -9 9\n")
         self.assertIn("t.txt: no target is left: all 2 points lie outside",
                       self.error_of_fit("t.txt"))
-        (self.path / "t.txt").write_text("7 9 9 9\n8 9 -9 9.5\n3 0.5 0.5 0.5\n")
+        self.put("t.txt", "7 9 9 9\n8 9 -9 9.5\n3 0.5 0.5 0.5\n")
         self.assertIn("t.txt:2: point 8 lies outside", self.error_of_fit("t.txt"))
         # What is held does not change with them.
         self.make_tall_lattice()
-        (self.path / "t.txt").write_text("30 0.5 0.5 1.1\n")
+        self.put("t.txt", "30 0.5 0.5 1.1\n")
         held = [self.fit(targets, "--hold", 0, 0, 0, 9, 9, 0.3) for targets in ["t.txt", "model.obj"]]
         self.assertEqual([report["left_out"] for report in held], [0, 2])
         self.assertEqual(held[0]["held_vertices"], held[1]["held_vertices"])
@@ -174,7 +159,7 @@ class Fit(CliTest):
     def test_points_that_did_not_converge_are_not_called_outside(self):
         self.points[7] = (1e12, 2e12, -1e12)
         self.write_model(self.points)
-        (self.path / "t.txt").write_text("3 0.5 0.5 0.5\n7 0.5 0.5 1.1\n")
+        self.put("t.txt", "3 0.5 0.5 0.5\n7 0.5 0.5 1.1\n")
         for options in [["--outside", "nearest"], ["--outside", "nearest", "--limit"]]:
             error = self.error_of("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
                                   *options, "-o", "pose.ovm")
@@ -184,14 +169,9 @@ class Fit(CliTest):
 
     def test_terminal_shows_that_it_holds(self):
         self.make_tall_lattice()
-        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
-        terminal, other_end = pty.openpty()
-        subprocess.run([program.ESPALIER, "fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
-                        "--hold", *"0 0 0 1 1 0.3".split(), "-o", "pose.ovm"], cwd=self.path,
-                       check=True, timeout=120, stdout=subprocess.DEVNULL, stderr=other_end)
-        os.close(other_end)
-        shown = os.read(terminal, 100000).decode()
-        os.close(terminal)
+        self.put("t.txt", "7 0.5 0.5 1.1\n")
+        shown = self.shown_on_a_terminal("fit", "model.obj", "--rest", "rest.ovm", "--targets",
+                                         "t.txt", "--hold", 0, 0, 0, 1, 1, 0.3, "-o", "pose.ovm")
         self.assertIn("holding ...", shown)
 
     def test_help_says_that_two_of_the_choices_are_one(self):
@@ -199,13 +179,13 @@ class Fit(CliTest):
         self.assertIn("c1 and c2 hold the same vertices", words)
 
     def test_a_full_disk(self):
-        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        self.put("t.txt", "7 0.5 0.5 1.1\n")
         self.assert_nothing_is_lost_on_a_full_disk(
             "fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt", "-n", 2,
             output="pose.ovm", room=1024)
 
     def test_text_report(self):
-        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        self.put("t.txt", "7 0.5 0.5 1.1\n")
         out = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
                                "-o", "pose.vtu").stdout
         for word in ["targets", "largest miss", "largest displacement", "infinite"]:
@@ -224,9 +204,9 @@ class Fit(CliTest):
                            "t.txt:1: the target of point 7 is too far from the point"),
                           ("8 1 0 0\n7 1e308 -1e308 0\n",
                            "t.txt:2: the target of point 7 is too far from the point")]:
-            (self.path / "t.txt").write_text(text)
+            self.put("t.txt", text)
             self.assertIn(why, self.error_of_fit("t.txt"))
-        (self.path / "t.txt").write_text("7 0.5 0.5 1.1\n")
+        self.put("t.txt", "7 0.5 0.5 1.1\n")
         self.assertIn("undetermined", self.error_of_fit("t.txt", "--undetermined", "refuse"))
         self.assertIn("vertex 999", self.error_of_fit("t.txt", "--freeze", "999"))
         self.assertIn("--hold: no point of model.obj lies in the box, and no face of the boundary "

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`espalier check`: cells that a pose of a lattice turns inside out.
 
-    check_test.py PATH_OF_ESPALIER
+    check_command_test.py PATH_OF_ESPALIER
 """
 
 import json
@@ -19,13 +19,8 @@ class Check(CliTest):
         super().setUp()
         self.run_program("shape", "box", "--cells", 2, 2, 2, "-o", "rest.ovm")
 
-    def write_pose(self, move, rest="rest.ovm", name="pose.ovm"):
-        """The rest lattice with each vertex moved."""
-        lines = (self.path / rest).read_text().splitlines()
-        at = lines.index("Vertices") + 2
-        positions = [move(*p) for p in self.read_ovm_positions(rest)]
-        lines[at:at + len(positions)] = ["%.17g %.17g %.17g" % p for p in positions]
-        (self.path / name).write_text("\n".join(lines) + "\n")
+    def pose(self, move, rest="rest.ovm", name="pose.ovm"):
+        self.write_pose(name, rest, lambda p: move(*p))
 
     def check(self, *options, code=0):
         result = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "--report", "json",
@@ -34,11 +29,11 @@ class Check(CliTest):
 
     def write_folded(self):
         """The corner (1, 1, 1) pulled to (−2, −2, −2), past all others."""
-        self.write_pose(lambda *p: (-2, -2, -2) if p == (1, 1, 1) else p)
+        self.pose(lambda *p: (-2, -2, -2) if p == (1, 1, 1) else p)
 
     def test_a_valid_pose(self):
         # Twice as wide: all volumes double. So they would at ten times the way; there is no end.
-        self.write_pose(lambda x, y, z: (2 * x, y, z))
+        self.pose(lambda x, y, z: (2 * x, y, z))
         report, errors = self.check("-n", 2, "--max-step", 10)
         self.assertEqual(errors, "")
         self.assertEqual((report["level"], report["cells"]), (2, 8 * 64))
@@ -56,7 +51,7 @@ class Check(CliTest):
 
     def test_the_way_back_from_a_mirror_image_ends_half_way(self):
         # The volume ratio is 1 − 2t.
-        self.write_pose(lambda x, y, z: (-x, y, z))
+        self.pose(lambda x, y, z: (-x, y, z))
         report, _ = self.check("-n", 1, "--list", 100, code=3)
         self.assertEqual(report["inverted"]["count"], 64)
         self.assertEqual([cell["cell"] for cell in report["inverted"]["first"]], list(range(64)))
@@ -65,13 +60,13 @@ class Check(CliTest):
 
     def test_ratios_are_finite(self):
         """A mirror image 1e240 times as large: the ratio is less than any double."""
-        self.write_pose(lambda x, y, z: (1e-80 * x, 1e-80 * y, 1e-80 * z), name="tiny.ovm")
-        self.write_pose(lambda x, y, z: (-1e80 * x, 1e80 * y, 1e80 * z))
+        self.pose(lambda x, y, z: (1e-80 * x, 1e-80 * y, 1e-80 * z), name="tiny.ovm")
+        self.pose(lambda x, y, z: (-1e80 * x, 1e80 * y, 1e80 * z))
         report = json.loads(self.run_program(
             "check", "pose.ovm", "--rest", "tiny.ovm", "-n", 1, "--report", "json", "-o",
             "ratios.vtk", code=3).stdout)
         self.assertEqual(report["smallest_volume_ratio"]["volume_ratio"], -sys.float_info.max)
-        self.assertNotIn("inf", (self.path / "ratios.vtk").read_text())
+        self.assertNotIn("inf", self.text("ratios.vtk"))
 
     def test_a_folded_pose(self):
         self.write_folded()
@@ -93,7 +88,7 @@ class Check(CliTest):
         self.assertTrue(0 < step["length"] < 1)
         for part, code in [(1, 0), (1.001, 3)]:
             t = part * step["length"]
-            self.write_pose(lambda x, y, z, t=t: (1 - 3 * t,) * 3
+            self.pose(lambda x, y, z, t=t: (1 - 3 * t,) * 3
                             if (x, y, z) == (1, 1, 1) else (x, y, z))
             found, _ = self.check("-n", 2, "--list", 512, code=code)
             self.assertEqual(step["limiting_cell"]["cell"]
@@ -119,7 +114,7 @@ class Check(CliTest):
         # Next to half a turn of the top: bounded work, and what it did not tell.
         self.run_program("shape", "box", "-o", "rest.ovm")
         a = math.radians(179.999)
-        self.write_pose(lambda x, y, z: (x, y, z) if z == 0 else
+        self.pose(lambda x, y, z: (x, y, z) if z == 0 else
                         (math.cos(a) * x - math.sin(a) * y, math.sin(a) * x + math.cos(a) * y, z))
         report, _ = self.check("-n", 1)
         self.assertEqual(report["inverted"]["count"], 0)
@@ -130,7 +125,7 @@ class Check(CliTest):
     def test_the_limit(self):
         # The pinched bar of tests/solve/limit_validity_test.cpp: 1 - 5a/4 in the middle.
         self.run_program("shape", "box", "--cells", 3, 1, 1, "--max", 3, 1, 1, "-o", "rest.ovm")
-        self.write_pose(lambda x, y, z: ({1: 2, 2: 1}.get(x, x), y, z))
+        self.pose(lambda x, y, z: ({1: 2, 2: 1}.get(x, x), y, z))
         report, error = self.check("--limit", code=3)
         self.assertEqual((report["level"], report["limit_level"], report["cells"]), (0, 3, 3))
         self.assertEqual(report["inverted"]["first"][0]["cell"], 1)
@@ -151,7 +146,7 @@ class Check(CliTest):
 
     def test_cells_bad_at_rest_do_not_count(self):
         # The upper layer of cells is flat at rest.
-        self.write_pose(lambda x, y, z: (x, y, min(z, 0.5)), name="flat.ovm")
+        self.pose(lambda x, y, z: (x, y, min(z, 0.5)), name="flat.ovm")
         text = self.run_program("check", "flat.ovm", "--rest", "flat.ovm", "-n", 1, "--boundary",
                                 "sharp", "--report", "json").stdout
         report = json.loads(text)
@@ -159,7 +154,7 @@ class Check(CliTest):
         self.assertNotIn("volume_ratio", report["bad_at_rest"]["first"][0])
         self.assertEqual(report["inverted"]["count"], 0)
         self.assertEqual(report["largest_step"]["length"], 2)
-        self.write_pose(lambda x, y, z: (x, y, 0), name="flat.ovm")
+        self.pose(lambda x, y, z: (x, y, 0), name="flat.ovm")
         self.assertIn("flat.ovm: all cells are flat or folded at rest",
                       self.error_of("check", "flat.ovm", "--rest", "flat.ovm"))
 
@@ -177,7 +172,7 @@ class Check(CliTest):
         self.error_of("check", "pose.ovm", "--rest", "rest.ovm", "-n", 0, code=2)
         for step in (-1, 0, 1e7):
             self.error_of("check", "pose.ovm", "--rest", "rest.ovm", "--max-step", step, code=2)
-        self.write_pose(lambda x, y, z: (1e95 * x, y, z), name="far.ovm")
+        self.pose(lambda x, y, z: (1e95 * x, y, z), name="far.ovm")
         self.assertIn("far.ovm: the pose of vertex",
                       self.error_of("check", "far.ovm", "--rest", "rest.ovm"))
         self.assertIn("far.ovm: the rest of vertex",

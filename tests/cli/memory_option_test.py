@@ -33,7 +33,7 @@ class MemoryTest(CliTest):
 
     def points(self, count):
         lines = [f"v {(i % 10) / 10 + 0.05} {(i // 10 % 10) / 10 + 0.05} 0.5" for i in range(count)]
-        (self.path / "points.obj").write_text("\n".join(lines))
+        self.put("points.obj", "\n".join(lines))
         return "points.obj"
 
     def test_a_level_that_cannot_be_is_refused_at_once(self):
@@ -72,7 +72,7 @@ class MemoryTest(CliTest):
                          + "</DataArray>", TRILLION),
         }
         for name, text in claims.items():
-            (self.path / name).write_text(text)
+            self.put(name, text)
             error = self.error_of("info", name, "--max-memory", "50MB")
             self.assertTrue(error.startswith(f"espalier: {name}:"), error)
             self.assertNotIn("out of memory", error)
@@ -99,8 +99,7 @@ class MemoryTest(CliTest):
         array = ('<DataArray type="Float64" NumberOfComponents="3" format="binary">'
                  + base64.b64encode(header).decode() + base64.b64encode(packed).decode()
                  + "</DataArray>")
-        (self.path / "bomb.vtu").write_text(
-            vtu(array, size // 24, ' compressor="vtkZLibDataCompressor"'))
+        self.put("bomb.vtu", vtu(array, size // 24, ' compressor="vtkZLibDataCompressor"'))
         self.assertRegex(self.error_of("info", "bomb.vtu", "--max-memory", "100MB"),
                          r"^espalier: bomb.vtu:4: the array '': its data takes some 300.0 MB")
 
@@ -135,7 +134,7 @@ class MemoryTest(CliTest):
         if "--html" not in self.run_program("compare", "--help").stdout:
             self.skipTest("espalier was built without OpenSubdiv")
         self.lattice(cells=(4, 4, 4))
-        (self.path / "cube.obj").write_text(self.cube_mesh())
+        self.put("cube.obj", self.cube_mesh())
         self.run_program("compare", "box.ovm", "-n", 4, "--max-memory", "400MB")
         self.run_program("compare", "cube.obj", "-n", 7, "--max-memory", "400MB")
         # In megabytes. Of the box, refining takes 63, all of it 155. Of the cube, 16 are held before
@@ -156,7 +155,7 @@ class MemoryTest(CliTest):
         self.run_program("shape", "prism", "--sides", 1500, "-o", "prism.vtu")
         points = [(0.9 * i / 20000 * math.cos(i), 0.9 * i / 20000 * math.sin(i), i / 25000 - 0.4)
                   for i in range(20000)]
-        (self.path / "points.obj").write_text("".join("v %g %g %g\n" % point for point in points))
+        self.put("points.obj", "".join("v %g %g %g\n" % point for point in points))
         peak, error = self.peak_and_error(
             "deform", "points.obj", "--rest", "prism.vtu", "--to", "prism.vtu", "-n", 2, "-o",
             "out.obj", "--max-memory", "500MB")

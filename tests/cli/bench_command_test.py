@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What bench measures, and that its figures fit one another. Not how quick anything is.
 
-    bench_test.py PATH_OF_ESPALIER
+    bench_command_test.py PATH_OF_ESPALIER
 """
 
 import json
@@ -39,7 +39,7 @@ class Bench(CliTest):
         return report
 
     def files(self):
-        return {name: (self.path / name).read_bytes() for name in os.listdir(self.path)}
+        return {name: self.bytes(name) for name in os.listdir(self.path)}
 
     def assert_close_ratio(self, number, expected):
         # Each is a few products and quotients: a rounding of 1.1e-16 each.

@@ -4,17 +4,15 @@
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <cmath>
-#include <numeric>
 
 #include "support/random_lattices.h"
 #include "support/refined_lattice.h"
 #include "support/sanitizers.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 // The gradients of bindLimit(), at the features where no polynomial gives them.
@@ -23,17 +21,12 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using far::TopologyRefiner;
-using test::times;
-using test::toPoint;
-using test::vec;
 
 using Bound = embed::BindingResultOf<LimitTable>;
 
 /// The limits of the vertices of a level at rest: at features of each kind that the lattice has.
 std::vector<Point3> limitsOfLevel(const Lattice& lattice, int level) {
-    TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
-    refiner.refineUniform(level);
+    TopologyRefiner refiner = refined(lattice.complex, level, refinerOptions(lattice));
     return stencils::applyLevelTable(buildVertexLimits(refiner, level), lattice.positions);
 }
 
@@ -50,10 +43,10 @@ Matrix3d gradientAt(const Bound& result, Index i, const std::vector<Point3>& pos
 TEST(LimitGradients, AffinePosesAreExactAtAnyTolerance) {
     Matrix3d map;
     map << 1.2, 0.3, -0.1, 0.2, 0.8, 0.4, -0.3, 0.1, 1.1;
-    std::vector<test::NamedLattice> lattices = {
+    std::vector<NamedLattice> lattices = {
         {"seven sectors", shapes::cylinder({.sectors = 7, .layers = 2})}};
-    if (!test::kIsSlow)
-        for (auto& named : test::zoo()) lattices.push_back(std::move(named));
+    if (!kIsSlow)
+        for (auto& named : zoo()) lattices.push_back(std::move(named));
     for (const auto& [name, lattice] : lattices) {
         auto points = limitsOfLevel(lattice, 1);
         points.resize(std::min<std::size_t>(points.size(), 12));
@@ -85,7 +78,7 @@ TEST(LimitGradients, AffinePosesAreExactAtAnyTolerance) {
 Matrix3d gradientOnAxis(const Lattice& lattice, Index vertex, const std::vector<Point3>& pose) {
     TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
     const far::Level& level = refiner.level(0);
-    const VertexRing ring = ringOf(level, refiner.options(), stencils::Rules::Siggraph96, vertex);
+    const VertexRing ring = ringOf(level, refiner.options(), Rules::Siggraph96, vertex);
     const Eigen::MatrixXd m = Eigen::MatrixXd(ring.subdivision).transpose();
     const Eigen::EigenSolver<Eigen::MatrixXd> solver(m);
     std::vector<Eigen::Index> order(std::size_t(m.rows()));
@@ -119,8 +112,7 @@ Matrix3d gradientOnAxis(const Lattice& lattice, Index vertex, const std::vector<
     functionals.col(2) = along;
     const Eigen::MatrixXd start(ring.start);
     const auto at = [&](const std::vector<Point3>& positions) -> Matrix3d {
-        return functionals.transpose() * start *
-               test::asMatrix(positions)(ring.vertices, Eigen::all);
+        return functionals.transpose() * start * asMatrix(positions)(ring.vertices, Eigen::all);
     };
     return (at(lattice.positions).inverse() * at(pose)).transpose();
 }
@@ -134,12 +126,12 @@ TEST(LimitGradients, AreTheEigenvectorsOnIrregularEdges) {
         for (Index v = 0; v < lattice.complex.count(0); ++v)
             if (std::ssize(lattice.complex.relation(0, 3)[v]) == 2 * sectors) middle = v;
         ASSERT_NE(middle, kMaxIndex);
-        const auto pose = test::shaken(lattice.positions, 3);
+        const auto pose = shaken(lattice.positions, 3);
         const Matrix3d expected = gradientOnAxis(lattice, middle, pose);
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         const std::vector<Index> vertices = {middle};
         const auto point = stencils::applyLevelTable(
-            buildVertexLimits(base, 0, stencils::Rules::Siggraph96, vertices), lattice.positions);
+            buildVertexLimits(base, 0, Rules::Siggraph96, vertices), lattice.positions);
         for (const double tolerance : {1e-6, 1e-12}) {
             const Bound result = bindLimit({base, lattice.positions}, point,
                                            {.tolerance = tolerance, .gradients = true});

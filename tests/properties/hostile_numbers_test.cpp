@@ -1,24 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/local_binding.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 #include "support/refined_lattice.h"
 #include "support/sanitizers.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 // Coordinates and cells that arithmetic has trouble with: a status says what became of a point.
 
 namespace espalier::embed {
 namespace {
-
-using test::Refined;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<Point3> scaled(std::vector<Point3> points, int exponent) {
     for (Point3& point : points)
@@ -28,7 +19,7 @@ std::vector<Point3> scaled(std::vector<Point3> points, int exponent) {
 
 BindingResult bind(const Lattice& lattice, const std::vector<Point3>& points,
                    const EmbeddingOptions& options = {}, int level = 2) {
-    const far::TopologyRefiner refiner(lattice.complex);
+    const TopologyRefiner refiner(lattice.complex);
     return bindPoints({refiner, lattice.positions}, points, {.level = level, .embedding = options});
 }
 
@@ -37,10 +28,10 @@ double errorOf(const BindingResult& model, const Lattice& lattice,
                const std::vector<Point3>& points, std::size_t i) {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     const auto& table = model.binding.table;
-    const auto row = static_cast<Index>(i);
+    const auto row = Index(i);
     for (std::size_t k = 0; k < table.weights(row).size(); ++k)
-        position += table.weights(row)[k] * test::vec(lattice.positions[table.columns(row)[k]]);
-    return (position - test::vec(points[i])).stableNorm();
+        position += table.weights(row)[k] * vec(lattice.positions[table.columns(row)[k]]);
+    return (position - vec(points[i])).stableNorm();
 }
 
 class HostileNumbers : public testing::TestWithParam<OutsidePolicy> {};
@@ -53,9 +44,9 @@ INSTANTIATE_TEST_SUITE_P(, HostileNumbers,
 // A lattice of any size is bound as that of size 1, to the last bit: by powers of two, so that the
 // coordinates themselves are rounded nowhere. 2^±960 is 1e±289; cells of level 2 are smaller.
 TEST_P(HostileNumbers, SizesOfTheLatticeMakeNoDifference) {
-    for (const Lattice& lattice : {test::mixedLattice(), shapes::torus()}) {
+    for (const Lattice& lattice : {mixedLattice(), shapes::torus()}) {
         const Refined refined(lattice, 2);
-        std::vector<Point3> points = test::pointsIn(refined, 200, 1);
+        std::vector<Point3> points = pointsIn(refined, 200, 1);
         points.push_back({7, -3, 2});
         points.push_back(lattice.positions[0]);
         const auto expected = bind(lattice, points, {.outside = GetParam()});
@@ -100,7 +91,7 @@ TEST_P(HostileNumbers, DenormalsAreLengths) {
 
 // There is no length to measure by: what is not at the one place is outside, however near.
 TEST_P(HostileNumbers, ALatticeOfNoSize) {
-    Lattice lattice = test::mixedLattice();
+    Lattice lattice = mixedLattice();
     for (Point3& position : lattice.positions) position = {0, 0, 0};
     const auto model =
         bind(lattice, {{0, 0, 0}, {7.9e-309, 0, 0}, {1, 2, 3}}, {.outside = GetParam()}, 1);
@@ -117,7 +108,7 @@ TEST_P(HostileNumbers, PointsThatAreNoneOrFarAway) {
     const std::vector<Point3> far = {{1e7, 0.5, 0.5}, {-1e4, 3, 1e7}, {0.5, -100, 0.5}};
     const bool isCarried = GetParam() == OutsidePolicy::Nearest;
     // Level 8 has 16 million cells, of which few must be looked at.
-    for (const int level : {1, 2, test::kIsSlow ? 5 : 8}) {
+    for (const int level : {1, 2, kIsSlow ? 5 : 8}) {
         for (const auto status : bind(cube, none, {.outside = GetParam()}, level).statuses)
             EXPECT_EQ(status, PointStatus::NotConverged);
         for (const auto status : bind(cube, tooFar, {.outside = GetParam()}, level).statuses)
@@ -125,10 +116,10 @@ TEST_P(HostileNumbers, PointsThatAreNoneOrFarAway) {
         const auto model = bind(cube, far, {.outside = GetParam()}, level);
         for (std::size_t i = 0; i < far.size(); ++i) {
             EXPECT_EQ(model.statuses[i], PointStatus::Outside) << i;
-            const auto weights = model.binding.table.weights(static_cast<Index>(i));
+            const auto weights = model.binding.table.weights(Index(i));
             ASSERT_EQ(weights.empty(), !isCarried) << i;
             if (isCarried) {
-                EXPECT_LE(errorOf(model, cube, far, i), 1e-12 * test::vec(far[i]).norm()) << i;
+                EXPECT_LE(errorOf(model, cube, far, i), 1e-12 * vec(far[i]).norm()) << i;
             }
         }
     }
@@ -195,20 +186,20 @@ constexpr Deformity kDeformities[] = {
 // Points that are somewhere in the cells, whatever has become of these, are found where they are,
 // or have a status that says that they are not.
 TEST_P(HostileNumbers, CellsOfAnyVolume) {
-    for (const Lattice& base : {test::mixedLattice(), shapes::icosahedron()})
+    for (const Lattice& base : {mixedLattice(), shapes::icosahedron()})
         for (const Deformity& deformity :
-             test::someOf(std::vector(std::begin(kDeformities), std::end(kDeformities)))) {
+             someOf(std::vector(std::begin(kDeformities), std::end(kDeformities)))) {
             Lattice lattice = base;
             for (Point3& position : lattice.positions) position = deformity.of(position);
             const Refined refined(lattice, 2);
-            const std::vector<Point3> points = test::pointsIn(refined, 10, 3);
+            const std::vector<Point3> points = pointsIn(refined, 10, 3);
             const auto model = bind(lattice, points, {.outside = GetParam()});
             double size = 0;
             for (const Point3& position : lattice.positions)
-                size = std::max(size, test::vec(position).norm());
+                size = std::max(size, vec(position).norm());
             EXPECT_TRUE(std::isfinite(model.largestResidual)) << deformity.name;
             for (std::size_t i = 0; i < points.size(); ++i) {
-                const auto weights = model.binding.table.weights(static_cast<Index>(i));
+                const auto weights = model.binding.table.weights(Index(i));
                 for (const double weight : weights) ASSERT_TRUE(std::isfinite(weight));
                 if (weights.empty()) {
                     EXPECT_NE(model.statuses[i], PointStatus::Inside) << deformity.name;

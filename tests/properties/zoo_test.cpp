@@ -1,29 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/far/topology_error.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <functional>
-#include <numeric>
-#include <set>
 
 #include "far/surface_fans.h"
 #include "support/meshes.h"
 #include "support/random_lattices.h"
+#include "support/test.h"
 
 // The meshes and lattices that are compared with OpenSubdiv: whether they are legal, have the
 // features they are for, and refine into something sound.
 namespace espalier::stencils {
 namespace {
 
-using far::Boundary;
-using far::CellComplex;
 using far::Creasing;
 using far::Strata;
-using far::TopologyRefiner;
 using far::TriangleSubdivision;
 
 constexpr unsigned kSeeds = 200;
@@ -112,26 +104,26 @@ void expectSound(const std::string& name, const Lattice& lattice, int levels) {
 }
 
 TEST(Zoo, MeshesAreSound) {
-    for (const auto& [name, mesh] : test::meshZoo()) expectSound(name, mesh, 2);
+    for (const auto& [name, mesh] : meshZoo()) expectSound(name, mesh, 2);
 }
 
 TEST(Zoo, FeatureLatticesAreSound) {
-    for (const auto& [name, lattice] : test::featureLattices()) expectSound(name, lattice, 2);
+    for (const auto& [name, lattice] : featureLattices()) expectSound(name, lattice, 2);
 }
 
 TEST(Zoo, RandomLatticesAreSound) {
     for (unsigned seed = 0; seed < kSeeds; ++seed)
-        expectSound("seed " + std::to_string(seed), test::randomLattice(seed), 1);
+        expectSound("seed " + std::to_string(seed), randomLattice(seed), 1);
 }
 
 // Without boundary control, what is left of a shape is a complex again: no edge or face stays of
 // which all vertices have gone.
 TEST(Zoo, WhatIsLeftWithoutBoundaryControlIsSound) {
-    std::vector<test::NamedLattice> shapes = test::zoo();
-    for (auto& shape : test::featureLattices()) shapes.push_back(std::move(shape));
-    for (auto& shape : test::meshZoo()) shapes.push_back(std::move(shape));
+    std::vector<NamedLattice> shapes = zoo();
+    for (auto& shape : featureLattices()) shapes.push_back(std::move(shape));
+    for (auto& shape : meshZoo()) shapes.push_back(std::move(shape));
     for (unsigned seed = 0; seed < kSeeds; ++seed)
-        shapes.push_back({"seed " + std::to_string(seed), test::randomLattice(seed)});
+        shapes.push_back({"seed " + std::to_string(seed), randomLattice(seed)});
     int leftCount = 0;
     for (const auto& [name, lattice] : shapes) {
         SCOPED_TRACE(name);
@@ -150,9 +142,9 @@ TEST(Zoo, WhatIsLeftWithoutBoundaryControlIsSound) {
 }
 
 TEST(Zoo, NamesDiffer) {
-    std::vector<test::NamedLattice> lattices = test::zoo();
-    for (const auto& named : test::featureLattices()) lattices.push_back(named);
-    for (const auto& all : {test::meshZoo(), lattices}) {
+    std::vector<NamedLattice> lattices = zoo();
+    for (const auto& named : featureLattices()) lattices.push_back(named);
+    for (const auto& all : {meshZoo(), lattices}) {
         std::set<std::string> names;
         for (const auto& [name, lattice] : all) EXPECT_TRUE(names.insert(name).second) << name;
     }
@@ -180,12 +172,12 @@ TEST(Zoo, MeshesHaveEveryFeature) {
     std::set<far::SurfaceFans::VertexKind> vertexKinds;
     std::set<Index> finCounts;
     int smooth = 0, chaikin = 0, holes = 0, turned = 0;
-    for (const auto& [name, mesh] : test::meshZoo()) {
+    for (const auto& [name, mesh] : meshZoo()) {
         const CellComplex& complex = mesh.complex;
         const Strata strata = refinerOf(mesh).level(0).strata;
         const far::SurfaceFans fans(complex, std::vector<std::uint8_t>(complex.count(2), 1));
         for (Index face = 0; face < complex.count(2); ++face)
-            faceSizes.insert(static_cast<Index>(complex.boundary(2)[face].size()));
+            faceSizes.insert(Index(complex.boundary(2)[face].size()));
         valence.merge(valences(complex));
         boundaries.insert(mesh.tags.boundary.value_or(Boundary::Sharp));
         for (Index edge = 0; edge < complex.count(1); ++edge) {
@@ -216,15 +208,15 @@ TEST(Zoo, MeshesHaveEveryFeature) {
 }
 
 TEST(Zoo, RandomLatticesAreOfAllKinds) {
-    std::set<std::vector<test::Loops>> topologies;
+    std::set<std::vector<Loops>> topologies;
     std::set<Index> types, faceSizes, cellCounts;
     int semiSharp = 0, smooth = 0;
     for (unsigned seed = 0; seed < kSeeds; ++seed) {
-        const Lattice lattice = test::randomLattice(seed);
-        topologies.insert(test::cellLoops(lattice.complex));
+        const Lattice lattice = randomLattice(seed);
+        topologies.insert(cellLoops(lattice.complex));
         types.merge(valences(lattice.complex));
         for (Index face = 0; face < lattice.complex.count(2); ++face)
-            faceSizes.insert(static_cast<Index>(lattice.complex.boundary(2)[face].size()));
+            faceSizes.insert(Index(lattice.complex.boundary(2)[face].size()));
         cellCounts.insert(lattice.complex.count(3));
         semiSharp += refinerOf(lattice).level(0).strata.hasSemiSharp();
         smooth += std::any_of(lattice.marks.edges.begin(), lattice.marks.edges.end(),
@@ -241,8 +233,8 @@ TEST(Zoo, RandomLatticesAreOfAllKinds) {
 
 TEST(Zoo, RandomLatticesAreTheSameEachTime) {
     for (const unsigned seed : {1u, 2u, 3u}) {
-        const Lattice first = test::randomLattice(seed), second = test::randomLattice(seed);
-        EXPECT_EQ(test::cellLoops(first.complex), test::cellLoops(second.complex));
+        const Lattice first = randomLattice(seed), second = randomLattice(seed);
+        EXPECT_EQ(cellLoops(first.complex), cellLoops(second.complex));
         EXPECT_EQ(first.positions, second.positions);
         EXPECT_EQ(first.marks, second.marks);
         EXPECT_EQ(first.tags, second.tags);
@@ -251,7 +243,7 @@ TEST(Zoo, RandomLatticesAreTheSameEachTime) {
 
 // The standard prescribes the ten thousandth number of a default std::mt19937, [rand.predef].
 TEST(Zoo, DrawsAreThoseOfTheStandard) {
-    test::Draws draws(std::mt19937::default_seed);
+    Draws draws(std::mt19937::default_seed);
     for (int i = 1; i < 10000; ++i) draws.below(2);
     EXPECT_EQ(draws.below(100000), 4123659995 % 100000);
 }

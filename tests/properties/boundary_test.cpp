@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <set>
-
+#include "support/rows.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::stencils {
 namespace {
 
-using far::CellComplex;
 using far::Strata;
-using far::TopologyRefiner;
 
 /// The boundary faces of a lattice as a mesh of its own, on renumbered vertices.
 struct BoundaryMesh {
@@ -23,19 +19,19 @@ struct BoundaryMesh {
 BoundaryMesh boundaryOf(const CellComplex& lattice) {
     BoundaryMesh mesh;
     std::map<Index, Index> names;
-    test::Loops loops;
+    Loops loops;
     for (Index face = 0; face < lattice.count(2); ++face) {
         if (lattice.relation(2, 3)[face].size() != 1) continue;
         const auto row = lattice.relation(2, 0)[face];
         std::vector<Index> loop;
         for (const Index vertex : row) {
-            if (names.emplace(vertex, static_cast<Index>(names.size())).second)
+            if (names.emplace(vertex, Index(names.size())).second)
                 mesh.latticeVertex.push_back(vertex);
             loop.push_back(names[vertex]);
         }
         loops.push_back(loop);
     }
-    mesh.complex = far::buildMesh(static_cast<Index>(names.size()), loops);
+    mesh.complex = far::buildMesh(Index(names.size()), loops);
     return mesh;
 }
 
@@ -74,24 +70,19 @@ TEST(Boundary, RefinesAsItsMeshDoes) {
         TopologyRefiner surface(mesh.complex, {.marks = marksOf(lattice.complex, strata, mesh)});
         solid.refineUniform(levels);
         surface.refineUniform(levels);
-        const auto maps = test::matchLevels(surface, solid, mesh.latticeVertex);
+        const auto maps = matchLevels(surface, solid, mesh.latticeVertex);
         for (int level = 1; level <= levels; ++level) {
             const auto& map = maps[level];
             for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
                 const auto meshTable = buildStencils(surface, level, rules);
                 const auto solidTable = buildStencils(solid, level, rules, map);
                 for (Index row = 0; row < meshTable.rowCount(); ++row) {
-                    std::map<Index, double> expected;
-                    for (std::size_t k = 0; k < meshTable.columns(row).size(); ++k)
-                        expected[mesh.latticeVertex[meshTable.columns(row)[k]]] =
-                            meshTable.weights(row)[k];
+                    Row expected;
+                    for (const auto& [column, weight] : rowOf(meshTable, row).weights)
+                        expected.weights[mesh.latticeVertex[column]] = weight;
                     // Equal rules, summed in another order.
-                    double difference = 0;
-                    for (std::size_t k = 0; k < solidTable.columns(row).size(); ++k)
-                        expected[solidTable.columns(row)[k]] -= solidTable.weights(row)[k];
-                    for (const auto& [column, weight] : expected)
-                        difference = std::max(difference, std::abs(weight));
-                    ASSERT_LE(difference, 1e-15) << name << " level " << level << " row " << row;
+                    ASSERT_LE(difference(rowOf(solidTable, row), expected), 1e-15)
+                        << name << " level " << level << " row " << row;
                 }
             }
             // The strata agree as well.
@@ -107,8 +98,7 @@ TEST(Boundary, RefinesAsItsMeshDoes) {
 // is the cube": vertex (i, j, k) of level n is at (i, j, k)/2ⁿ on the sides, edges and corners.
 TEST(Boundary, CubeStaysTheCube) {
     const Lattice cube = shapes::box();
-    TopologyRefiner refiner(cube.complex);
-    refiner.refineUniform(4);
+    TopologyRefiner refiner = test::refined(cube.complex, 4);
     for (int level = 1; level <= 4; ++level) {
         const auto positions = refinePositions(refiner, level, Rules::Siggraph96, cube.positions);
         const double n = std::ldexp(1.0, level);
@@ -122,7 +112,7 @@ TEST(Boundary, CubeStaysTheCube) {
             }
             distinct.insert(p);
         }
-        EXPECT_EQ(distinct.size(), static_cast<std::size_t>((n + 1) * (n + 1) * (n + 1)));
+        EXPECT_EQ(distinct.size(), std::size_t((n + 1) * (n + 1) * (n + 1)));
     }
 }
 
@@ -132,8 +122,7 @@ TEST(Boundary, CylinderIsFlatAtItsEndsAndRoundAlongItsLength) {
     const int sectors = 6, level = 3;
     for (const int layers : {1, 2, 4}) {
         const Lattice cylinder = shapes::cylinder({.sectors = sectors, .layers = layers});
-        TopologyRefiner refiner(cylinder.complex);
-        refiner.refineUniform(level);
+        TopologyRefiner refiner = test::refined(cylinder.complex, level);
         const auto positions =
             refinePositions(refiner, level, Rules::Siggraph96, cylinder.positions);
         const auto& [complex, strata, holes] = refiner.level(level);
@@ -168,8 +157,7 @@ TEST(Boundary, CylinderIsFlatAtItsEndsAndRoundAlongItsLength) {
 TEST(Boundary, RimDoesNotDependOnTheNumberOfLayers) {
     const auto rimOf = [](int layers) {
         const Lattice cylinder = shapes::cylinder({.sectors = 5, .layers = layers});
-        TopologyRefiner refiner(cylinder.complex);
-        refiner.refineUniform(2);
+        TopologyRefiner refiner = test::refined(cylinder.complex, 2);
         std::set<std::array<long, 2>> rim;
         const auto positions = refinePositions(refiner, 2, Rules::Siggraph96, cylinder.positions);
         for (const Point3& p : positions)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What deform, bind and apply report: as text and as JSON, and that it is so.
 
-    report_test.py PATH_OF_ESPALIER
+    run_report_test.py PATH_OF_ESPALIER
 """
 
 import json
@@ -55,7 +55,7 @@ class Report(CliTest):
         self.assertEqual(report["kept"], 0)
         self.assertLess(report["largest_residual"], 1e-12)
         # The sizes in the head of the file: io/binding_file.h.
-        rows, columns, entries = struct.unpack("<3q", (self.path / "m.espb").read_bytes()[24:48])
+        rows, columns, entries = struct.unpack("<3q", self.bytes("m.espb")[24:48])
         matrix = report["matrix"]
         self.assertEqual([matrix["rows"], matrix["columns"], matrix["entries"]],
                          [rows, columns, entries])

@@ -5,33 +5,27 @@
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/refiner_options.h>
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <iostream>
 #include <numbers>
-#include <numeric>
-#include <set>
 
 #include "support/random_lattices.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::limit {
 namespace {
 
-using far::TopologyRefiner;
-using test::times;
-
 /// Tetrahedra from a new vertex, the last, to the triangles of a cell.
-far::CellComplex starOfTetrahedra(const far::CellComplex& hull) {
+CellComplex starOfTetrahedra(const CellComplex& hull) {
     far::ComplexBuilder builder(3, hull.count(0) + 1);
     for (const auto& loop : far::outwardLoops(hull, CellId(0)))
         builder.addCell(far::StandardCell::Tetrahedron, {loop[0], loop[2], loop[1], hull.count(0)});
     return builder.build();
 }
 
-VertexRing ringIn(const far::CellComplex& complex, stencils::Rules rules, Index vertex) {
+VertexRing ringIn(const CellComplex& complex, Rules rules, Index vertex) {
     const TopologyRefiner refiner(complex);
     return ringOf(refiner.level(0), refiner.options(), rules, vertex);
 }
@@ -50,7 +44,7 @@ void expectEigenvalues(const VertexRing& ring, const std::vector<double>& expect
 // The 27 points of a regular ring are a product of three rings (P₋ P P₊) of a curve, whose matrix
 // has the eigenvalues 1, 1/2 and 1/4: three times 1/2, six times 1/4 of which three are 1/2 · 1/2.
 TEST(VertexRing, EigenvaluesOfARegularStar) {
-    const auto ring = ringIn(test::grid({2, 2, 2}), stencils::Rules::Siggraph96, 13);
+    const auto ring = ringIn(grid({2, 2, 2}), Rules::Siggraph96, 13);
     EXPECT_EQ(ring.subdivision.rows(), 27);
     expectEigenvalues(ring, {0.5, 0.5, 0.5, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.125}, 1e-12);
 }
@@ -63,39 +57,34 @@ TEST(VertexRing, EigenvaluesOfIrregularStars) {
     Index middle = 0;
     for (Index v = 0; v < cylinder.count(0); ++v)
         if (cylinder.relation(0, 3)[v].size() == 10) middle = v;
-    for (const stencils::Rules rules : {stencils::Rules::Siggraph96, stencils::Rules::Cse96}) {
+    for (const Rules rules : {Rules::Siggraph96, Rules::Cse96}) {
         const auto values = eigenvalues(ringIn(cylinder, rules, middle));
         // Around the edge a pair, and along it 1/2, whatever the rules.
         EXPECT_NEAR(std::abs(values[1] - values[2]), 0, 1e-12);
         EXPECT_NEAR(values[3].real(), 0.5, 1e-12);
     }
-    expectEigenvalues(ringIn(cylinder, stencils::Rules::Siggraph96, middle),
-                      {0.55, 0.55, 0.5, 0.3401}, kDecimals);
+    expectEigenvalues(ringIn(cylinder, Rules::Siggraph96, middle), {0.55, 0.55, 0.5, 0.3401},
+                      kDecimals);
     const auto icosahedral = starOfTetrahedra(shapes::icosahedron().complex);
-    expectEigenvalues(ringIn(icosahedral, stencils::Rules::Siggraph96, 12),
-                      {0.6150, 0.6150, 0.6150}, kDecimals);
-    expectEigenvalues(ringIn(icosahedral, stencils::Rules::Cse96, 12), {0.6289, 0.6289, 0.6289},
+    expectEigenvalues(ringIn(icosahedral, Rules::Siggraph96, 12), {0.6150, 0.6150, 0.6150},
                       kDecimals);
-    expectEigenvalues(ringIn(icosahedral, stencils::Rules::Mlca, 12), {0.6289, 0.6289, 0.6289},
-                      kDecimals);
+    expectEigenvalues(ringIn(icosahedral, Rules::Cse96, 12), {0.6289, 0.6289, 0.6289}, kDecimals);
+    expectEigenvalues(ringIn(icosahedral, Rules::Mlca, 12), {0.6289, 0.6289, 0.6289}, kDecimals);
     const auto tetrahedral = starOfTetrahedra(shapes::tetrahedron().complex);
-    expectEigenvalues(ringIn(tetrahedral, stencils::Rules::Siggraph96, 4), {0.3476, 0.3476, 0.3476},
+    expectEigenvalues(ringIn(tetrahedral, Rules::Siggraph96, 4), {0.3476, 0.3476, 0.3476},
                       kDecimals);
-    expectEigenvalues(ringIn(tetrahedral, stencils::Rules::Cse96, 4), {0.3632, 0.3632, 0.3632},
-                      kDecimals);
-    expectEigenvalues(ringIn(tetrahedral, stencils::Rules::Mlca, 4), {0.3632, 0.3632, 0.3632},
-                      kDecimals);
+    expectEigenvalues(ringIn(tetrahedral, Rules::Cse96, 4), {0.3632, 0.3632, 0.3632}, kDecimals);
+    expectEigenvalues(ringIn(tetrahedral, Rules::Mlca, 4), {0.3632, 0.3632, 0.3632}, kDecimals);
 }
 
 // Inside a regular lattice, the cubic B-spline takes the values (1, 4, 1)/6 at a knot: 8/27 P, and
 // 4/9, 2/9 and 1/27 for the means of the points across edges, faces and cells.
 TEST(VertexRing, RegularLimitIsThatOfTheSpline) {
-    const auto ring = ringIn(test::grid({2, 2, 2}), stencils::Rules::Siggraph96, 13);
+    const auto ring = ringIn(grid({2, 2, 2}), Rules::Siggraph96, 13);
     const Eigen::VectorXd mask = limitMask(ring);
     for (std::size_t i = 0; i < ring.entities.size(); ++i) {
         const std::array<double, 4> perEntity = {8.0 / 27, 4.0 / 9 / 6, 2.0 / 9 / 12, 1.0 / 27 / 8};
-        EXPECT_NEAR(mask[static_cast<Eigen::Index>(i)], perEntity[ring.entities[i].dimension],
-                    1e-15);
+        EXPECT_NEAR(mask[Eigen::Index(i)], perEntity[ring.entities[i].dimension], 1e-15);
     }
 }
 
@@ -103,14 +92,13 @@ TEST(VertexRing, RegularLimitIsThatOfTheSpline) {
 /// regular one, whatever the valence, with ē the mean of the vertices across edges weighted by the
 /// number of cells at the edge; f̄ and c̄ those across faces and cells.
 TEST(VertexRing, LimitUnderMlcaIsThatOfTheSplineWeightedByCells) {
-    std::vector<far::CellComplex> stars = {
-        starOfTetrahedra(shapes::icosahedron().complex),
-        starOfTetrahedra(shapes::tetrahedron().complex),
-        starOfTetrahedra(shapes::octahedron().complex),
-        starOfTetrahedra(shapes::bipyramid({.sides = 5}).complex)};
+    std::vector<CellComplex> stars = {starOfTetrahedra(shapes::icosahedron().complex),
+                                      starOfTetrahedra(shapes::tetrahedron().complex),
+                                      starOfTetrahedra(shapes::octahedron().complex),
+                                      starOfTetrahedra(shapes::bipyramid({.sides = 5}).complex)};
     for (const auto& star : stars) {
         const Index centre = star.count(0) - 1;
-        const auto ring = ringIn(star, stencils::Rules::Mlca, centre);
+        const auto ring = ringIn(star, Rules::Mlca, centre);
         const Eigen::VectorXd mask = limitMask(ring);
         // The ring one level on is among hexahedra. Each face is in two cells, each cell in itself.
         const std::array<double, 4> shares = {8.0 / 27, 4.0 / 9, 2.0 / 9, 1.0 / 27};
@@ -132,9 +120,8 @@ TEST(VertexRing, LimitUnderMlcaIsThatOfTheSplineWeightedByCells) {
 /// The shortcut for regular vertices, and the left eigenvector.
 TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
     Index seen = 0;
-    for (const auto& [name, lattice] : test::zoo()) {
-        TopologyRefiner refiner(lattice.complex, {.marks = lattice.marks});
-        refiner.refineUniform(1);
+    for (const auto& [name, lattice] : zoo()) {
+        TopologyRefiner refiner = test::refined(lattice.complex, 1, {.marks = lattice.marks});
         for (int level = 0; level <= 1; ++level) {
             const far::Level& here = refiner.level(level);
             for (Index vertex = 0; vertex < here.complex.count(0); vertex += 1 + level * 6) {
@@ -160,8 +147,7 @@ TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
 
 /// The limits of the base's vertices, as told by their children on further levels, which are made
 /// around these alone.
-void expectInvariant(const std::string& name, const Lattice& lattice, stencils::Rules rules,
-                     int levels) {
+void expectInvariant(const std::string& name, const Lattice& lattice, Rules rules, int levels) {
     TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
     std::vector<Index> vertices(lattice.complex.count(0));
     std::iota(vertices.begin(), vertices.end(), Index{0});
@@ -175,23 +161,23 @@ void expectInvariant(const std::string& name, const Lattice& lattice, stencils::
         for (Index& vertex : vertices)
             vertex = refiner.refinement(level).childOf({{0, vertex}, {0, vertex}}).value().index;
         const auto limits = buildVertexLimits(refiner, level, rules, vertices);
-        EXPECT_LT(test::largestDistance(times(limits, lattice.positions), expected), 1e-12)
+        EXPECT_LT(largestDistance(times(limits, lattice.positions), expected), 1e-12)
             << name << " level " << level;
     }
 }
 
 // At irregular vertices, darts, and every stratum of the boundary.
 TEST(VertexLimits, AreTheSameFromLevelsUpToFive) {
-    for (const auto& [name, lattice] : test::zoo()) {
-        expectInvariant(name, lattice, stencils::Rules::Siggraph96, 5);
-        expectInvariant(name, lattice, stencils::Rules::Cse96, 2);
-        expectInvariant(name, lattice, stencils::Rules::Mlca, 2);
+    for (const auto& [name, lattice] : zoo()) {
+        expectInvariant(name, lattice, Rules::Siggraph96, 5);
+        expectInvariant(name, lattice, Rules::Cse96, 2);
+        expectInvariant(name, lattice, Rules::Mlca, 2);
     }
-    for (const auto& [name, lattice] : test::featureLattices())
-        expectInvariant(name, lattice, stencils::Rules::Siggraph96, 5);
+    for (const auto& [name, lattice] : featureLattices())
+        expectInvariant(name, lattice, Rules::Siggraph96, 5);
     for (unsigned seed = 0; seed < 20; ++seed)
-        expectInvariant("random " + std::to_string(seed), test::randomLattice(seed),
-                        stencils::Rules::Siggraph96, 2);
+        expectInvariant("random " + std::to_string(seed), randomLattice(seed), Rules::Siggraph96,
+                        2);
 }
 
 // Each limit of a vertex is where refining takes it.
@@ -200,17 +186,17 @@ TEST(VertexLimits, RefiningGoesToThem) {
         TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
         const auto limits = times(buildVertexLimits(refiner, 0), lattice.positions);
         refiner.refineUniform(levels);
-        const auto refined = test::asMatrix(stencils::refinePositions(
-            refiner, levels, stencils::Rules::Siggraph96, lattice.positions));
+        const auto refined = asMatrix(
+            stencils::refinePositions(refiner, levels, Rules::Siggraph96, lattice.positions));
         // What is left of the way is that of the ring's second eigenvalue, 0.62 at most here, once
         // sharpness has run out: below 3 here.
-        EXPECT_LT(test::largestDistance(refined.topRows(limits.rows()), limits),
+        EXPECT_LT(largestDistance(refined.topRows(limits.rows()), limits),
                   std::pow(0.62, levels - 2))
             << name;
     };
     check("cylinder", shapes::cylinder({.sectors = 5}), 5);
     check("star", shapes::star(), 5);
-    for (const auto& [name, lattice] : test::featureLattices()) check(name, lattice, 4);
+    for (const auto& [name, lattice] : featureLattices()) check(name, lattice, 4);
 }
 
 /// The order in which the vertices of levels 1 to `finest` come to their limits, from the last two:
@@ -225,8 +211,8 @@ Order orderOf(const std::string& name, const Lattice& lattice, int finest) {
     for (int level = 1; level <= finest; ++level) {
         refiner.refineUniform(level);
         const auto limits = times(buildVertexLimits(refiner, level), lattice.positions);
-        const auto at = test::asMatrix(stencils::refinePositions(
-            refiner, level, stencils::Rules::Siggraph96, lattice.positions));
+        const auto at = asMatrix(
+            stencils::refinePositions(refiner, level, Rules::Siggraph96, lattice.positions));
         const Eigen::VectorXd distances = (at - limits).rowwise().norm();
         order = {std::log2(largest / distances.maxCoeff()), std::log2(mean / distances.mean())};
         largest = distances.maxCoeff();
@@ -244,7 +230,7 @@ Order orderOf(const std::string& name, const Lattice& lattice, int finest) {
 // so do the distances in it, in the first order or less; but its share of the volume falls, too.
 TEST(VertexLimits, LevelsComeToThemInTheSecondOrder) {
     Lattice box = shapes::box({.cells = {3, 2, 2}, .max = {3, 2, 2}});
-    box.positions = test::shaken(box.positions, 5);
+    box.positions = shaken(box.positions, 5);
     const Order ofBox = orderOf("box", box, 4);
     EXPECT_NEAR(ofBox.ofLargest, 2, 0.05);
     EXPECT_NEAR(ofBox.ofMean, 2, 0.05);
@@ -275,10 +261,9 @@ TEST(VertexLimits, BoxIsTheSpline) {
                             const double weight = x[std::size_t(a + 1)] * y[std::size_t(b + 1)] *
                                                   z[std::size_t(c + 1)];
                             if (weight != 0)
-                                expected[std::size_t(test::gridVertex(n, i + a, j + b, k + c))] =
-                                    weight;
+                                expected[std::size_t(gridVertex(n, i + a, j + b, k + c))] = weight;
                         }
-                const Index row = test::gridVertex(n, i, j, k);
+                const Index row = gridVertex(n, i, j, k);
                 for (std::size_t e = 0; e < table.columns(row).size(); ++e)
                     expected[std::size_t(table.columns(row)[e])] -= table.weights(row)[e];
                 for (const double difference : expected) EXPECT_NEAR(difference, 0, 1e-15);
@@ -286,7 +271,7 @@ TEST(VertexLimits, BoxIsTheSpline) {
 }
 
 TEST(VertexLimits, CurvesAndMeshesHaveThemToo) {
-    const auto mesh = test::gridMesh(2, 2);
+    const auto mesh = gridMesh(2, 2);
     const auto table = buildVertexLimits(TopologyRefiner(mesh), 0);
     // (1, 4, 1)/6 ⊗ (1, 4, 1)/6 in the middle.
     ASSERT_EQ(table.weights(4).size(), 9U);
@@ -297,21 +282,20 @@ TEST(VertexLimits, CurvesAndMeshesHaveThemToo) {
 
 TEST(VertexLimits, WithoutBoundaryControlOpenVerticesHaveNone) {
     const std::array<Index, 3> n = {3, 3, 3};
-    const TopologyRefiner refiner(test::grid(n), {.boundary = far::Boundary::Open});
+    const TopologyRefiner refiner(grid(n), {.boundary = Boundary::Open});
     const auto table = buildVertexLimits(refiner, 0);
     for (Index vertex = 0; vertex < table.rowCount(); ++vertex)
         EXPECT_EQ(table.weights(vertex).size(),
                   refiner.level(0).strata.isOpen({0, vertex}) ? 0U : 27U);
-    EXPECT_THROW(ringOf(refiner.level(0), refiner.options(), stencils::Rules::Siggraph96, 0),
-                 Error);
+    EXPECT_THROW(ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, 0), Error);
 }
 
 TEST(VertexLimits, RefusesWhatHasNone) {
-    const TopologyRefiner mesh(test::gridMesh(2, 2));
-    EXPECT_THROW(buildVertexLimits(mesh, 0, stencils::Rules::Rats), Error);
-    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), stencils::Rules::Rats, 4), Error);
-    EXPECT_THROW(buildVertexLimits(mesh, 0, stencils::Rules::Siggraph96, {{9}}), Error);
-    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), stencils::Rules::Siggraph96, 9), Error);
+    const TopologyRefiner mesh(gridMesh(2, 2));
+    EXPECT_THROW(buildVertexLimits(mesh, 0, Rules::Rats), Error);
+    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Rats, 4), Error);
+    EXPECT_THROW(buildVertexLimits(mesh, 0, Rules::Siggraph96, {{9}}), Error);
+    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Siggraph96, 9), Error);
 }
 
 // The mask of a vertex of very many edges takes no time; its eigenvalues would take hours.
@@ -322,8 +306,7 @@ TEST(VertexLimits, OfVeryManyEdges) {
     for (Index v = 0; v < lattice.complex.count(0); ++v)
         if (std::ssize(lattice.complex.relation(0, 1)[v]) == 3000) apex = v;
     ASSERT_NE(apex, kMaxIndex);
-    const VertexRing ring =
-        ringOf(refiner.level(0), refiner.options(), stencils::Rules::Siggraph96, apex);
+    const VertexRing ring = ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, apex);
     const Eigen::VectorXd mask = limitMask(ring);
     EXPECT_NEAR(mask.sum(), 1, 1e-14);
     EXPECT_LT((ring.subdivision.transpose() * mask - mask).lpNorm<Eigen::Infinity>(), 1e-15);

@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "stencils/skew_boxes.h"
+#include "support/skew_boxes.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::limit {
 namespace {
-
-using test::asMatrix;
-using test::Cells;
-using test::largestDistance;
-using test::Positions;
-using test::shaken;
-using test::tableOf;
-using test::times;
 
 /// Points of a grid with 6 steps a cell, from `low` to cells − low along each axis. They lie at 0,
 /// 1/3 or 2/3 of the cells of every level, and u(1 − u) is the same at each.
@@ -31,21 +21,21 @@ std::vector<Point3> sixths(const Cells& cells, Index low) {
 }
 
 /// How far the points deformed by subdivision at each level are from `limit`.
-std::vector<double> distancesOfLevels(const Cells& n, far::Boundary boundary,
+std::vector<double> distancesOfLevels(const Cells& n, Boundary boundary,
                                       const std::vector<Point3>& pose,
                                       const std::vector<Point3>& points, const Positions& limit,
                                       int levels) {
-    far::TopologyRefiner refiner(test::grid(n), {.boundary = boundary});
+    TopologyRefiner refiner(test::grid(n), {.boundary = boundary});
     std::vector<double> distances;
     for (int level = 1; level <= levels; ++level) {
         refiner.refineUniform(level);
-        const auto positions = stencils::refinePositions(
-            refiner, level, stencils::Rules::Siggraph96, test::gridPositions(n));
+        const auto positions =
+            stencils::refinePositions(refiner, level, Rules::Siggraph96, gridPositions(n));
         const auto embedding =
             embed::embedPoints(refiner.level(level).complex, positions, points,
                                embed::EmbeddingOptions{.outside = embed::OutsidePolicy::Error});
         const auto table =
-            embed::buildDeformationTable(refiner, level, stencils::Rules::Siggraph96, embedding);
+            embed::buildDeformationTable(refiner, level, Rules::Siggraph96, embedding);
         distances.push_back(largestDistance(times(table, pose), limit));
     }
     return distances;
@@ -67,14 +57,14 @@ void expectOrderTwo(const std::vector<double>& distances) {
 // lattice is what the levels converge to.
 TEST(TensorLimit, BSplineLatticeIsTheLimitOfOpenLattices) {
     const Cells n = {3, 4, 3};
-    const auto rest = test::gridPositions(n);
+    const auto rest = gridPositions(n);
     const auto pose = shaken(rest, 18);
     const auto points = sixths(n, 1);
     const embed::TensorLattice lattice(test::grid(n), rest, embed::Basis::BSpline);
     const Positions limit = times(tableOf(lattice, points), pose);
     // It is a deformation, not the identity.
     ASSERT_GT(largestDistance(limit, asMatrix(points)), 0.1);
-    const auto distances = distancesOfLevels(n, far::Boundary::Open, pose, points, limit, 4);
+    const auto distances = distancesOfLevels(n, Boundary::Open, pose, points, limit, 4);
     expectOrderTwo(distances);
     // Nothing is left over beside what falls.
     EXPECT_LT(distances.back(), 2e-3);
@@ -96,7 +86,7 @@ std::vector<Point3> withPhantoms(const Cells& n, const std::vector<Point3>& pose
                 for (const Share& x : shares(n[0], i))
                     for (const Share& y : shares(n[1], j))
                         for (const Share& z : shares(n[2], k)) {
-                            const Point3& p = pose[test::gridVertex(n, x.first, y.first, z.first)];
+                            const Point3& p = pose[gridVertex(n, x.first, y.first, z.first)];
                             for (std::size_t axis = 0; axis < 3; ++axis)
                                 sum[axis] += x.second * y.second * z.second * p[axis];
                         }
@@ -108,14 +98,14 @@ std::vector<Point3> withPhantoms(const Cells& n, const std::vector<Point3>& pose
 // DESIGN section 3: with boundary control, a box of any size is the B-spline with a phantom layer.
 TEST(TensorLimit, BSplineLatticeWithPhantomsIsTheLimitOfSharpBoxes) {
     const Cells n = {2, 1, 1}, padded = {4, 3, 3};
-    const auto rest = test::gridPositions(n);
+    const auto rest = gridPositions(n);
     const auto pose = shaken(rest, 19);
     const auto points = sixths(n, 0);
     const embed::TensorLattice lattice(test::grid(padded), withPhantoms(n, rest),
                                        embed::Basis::BSpline);
     const Positions limit = times(tableOf(lattice, points), withPhantoms(n, pose));
     ASSERT_GT(largestDistance(limit, asMatrix(points)), 0.1);
-    expectOrderTwo(distancesOfLevels(n, far::Boundary::Sharp, pose, points, limit, 4));
+    expectOrderTwo(distancesOfLevels(n, Boundary::Sharp, pose, points, limit, 4));
 }
 
 }  // namespace

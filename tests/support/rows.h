@@ -2,20 +2,17 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/stencil_table.h>
-#include <gtest/gtest.h>
+#include <espalier/stencils/composition.h>
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <string>
-#include <vector>
+#include "support/test.h"
 
 // The papers' formulas as they are printed: points are rows of weights over the old vertices, so
 // that (F0 + F1 + P0 + P1) / 4 is the row of an edge point.
 namespace espalier::test {
 
 using far::CellComplex;
+using stencils::Rules;
+using stencils::StencilTable;
 
 /// A point as an affine combination of old vertices: the weight of each.
 struct Row {
@@ -43,7 +40,7 @@ inline Row point(Index vertex) {
 inline Row average(const std::vector<Row>& rows) {
     Row sum;
     for (const Row& row : rows) sum = sum + row;
-    return sum / static_cast<double>(rows.size());
+    return sum / double(rows.size());
 }
 
 /// The average of the vertices of an entity: P, M, A and C in the papers' letters.
@@ -74,6 +71,18 @@ inline double difference(const Row& a, const Row& b) {
     for (const auto& [vertex, weight] : (a - b).weights)
         largest = std::max(largest, std::abs(weight));
     return largest;
+}
+
+/// That each row sums to 1, to 1e-14 of the sizes of its weights.
+inline void expectRowsSumToOne(const StencilTable<double>& table) {
+    for (Index row = 0; row < table.rowCount(); ++row) {
+        double sum = 0, sizes = 0;
+        for (const double weight : table.weights(row)) {
+            sum += weight;
+            sizes += std::abs(weight);
+        }
+        EXPECT_NEAR(sum, 1, 1e-14 * sizes) << "row " << row;
+    }
 }
 
 inline void expectRow(const Row& row, const std::map<Index, double>& expected) {

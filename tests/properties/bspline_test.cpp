@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/stencils/composition.h>
-#include <gtest/gtest.h>
 
-#include <map>
-
-#include "papers/rows.h"
 #include "support/refined_lattice.h"
+#include "support/rows.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::stencils {
 namespace {
 
-using far::Boundary;
-using far::TopologyRefiner;
-
-using test::Row;
 using GridPoint = std::array<Index, 3>;
 
 /// The univariate cubic B-spline refined once: rows over the points 0 to n of a polygon, at the
@@ -64,8 +58,7 @@ GridPoint halfPoint(const TopologyRefiner& refiner, const RefinedGrid& parent, i
 /// Compares R_1 … R_level of a box with the tensor products of the univariate rows.
 void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int levels,
                          Rules rules) {
-    TopologyRefiner refiner(test::grid(n), {.boundary = boundary});
-    refiner.refineUniform(levels);
+    TopologyRefiner refiner = test::refined(test::grid(n), levels, {.boundary = boundary});
     // Without boundary control the outermost points of the refined grid, h = 0 and 2n, are not
     // there.
     const Index margin = boundary == Boundary::Open ? 1 : 0;
@@ -74,7 +67,7 @@ void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int l
         const auto table = buildLevelTable(refiner, level, rules);
         std::map<GridPoint, Index> parentVertex;
         for (std::size_t v = 0; v < grid.points.size(); ++v)
-            parentVertex[grid.points[v]] = static_cast<Index>(v);
+            parentVertex[grid.points[v]] = Index(v);
         RefinedGrid next;
         for (std::size_t axis = 0; axis < 3; ++axis)
             next.cells[axis] = 2 * (grid.cells[axis] - margin);
@@ -85,7 +78,7 @@ void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int l
                 for (const auto& [j, b] : splitRow(grid.cells[1], half[1]).weights)
                     for (const auto& [k, c] : splitRow(grid.cells[2], half[2]).weights)
                         expected.weights[parentVertex.at({i, j, k})] = a * b * c;
-            const Row got = test::rowOf(table, vertex);
+            const Row got = rowOf(table, vertex);
             ASSERT_EQ(got.weights.size(), expected.weights.size())
                 << "level " << level << " vertex " << vertex;
             // The bound that the project promises.
@@ -98,7 +91,7 @@ void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int l
 
 // CSE-96-1 section 5: without boundary control, an i×j×k lattice is the tricubic uniform B-spline.
 TEST(BSpline, OpenGridIsTheTricubicSpline) {
-    for (const Rules rules : test::kLatticeRules) {
+    for (const Rules rules : kLatticeRules) {
         expectTensorProduct({3, 3, 3}, Boundary::Open, 2, rules);
         expectTensorProduct({3, 4, 5}, Boundary::Open, 2, rules);
         expectTensorProduct({2, 3, 4}, Boundary::Open, 1, rules);
@@ -109,7 +102,7 @@ TEST(BSpline, OpenGridIsTheTricubicSpline) {
 // phantom layer 2P₀ − P₁ around it: (P₋ + 6P₀ + P₁)/8 = P₀ with P₋ = 2P₀ − P₁, which is the end
 // row.
 TEST(BSpline, SharpBoxIsTheSplineWithAPhantomLayer) {
-    for (const Rules rules : test::kLatticeRules) {
+    for (const Rules rules : kLatticeRules) {
         expectTensorProduct({1, 1, 1}, Boundary::Sharp, 3, rules);
         expectTensorProduct({4, 1, 2}, Boundary::Sharp, 2, rules);
         expectTensorProduct({3, 3, 3}, Boundary::Sharp, 2, rules);
@@ -130,8 +123,7 @@ TEST(BSpline, CubicPolynomialsStayExact) {
     const std::array<std::array<double, 4>, 3> cubics = {
         {{0.3, -1.1, 0.7, 0.4}, {1.2, 0.5, -0.6, 0.2}, {-0.8, 0.9, 0.3, -0.1}}};
     const int levels = 2;
-    TopologyRefiner refiner(test::grid(n), {.boundary = Boundary::Open});
-    refiner.refineUniform(levels);
+    TopologyRefiner refiner = test::refined(test::grid(n), levels, {.boundary = Boundary::Open});
     RefinedGrid grid = baseGrid(n);
     std::array<double, 3> origin = {};
     double spacing = 1;
@@ -153,7 +145,7 @@ TEST(BSpline, CubicPolynomialsStayExact) {
         grid = next;
         spacing /= 2;
         for (double& x : origin) x += spacing;
-        for (const Rules rules : test::kLatticeRules) {
+        for (const Rules rules : kLatticeRules) {
             const auto refined = refineValues(refiner, level, rules, values, 1);
             for (std::size_t v = 0; v < grid.points.size(); ++v)
                 // Values reach some 2000 at the far corner: 64 products of that size.

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/io/files/file.h>
-#include <gtest/gtest.h>
-
-#include <limits>
-#include <string>
 
 #include "io/files/number_types.h"
+#include "support/test.h"
 
 namespace espalier::test {
 namespace {
@@ -72,8 +69,7 @@ TEST(VtkNumbers, OfTextAreRoundedAsTheirTypeSays) {
     EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"), double{0.1f});
     // Below the smallest float and above the largest.
     EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"), 0);
-    EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"),
-              std::numeric_limits<double>::infinity());
+    EXPECT_EQ(io::readNumber<double>(text, NumberType::Float32, "a number"), kInfinity);
     EXPECT_EQ(io::readNumber<std::int64_t>(text, NumberType::UInt8, "a number"), 7);
     io::TextReader bad("f", "x 1.5");
     EXPECT_THROW(io::readNumber<double>(bad, NumberType::Float32, "a number"), io::FileError);

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/far/standard_cells.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "support/refined_lattice.h"
 #include "support/tables.h"
+#include "support/test.h"
 #include "support/zoo.h"
 
 // Points that lie exactly between cells, where rounding decides which one they seem to be in: each
@@ -13,8 +11,6 @@
 
 namespace espalier::embed {
 namespace {
-
-using test::Refined;
 
 /// Turns what is at height z by this many radians a unit.
 Lattice twisted(Lattice lattice, double rate) {
@@ -31,15 +27,15 @@ Lattice shaken(Lattice lattice, double size, unsigned seed) {
     return lattice;
 }
 
-std::vector<test::NamedLattice> hardLattices() {
+std::vector<NamedLattice> hardLattices() {
     return {
         {"box", shapes::box({.cells = {3, 3, 3}})},
         {"box, 60 degrees a cell", twisted(shapes::box({.cells = {2, 2, 3}, .max = {2, 2, 3}}), 1)},
         {"box, 90 degrees a cell",
          twisted(shapes::box({.cells = {2, 2, 3}, .max = {2, 2, 3}}), 1.57)},
         {"box, shaken", shaken(shapes::box({.cells = {3, 3, 3}, .max = {3, 3, 3}}), 0.3, 1)},
-        {"mixed cells", test::mixedLattice()},
-        {"mixed cells, shaken", shaken(test::mixedLattice(), 0.1, 2)},
+        {"mixed cells", mixedLattice()},
+        {"mixed cells, shaken", shaken(mixedLattice(), 0.1, 2)},
         {"icosahedron", shapes::icosahedron()},
         {"icosahedron, shaken", shaken(shapes::icosahedron(), 0.1, 3)},
         {"bipyramid", shapes::bipyramid({.sides = 7})},
@@ -50,22 +46,21 @@ std::vector<test::NamedLattice> hardLattices() {
 std::vector<Point3> pointsBetweenCells(const Refined& refined, std::size_t count, unsigned seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(0, 1);
-    const far::CellComplex& complex = refined.complex();
+    const CellComplex& complex = refined.complex();
     std::vector<Point3> points;
     while (points.size() < count) {
         CellPlace place;
-        place.cell =
-            CellId(static_cast<Index>(random() % static_cast<std::uint64_t>(complex.count(3))));
+        place.cell = CellId(Index(random() % std::uint64_t(complex.count(3))));
         const std::size_t dimension = points.size() % 3;  // of what the point lies on
         if (far::hexahedronVertices(complex, place.cell)) {
             for (double& coordinate : place.uvw) coordinate = uniform(random);
             const std::size_t first = random() % 3;
             for (std::size_t k = dimension; k < 3; ++k)
-                place.uvw[(first + k) % 3] = static_cast<double>(random() % 2);
+                place.uvw[(first + k) % 3] = double(random() % 2);
         } else {
             // On the base of a tetrahedron, which is half a face: u + v + w is 1.
-            place.tetrahedron = static_cast<Index>(
-                random() % static_cast<std::uint64_t>(tetrahedronCount(complex, place.cell)));
+            place.tetrahedron =
+                Index(random() % std::uint64_t(tetrahedronCount(complex, place.cell)));
             const std::size_t first = random() % 3;
             double sum = 0;
             for (std::size_t k = 0; k <= dimension; ++k)
@@ -74,7 +69,7 @@ std::vector<Point3> pointsBetweenCells(const Refined& refined, std::size_t count
         }
         Eigen::Vector3d position = Eigen::Vector3d::Zero();
         for (const auto& [vertex, weight] : placeWeights(complex, place))
-            position += weight * test::vec(refined.positions[vertex]);
+            position += weight * vec(refined.positions[vertex]);
         points.push_back({position[0], position[1], position[2]});
     }
     return points;
@@ -85,7 +80,7 @@ void expectAllFound(std::size_t count) {
     for (const auto& [name, lattice] : hardLattices()) {
         double size = 0;
         for (const Point3& position : lattice.positions)
-            size = std::max(size, 2 * test::vec(position).norm());
+            size = std::max(size, 2 * vec(position).norm());
         for (const int level : {1, 2}) {
             const Refined refined(lattice, level);
             constexpr std::size_t kBatch = 250'000;
@@ -93,10 +88,9 @@ void expectAllFound(std::size_t count) {
             double residual = 0;
             for (std::size_t first = 0; first < count; first += kBatch) {
                 const std::size_t batch = std::min(kBatch, count - first);
-                const auto points =
-                    pointsBetweenCells(refined, batch, static_cast<unsigned>(first) + 7);
+                const auto points = pointsBetweenCells(refined, batch, unsigned(first) + 7);
                 const Embedding found = refined.embed(points);
-                lost += batch - static_cast<std::size_t>(found.count(PointStatus::Inside));
+                lost += batch - std::size_t(found.count(PointStatus::Inside));
                 residual = std::max(residual, found.largestResidual());
             }
             EXPECT_EQ(lost, 0u) << name << ", level " << level;

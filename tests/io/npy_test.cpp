@@ -2,9 +2,7 @@
 #include <espalier/base/index.h>
 #include <io/model_files.h>
 
-#include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "io/files/bytes.h"
 #include "io/matrices/npy.h"
@@ -12,17 +10,13 @@
 namespace espalier::io {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
-
 constexpr auto kLittle = std::endian::little;
 constexpr auto kBig = std::endian::big;
 
 /// A file of version 1 with this head.
 std::string npyFile(const std::string& head, const std::string& data) {
     return std::string("\x93NUMPY\x01\x00", 8) +
-           test::bytesOf(static_cast<std::uint16_t>(head.size()), kLittle) + head + data;
+           bytesOf(static_cast<std::uint16_t>(head.size()), kLittle) + head + data;
 }
 
 /// An array with this type and shape.
@@ -34,7 +28,7 @@ std::string npyArray(const std::string& type, const std::string& shape, const st
 template <class Number>
 std::string bytesOfAll(std::initializer_list<Number> numbers, std::endian order) {
     std::string bytes;
-    for (const Number number : numbers) bytes += test::bytesOf(number, order);
+    for (const Number number : numbers) bytes += bytesOf(number, order);
     return bytes;
 }
 
@@ -89,9 +83,8 @@ TEST(NpyReader, HeadsMayBeWrittenInOtherWays) {
         EXPECT_THAT(numbersIn<Index>(npyFile(head, data)), ElementsAre(3, 5)) << head;
         // Versions 2 and 3 have room for longer ones.
         for (const char version : {'\2', '\3'}) {
-            const std::string longer =
-                std::string("\x93NUMPY") + version + '\0' +
-                test::bytesOf(static_cast<std::uint32_t>(head.size()), kLittle) + head + data;
+            const std::string longer = std::string("\x93NUMPY") + version + '\0' +
+                                       bytesOf(std::uint32_t(head.size()), kLittle) + head + data;
             EXPECT_THAT(numbersIn<Index>(longer), ElementsAre(3, 5));
         }
     }

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/osd/binding_evaluator.h>
 #include <espalier/osd/cpu_evaluator.h>
-#include <gtest/gtest.h>
 
+#include "support/test.h"
 #include "support/zoo.h"
 
 namespace espalier::osd {
 namespace {
 
-using far::TopologyRefiner;
 
 embed::Binding bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
                       const embed::EmbeddingOptions& options = {}) {
