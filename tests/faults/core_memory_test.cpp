@@ -25,6 +25,7 @@
 #include <type_traits>
 
 #include "exhaustion.h"
+#include "support/test.h"
 
 // Memory that is short while things are made and used. On one thread: what oneTBB does then is not
 // ours to say (parallel_memory_test.cpp).

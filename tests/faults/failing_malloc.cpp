@@ -7,7 +7,7 @@
 // The C library lets a program have functions of its own in the place of these, and its allocator
 // has second names for those who do. Operator new gets its memory here, too.
 
-using namespace test;
+using namespace espalier::test;
 
 extern "C" {
 
