@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <espalier/base/error.h>
+#include <espalier/base/parallel.h>
 #include <espalier/base/sort_unique.h>
-#include <espalier/embed/place_points.h>
 #include <espalier/embed/regular_cells.h>
 #include <espalier/limit/limit_stencils.h>
 #include <espalier/limit/vertex_limits.h>
