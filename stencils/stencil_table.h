@@ -13,6 +13,14 @@ namespace espalier::stencils {
 /// Says that arrays are what they should be, and need no check.
 struct Trusted {};
 
+template <class Real>
+class StencilTable;
+
+/// The same table with weights rounded to another precision, of a table that is done with: its
+/// offsets and columns are moved, not copied.
+template <class To, class From>
+ESPALIER_API StencilTable<To> convertTable(StencilTable<From>&& table);
+
 /// A sparse matrix of weights in compressed sparse rows, as OpenSubdiv's stencil tables: row i
 /// gives result i as Σ_k weights(i)[k] · source[columns(i)[k]].
 ///
@@ -75,10 +83,6 @@ extern template class StencilTable<double>;
 /// evaluators take float as well.
 template <class To, class From>
 ESPALIER_API StencilTable<To> convertTable(const StencilTable<From>& table);
-
-/// The same of a table that is done with: its offsets and columns are moved, not copied.
-template <class To, class From>
-ESPALIER_API StencilTable<To> convertTable(StencilTable<From>&& table);
 
 /// The transpose: row j holds the weights of column j, by ascending rows. Of D it carries gradients
 /// by the points to gradients by the lattice vertices.

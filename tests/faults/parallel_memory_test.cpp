@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "exhaustion.h"
+#include "support/test.h"
 
 // Memory that is short while several threads are at work: oneTBB's, where it is used.
 namespace espalier {
