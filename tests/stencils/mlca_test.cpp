@@ -134,7 +134,7 @@ TEST(Mlca, SplitsAndAverages) {
                 const std::array<int, 3> kind = {complex, entity, stratum};
                 EXPECT_GT(seen[kind], 0) << complex << entity << stratum;
             }
-    EXPECT_GT(fading, 1000);
+    EXPECT_GT(fading, least(1000));
 }
 
 // No weight is negative but where Chaikin's rule for sharpness extrapolates, as it does for all

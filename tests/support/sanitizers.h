@@ -24,4 +24,9 @@ std::vector<Shape> someOf(std::vector<Shape> all) {
     return some;
 }
 
+/// How many of something the shapes have to show, where all of them show `count`.
+constexpr int least(int count) {
+    return kIsSlow ? count / 4 : count;
+}
+
 }  // namespace espalier::test
