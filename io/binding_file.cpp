@@ -157,7 +157,8 @@ BoundModel decodeBoundModel(std::string_view bytes) {
     const std::string_view checked = bytes.substr(0, bytes.size() - 4);
     const auto expected =
         loadNumber<std::uint32_t>(checked.data() + checked.size(), std::endian::little);
-    if (expected != crc32Of(checked)) throw CodingError("is corrupted: its checksum does not match");
+    if (expected != crc32Of(checked))
+        throw CodingError("is corrupted: its checksum does not match");
 
     // The checks below find nothing wrong in a file of ours, but in one that was made to mislead.
     if (sizes.columns < 0 || sizes.columns > kMaxIndex)

@@ -9,9 +9,10 @@ namespace {
 
 using io::NumberType;
 
-constexpr NumberType kAll[] = {
-    NumberType::Int8,   NumberType::UInt8, NumberType::Int16,  NumberType::UInt16,  NumberType::Int32,
-    NumberType::UInt32, NumberType::Int64, NumberType::UInt64, NumberType::Float32, NumberType::Float64};
+constexpr NumberType kAll[] = {NumberType::Int8,   NumberType::UInt8,  NumberType::Int16,
+                               NumberType::UInt16, NumberType::Int32,  NumberType::UInt32,
+                               NumberType::Int64,  NumberType::UInt64, NumberType::Float32,
+                               NumberType::Float64};
 
 TEST(VtkNumbers, HaveNamesAndSizes) {
     EXPECT_EQ(io::numberOfXmlName("UInt16"), NumberType::UInt16);

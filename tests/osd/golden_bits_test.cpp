@@ -75,8 +75,8 @@ void addResults(const TopologyRefiner& refiner, const Lattice& lattice, stencils
         hash);
     const auto points = exactPoints();
     const auto bound = embed::bindPoints(
-        {TopologyRefiner(lattice.complex, refiner.options()), lattice.positions, rules},
-        points, {.level = 2});
+        {TopologyRefiner(lattice.complex, refiner.options()), lattice.positions, rules}, points,
+        {.level = 2});
     const auto table = stencils::convertTable<Real>(bound.binding.table);
     add(table, hash);
     std::vector<Real> source;

@@ -198,8 +198,7 @@ TYPED_TEST(RealTimeTest, KeptPoints) {
     const Lattice cube = shapes::box();
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3.25, 3}, {1, 1, 1}};
     const auto binding = embed::convertBinding<Real>(
-        embed::bindPoints({TopologyRefiner(cube.complex), cube.positions}, points,
-                          {.level = 2})
+        embed::bindPoints({TopologyRefiner(cube.complex), cube.positions}, points, {.level = 2})
             .binding);
     const CompiledTable<Real> compiled(binding.table);
     Workspace workspace = compiled.workspace(3);

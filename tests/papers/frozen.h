@@ -39,7 +39,8 @@ struct Frozen {
 
     Frozen(const Lattice& lattice, int level, const std::vector<Point3>& points)
         : rest(lattice), model(points) {
-        auto bound = embed::bindPoints({refined(rest, 0), rest.positions}, points, {.level = level});
+        auto bound =
+            embed::bindPoints({refined(rest, 0), rest.positions}, points, {.level = level});
         EXPECT_EQ(bound.count(embed::PointStatus::Inside), static_cast<Index>(points.size()));
         binding = std::move(bound.binding);
     }

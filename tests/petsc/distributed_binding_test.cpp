@@ -18,8 +18,8 @@ protected:
     static constexpr int kLevel = 3;
 
     embed::Binding bind(std::span<const Point3> points) const {
-        return embed::bindPoints({TopologyRefiner(lattice_.complex), lattice_.positions},
-                                 points, {.level = kLevel})
+        return embed::bindPoints({TopologyRefiner(lattice_.complex), lattice_.positions}, points,
+                                 {.level = kLevel})
             .binding;
     }
 

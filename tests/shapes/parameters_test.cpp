@@ -3,7 +3,6 @@
 #include <espalier/shapes/inventory.h>
 #include <espalier/shapes/solids.h>
 
-
 #include "lattice_checks.h"
 #include "support/test.h"
 
