@@ -10,7 +10,7 @@
 
 namespace espalier {
 
-/// What the threads that work within a ProgressScope share.
+/// The state that all threads within a ProgressScope share.
 class ProgressState {
 public:
     ProgressState(ProgressScope::Callback callback, std::chrono::milliseconds interval);
@@ -22,7 +22,7 @@ public:
     void beginStage(Offset count);
     void endStage();
 
-    /// So many items of the stage at hand are done.
+    /// Counts `items` more of the current stage as done.
     void add(Offset items) { done_.fetch_add(items, std::memory_order_relaxed); }
 
     /// Calls the callback, unless another thread does so, or it is not yet time.

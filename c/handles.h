@@ -18,8 +18,8 @@
 
 #include "guard.h"
 
-// What is behind the opaque types that more than one file knows, and what more than one file does
-// with them.
+// The structures behind the opaque types of the C API, and the functions on them that several files
+// use.
 
 struct espalier_lattice {
     espalier::Lattice lattice;

@@ -81,8 +81,8 @@ std::vector<ApplyTiming> timeApplying(const BenchTables& tables, std::span<const
                                       std::span<const int> threadCounts, double seconds,
                                       Stages& progress);
 
-/// What the memory gives: bytes a second of a = b + s · c over three arrays of floats, 768 MB in
-/// all so that no cache holds them. Counts two reads and one write a number.
+/// Measures the memory's bandwidth, in bytes a second: a = b + s · c over three arrays of floats,
+/// 768 MB in all, so that no cache holds them. Counts two reads and one write a number.
 ///
 /// \param threads at most
 /// \param seconds for repeated runs, of which the quickest counts

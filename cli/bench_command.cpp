@@ -80,7 +80,7 @@ void checkRange(const BenchOptions& options, const Lattice& lattice) {
                                               vertex, coordinate));
 }
 
-/// What was measured of applying.
+/// The measured times of applying.
 struct BenchReport {
     osd::Simd simd;
     const BenchTables& tables;
@@ -149,8 +149,8 @@ void printText(const RunReport& run, const BenchReport& bench) {
     fmt::print("kernels: {}\n", nameOf(bench.simd));
 }
 
-/// Prints what the other commands report of binding, with the peak memory of before the triad, and
-/// what was measured. In JSON, besides what run_report.h says:
+/// Prints the report on binding, as the other commands do, with the peak memory before the triad;
+/// and the measured times. In JSON, besides what run_report.h says:
 ///
 ///     kernels  baseline, avx2 or avx512: what compiled tables are evaluated with
 ///     factors  {vertices, entries} of the matrix left in its factors: rows of the table that moves

@@ -44,7 +44,7 @@ ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> p
     return result;
 }
 
-/// Shows how far the stage is that binds so many points.
+/// Returns a callback that shows the progress of binding `pointCount` points.
 std::function<void(Offset)> progressOf(Stages& stages, std::size_t pointCount) {
     return [&stages, pointCount](Offset done) { stages.showProgress(done, pointCount); };
 }

@@ -39,7 +39,7 @@ struct HoldOptions {
     embed::Continuity continuity = embed::Continuity::C0;
 };
 
-/// What lies in the box.
+/// The points and the faces that lie in the box.
 struct HeldPart {
     std::vector<Index> points;  ///< of the model, ascending
     std::vector<Index> faces;   ///< of the lattice's boundary, ascending
@@ -127,7 +127,7 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
                         "the lattice {}, and stays anyway",
                         part.points.front(), printable(options.model), printable(options.rest)));
     return stages.run("holding", [&] {
-        // What D says of its points needs no second look at the lattice.
+        // The rows of D tell which vertices move the points; the lattice is not searched again.
         auto held = embed::verticesHoldingRows(rows);
         const bool isBeyondPlaces = hold.continuity != Continuity::C0 && rows.entryCount() > 0;
         if (part.faces.empty() && !isBeyondPlaces) return held;

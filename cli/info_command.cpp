@@ -192,15 +192,15 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
             {"levels", levels}};
 }
 
-/// What refining does around an irregular vertex or edge of a lattice, for ever.
+/// How refinement behaves in the limit around an irregular vertex or edge of a lattice.
 struct Smoothness {
     Entity entity;  ///< of level 0: a vertex or an edge
     int stratum;
     Index ringPoints;  ///< points of the ring, the point itself among them
     /// False for rings of more than kMaxRingPoints: they have no eigenvalues and no mask here.
     bool isKnown = false;
-    /// Of the matrix from ring to ring, without the first one, 1; by descending modulus, six at
-    /// most. Where the lattice is regular inside they are 1/2 three times, then 1/4.
+    /// Eigenvalues of the matrix from ring to ring without the largest, 1; by descending modulus,
+    /// at most six. Where the lattice is regular inside they are 1/2 three times, then 1/4.
     std::vector<std::complex<double>> eigenvalues = {};
     /// The limit: shares of the point itself, and of all points across edges, faces and cells, in
     /// the ring. Where the lattice is regular inside 8/27, 12/27, 6/27 and 1/27.

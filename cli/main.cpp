@@ -60,8 +60,8 @@ std::uint64_t machineMemory() {
     return bytes;
 }
 
-/// What --max-memory is set to, and what comes of it: work that is known to take more is refused,
-/// and so is work that turns out to (MemoryLimit). From the system the process gets no more either.
+/// The limit that --max-memory sets. A MemoryLimit refuses work that takes more, before or while it
+/// runs; the system gives the process no more either.
 struct MemoryOption {
     std::uint64_t bytes = machineMemory() / 2;
     std::optional<MemoryLimit> limit;

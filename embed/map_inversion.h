@@ -18,13 +18,13 @@ namespace espalier::embed {
 template <class Map>
 std::optional<Eigen::Vector3d> findOrigin(const Map& map, const Eigen::Vector3d& start) {
     // Quadratic convergence: well-shaped cells take 3 to 6 steps.
-    constexpr int kMostSteps = 25;
+    constexpr int kMaxSteps = 25;
     // Once a step is this short, the next would be about its square: below rounding.
     constexpr double kSettled = 1e-9;
     // A place this far outside is of no use, and the way back from there is luck.
     constexpr double kWanderedOff = 100;
     Eigen::Vector3d uvw = start;
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMaxSteps; ++step) {
         const auto [value, slopes] = map.tangent(uvw);
         const Eigen::Vector3d move = solve3(slopes, value);
         if (!move.allFinite()) return std::nullopt;
@@ -40,12 +40,12 @@ std::optional<Eigen::Vector3d> findOrigin(const Map& map, const Eigen::Vector3d&
 template <class Map>
 Eigen::Vector3d nearestToOrigin(const Map& map) {
     using Eigen::Vector3d;
-    constexpr int kMostSteps = 50;
+    constexpr int kMaxSteps = 50;
     // Far below what tells one place from another; the distance has settled long before.
     constexpr double kSettled = 1e-12;
     Vector3d uvw = Vector3d::Constant(0.5);
     double distance = map.position(uvw).stableNorm();
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMaxSteps; ++step) {
         // The nearest place of the linear map that touches this one here.
         const auto [value, j] = map.tangent(uvw);
         const Vector3d target = j * uvw - value;

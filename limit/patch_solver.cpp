@@ -108,13 +108,13 @@ PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
 /// the most that A J is off the identity, any solution in the box lies within E r of c − A F(c). So
 /// the box may be cut to that, again and again; there is none if nothing is left.
 bool PatchSolver::isExcluded(const TricubicMap& map) const {
-    constexpr int kMostCuts = 50;
+    constexpr int kMaxCuts = 50;
     // Rounding of what was found of E.
     constexpr double kSlack = 1e-12;
     // A box that is cut by less than this hardly gets smaller.
     constexpr double kLeastCut = 0.9;
     Vector3d low = Vector3d::Zero(), high = Vector3d::Ones();
-    for (int cut = 0; cut < kMostCuts; ++cut) {
+    for (int cut = 0; cut < kMaxCuts; ++cut) {
         const Vector3d centre = (low + high) / 2, before = high - low;
         const Vector3d middle = centre - inverse_ * map.position(centre);
         const Vector3d reach = (spread_ * before / 2).array() + kSlack + rounding_;

@@ -74,12 +74,20 @@ private:
         out_.put("\n");
     }
 
-    void writeTags(const RefinementTags& tags) {
-        if (tags.boundary) {
-            const bool isOpen = tags.boundary == far::Boundary::Open;
-            const bool isSharp = tags.boundary == far::Boundary::Sharp;
-            out_.put("t interpolateboundary 1/0/0 ", isOpen ? 0 : isSharp ? 1 : 2, "\n");
+    static int numberOf(far::Boundary boundary) {
+        switch (boundary) {
+            case far::Boundary::Open:
+                return 0;
+            case far::Boundary::Sharp:
+                return 1;
+            case far::Boundary::EdgeOnly:
+                break;
         }
+        return 2;
+    }
+
+    void writeTags(const RefinementTags& tags) {
+        if (tags.boundary) out_.put("t interpolateboundary 1/0/0 ", numberOf(*tags.boundary), "\n");
         if (tags.creasing) {
             const bool isChaikin = tags.creasing == far::Creasing::Chaikin;
             out_.put("t creasemethod 0/0/1 ", isChaikin ? "chaikin\n" : "normal\n");

@@ -9,7 +9,6 @@
 namespace espalier::osd {
 namespace {
 
-
 embed::Binding bindTo(const Lattice& lattice, int level, const std::vector<Point3>& points,
                       const embed::EmbeddingOptions& options = {}) {
     return embed::bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,

@@ -99,11 +99,6 @@ std::vector<NamedLattice> irregularLattices() {
     return all;
 }
 
-TopologyRefiner refined(const CellComplex& complex, int levels) {
-    TopologyRefiner refiner = test::refined(complex, levels);
-    return refiner;
-}
-
 // Every point inside a lattice of any topology, by both editions. At level 2 cells are of type n,
 // and points inside are most of all.
 TEST(Solids, PointsInsideAreThoseOfTheRules) {
