@@ -55,15 +55,15 @@ public:
     template <class Number>
     Number number(const char* what);
 
-    /// Reads the next token as the number of items that follow, each of at least `leastBytes`
+    /// Reads the next token as the number of items that follow, each of at least `minBytes`
     /// bytes. It is safe to allocate memory for this number of items.
     /// \throws FileError if the token is not a whole number, or if the rest of the text is too
     ///         short for the items
-    std::size_t count(const char* what, std::size_t leastBytes);
+    std::size_t count(const char* what, std::size_t minBytes);
 
     /// \throws FileError if the rest of the text is too short for `count` items of at least
-    ///         `leastBytes` bytes each; the last one may lack its separator
-    void checkRoom(std::size_t count, std::size_t leastBytes, const char* what) const;
+    ///         `minBytes` bytes each; the last one may lack its separator
+    void checkRoom(std::size_t count, std::size_t minBytes, const char* what) const;
 
     /// Reads the rest of the line, and returns it without its end ("\n" or "\r\n"). Returns an
     /// empty line at the end of the text.
