@@ -10,7 +10,7 @@ TEST(InQuotes, ShowsATextAsItIs) {
     EXPECT_EQ(inQuotes("größe"), "'größe'");
 }
 
-// A file must not be able to move the cursor, or to forge a second line of a log.
+// A text from a file must not move the cursor, or forge a second line in a log.
 TEST(InQuotes, SpellsOutWhatATerminalWouldObey) {
     EXPECT_EQ(inQuotes(std::string_view("\x1B[2J\r\n\0\x7F", 8)), "'\\x1B[2J\\x0D\\x0A\\x00\\x7F'");
 }

@@ -41,7 +41,7 @@ TEST(MemoryLimit, StopsLoopsOnceThatMuchIsHeld) {
     std::vector<std::vector<char>> taken(200);
     const auto takeMemory = [&](Offset first, Offset) {
         taken[first].assign(1 << 20, 1);
-        // The memory is looked at every few milliseconds.
+        // The memory is checked every few milliseconds.
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     };
     {

@@ -25,7 +25,7 @@ TEST(Utf8, DecodesTheFirstCodePoint) {
     }
 }
 
-/// Stray and missing continuations, overlong forms, surrogates, and what is beyond Unicode.
+/// Tries stray and missing continuations, overlong forms, surrogates, and values beyond Unicode.
 TEST(Utf8, TellsBytesThatAreNotUtf8) {
     for (const std::string text : {"\x80", "\xC3", "\xC3!", "\xC0\x80", "\xE0\x80\x80", "\xE2\x82",
                                    "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xFF"}) {

@@ -12,7 +12,8 @@
 #include "exhaustion.h"
 #include "support/temporary_folder.h"
 
-// Memory that is short under the C API: a status and a message, and no object.
+// When an allocation fails under the C API, calls return a status and a message, and make no
+// object.
 namespace espalier {
 namespace {
 
@@ -124,8 +125,8 @@ TEST_F(CMemory, Scopes) {
     });
 }
 
-/// Errors that need memory to be told, on a thread that has not called before: the status is right
-/// or that of memory, and the message is there.
+/// Makes allocations fail while a thread that has not called before reports an error. Expects that
+/// the status is the right one or says that memory is exhausted, and that there is a message.
 void expectErrorsToldOnANewThread(espalier_status expected, const char* message,
                                   const std::function<espalier_status()>& call) {
     for (long n = 1;; ++n) {

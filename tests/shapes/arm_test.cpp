@@ -11,7 +11,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// A limb of constant radius through given points.
+/// Returns a limb of constant radius through the points.
 ArmOptions limb(const std::vector<Point3>& points, double radius = 0.2) {
     ArmOptions options;
     options.joints.clear();
@@ -47,17 +47,17 @@ TEST(Arm, hasTheCountsOfASweptDisk) {
 
 TEST(Arm, putsTheFirstVertexOnTheSideOfUp) {
     ArmOptions options = limb({{1, 1, 1}, {3, 1, 1}}, 0.5);
-    options.up = {5, 2, 0};  // with the part along the bone taken off, it is +y
+    options.up = {5, 2, 0};  // Without its part along the bone, `up` is +y.
     const Lattice lattice = arm(options);
     EXPECT_NEAR(norm(minus(at(lattice, 0), {1, 1.5, 1})), 0, kRounding);
-    // Anticlockwise seen from the hand: from +y on to +z.
+    // Vertices run anticlockwise seen from the hand: from +y to +z.
     EXPECT_NEAR(norm(minus(at(lattice, 1), {1, 1, 1.5})), 0, kRounding);
     EXPECT_NEAR(norm(minus(at(lattice, 8), {3, 1.5, 1})), 0, kRounding);
 }
 
 TEST(Arm, keepsItsThicknessRoundBends) {
-    // A polyline in space, with bends of 90° at most. Cut by bisecting planes, a tube of constant
-    // section about its axis has the volume of the section times the length of the axis.
+    // The bends of the polyline are at most 90°. A tube of constant cross-section, cut by bisecting
+    // planes, has the volume of the cross-section times the length of its axis.
     const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 0},     {1, 1, 0},
                                         {1, 1, 1}, {2, 1.5, 1.2}, {3, 1, 2}};
     const ArmOptions options = limb(points);

@@ -11,7 +11,7 @@
 namespace espalier::shapes {
 namespace {
 
-/// The outward normal of an axis-parallel boundary face of a box about the point `centre`.
+/// Returns the outward normal of an axis-parallel boundary face of a box centred at `centre`.
 Point3 outward(const Lattice& lattice, Index face, const Point3& centre) {
     Point3 mean = {0, 0, 0};
     for (const Index vertex : lattice.complex.relation(2, 0)[face])
@@ -37,7 +37,7 @@ TEST(Attach, growsACrossFromACube) {
 TEST(Attach, buildsAColumnPrismByPrism) {
     Lattice lattice = prism({5, 1, 1});
     for (int i = 0; i < 3; ++i) {
-        // The second face of a prism is the one opposite to the one it stands on.
+        // The second face of a prism is opposite to the face that it is attached to.
         const CellId last(lattice.complex.count(3) - 1);
         lattice = attachPrism(lattice, lattice.complex.faces(last)[1], {0, 0, 1});
     }
@@ -85,7 +85,7 @@ TEST(Attach, putsPyramidsOnAnyFace) {
 }
 
 TEST(Attach, takesAnyCell) {
-    // A wedge on the top of a cube: a roof whose ridge is two new vertices.
+    // A wedge on top of a cube, as a roof; its ridge has two new vertices.
     const NewVertex ridge[] = {{{0.5, 0, 2}, {4, 5}}, {{0.5, 1, 2}, {6, 7}}};
     const Lattice lattice =
         attachCell(box(), far::StandardCell::Wedge, std::array<Index, 6>{4, 8, 5, 6, 9, 7}, ridge);
@@ -95,7 +95,7 @@ TEST(Attach, takesAnyCell) {
 }
 
 TEST(Attach, closesAGapWithoutNewVertices) {
-    // Two boxes that share an edge, and a wedge between them that uses only vertices that exist.
+    // Two boxes share an edge, and a wedge between them uses only existing vertices.
     const Lattice boxes = merge(box(), box({{1, 1, 1}, {1, 0, 1}, {2, 1, 2}}));
     EXPECT_EQ(at(boxes, 5), (Point3{1, 0, 1}));
     EXPECT_EQ(at(boxes, 7), (Point3{1, 1, 1}));

@@ -14,7 +14,8 @@ std::vector<Point3> anyPositions(const TopologyRefiner& refiner, int level) {
     return std::vector<Point3>(refiner.level(level).complex.count(0));
 }
 
-/// Refined by what it says itself, level 1 as a lattice has the levels that come after level 1.
+/// Expects that level 1 as a lattice, refined with its own options, has the same levels as the
+/// refiner after level 1.
 void expectToGoOn(const Lattice& base, far::RefinerOptions options) {
     options.marks = base.marks;
     TopologyRefiner whole = test::refined(base.complex, 3, options);
@@ -30,7 +31,7 @@ void expectToGoOn(const Lattice& base, far::RefinerOptions options) {
         for (int d = 0; d <= base.complex.dimension(); ++d) {
             ASSERT_EQ(actual.complex.count(d), expected.complex.count(d));
             for (Index i = 0; i < actual.complex.count(d); ++i) {
-                if (expected.strata.isOpen({d, i})) continue;  // has none
+                if (expected.strata.isOpen({d, i})) continue;  // has no stratum
                 ASSERT_EQ(actual.strata.of({d, i}), expected.strata.of({d, i}))
                     << "level " << k << ", entity " << i << " of dimension " << d;
             }
@@ -69,7 +70,7 @@ TEST(LevelLattice, KeepsMarksAndTags) {
     }
 }
 
-// A corner that is one by rule under this mode, and was marked, stays one under another.
+// A marked corner that the mode would make a corner anyway stays a corner under another mode.
 TEST(LevelLattice, CornersThatAreMarkedStayMarked) {
     Lattice cube = shapes::box();
     cube.marks.vertices = {{0, far::kInfinitelySharp}};

@@ -15,7 +15,7 @@ struct RegularCase {
     Counts counts;
     std::size_t faceSize;
     std::size_t valence;
-    double volume;  ///< with the vertices on the unit sphere
+    double volume;  ///< if the vertices are on the unit sphere
 };
 
 TEST(Solids, areThePlatonicOnes) {

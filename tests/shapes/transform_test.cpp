@@ -12,7 +12,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// A few roundings of numbers of size 1.
+/// Upper bound of a few rounding errors of numbers of size 1.
 constexpr double kFewRoundings = 1e-14;
 
 void expectNear(const Point3& a, const Point3& b) {
@@ -40,7 +40,7 @@ TEST(Affine, turnsOneDirectionIntoAnother) {
             const Affine turn = rotationBetween({3 * from[0], 3 * from[1], 3 * from[2]}, to);
             expectNear(turn(from), to);
             EXPECT_NEAR(turn.determinant(), 1, kFewRoundings);
-            // The smallest rotation leaves alone what is perpendicular to both.
+            // The smallest rotation keeps vectors that are perpendicular to both directions.
             const Point3 axis = {from[1] * to[2] - from[2] * to[1],
                                  from[2] * to[0] - from[0] * to[2],
                                  from[0] * to[1] - from[1] * to[0]};

@@ -7,7 +7,7 @@
 namespace espalier::shapes {
 namespace {
 
-/// What weld() promises, by looking at every pair.
+/// Welds points by the definition of weld(), comparing every pair.
 Welding weldSlowly(const std::vector<Point3>& points, double distance) {
     Welding welding;
     for (const Point3& point : points) {
@@ -35,7 +35,7 @@ TEST(Weld, findsTheSameAsLookingAtEveryPair) {
             const Point3 point = {wide(random), wide(random), wide(random)};
             points.push_back(point);
             points.push_back(point);
-            // Near misses and near hits, in all directions.
+            // A point slightly nearer or farther than the distance, in any direction.
             points.push_back({point[0] + distance * wide(random),
                               point[1] + distance * wide(random),
                               point[2] + distance * wide(random)});
@@ -48,7 +48,8 @@ TEST(Weld, findsTheSameAsLookingAtEveryPair) {
 }
 
 TEST(Weld, meetsThePointsOnTheBordersOfItsBoxes) {
-    // Powers of two fall on the borders of boxes, which are a power of two of the whole.
+    // These coordinates are on the borders of boxes, since the box size is the whole times a power
+    // of two.
     std::vector<Point3> points;
     for (int i = 0; i <= 16; ++i) {
         points.push_back({i / 16.0, 0, 0});
