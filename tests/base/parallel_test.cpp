@@ -18,7 +18,7 @@ TEST(ParallelFor, RethrowsTheErrorOfTheLowestRange) {
     expectTheErrorOfTheLowestRange(50);
 }
 
-TEST(ParallelFor, WaitingThreadTakesUpNoOtherWork) {
+TEST(ParallelFor, WaitingThreadRunsNoOtherRanges) {
     // There are more threads than cores, so that free threads help with the inner loop and the
     // thread that began it has to wait for them.
     withThreads(8, [] { expectNoOtherWorkWhileWaiting(300); });

@@ -145,7 +145,7 @@ void expectErrorsToldOnANewThread(espalier_status expected, const char* message,
     }
 }
 
-TEST_F(CMemory, ErrorsAreToldOnThreadsThatHaveNotCalledBefore) {
+TEST_F(CMemory, ErrorsAreReportedOnNewThreads) {
     espalier_lattice* none = nullptr;
     const std::string missing = (folder / "none.vtu").string();
     expectErrorsToldOnANewThread(ESPALIER_ERROR_FILE,

@@ -83,7 +83,7 @@ TEST_F(CoreMemory, Lattices) {
     });
 }
 
-TEST_F(CoreMemory, RelationsThatAreDerivedWhenTheyAreAskedFor) {
+TEST_F(CoreMemory, RelationsDerivedOnFirstUse) {
     failEachAllocation([&] {
         const Lattice own = shapes::box({.cells = {2, 1, 1}});
         std::size_t size = 0;
@@ -95,7 +95,7 @@ TEST_F(CoreMemory, RelationsThatAreDerivedWhenTheyAreAskedFor) {
 
 // If memory is exhausted while a complex derives a relation, the complex is unchanged, and derives
 // the relation later.
-TEST_F(CoreMemory, AComplexIsAsUsableAsBefore) {
+TEST_F(CoreMemory, ComplexStaysUsable) {
     const auto expected = far::topologyHash(shapes::box({.cells = {2, 1, 1}}).complex);
     for (long n = 1;; ++n) {
         const Lattice own = shapes::box({.cells = {2, 1, 1}});
@@ -124,7 +124,7 @@ TEST_F(CoreMemory, Refinement) {
 }
 
 // refineTo() promises: "The levels made before stay."
-TEST_F(CoreMemory, ARefinerHasTheLevelsThatWereComplete) {
+TEST_F(CoreMemory, RefinerKeepsCompleteLevels) {
     const Index expected = refined(2).level(2).complex.count(3);
     for (long n = 1;; n += 5) {
         TopologyRefiner refiner = refined(1);
@@ -252,7 +252,7 @@ TEST_F(CoreMemory, Solvers) {
 }
 
 // An evaluation that fails for lack of memory has written nothing.
-TEST_F(CoreMemory, DestinationsAreAsTheyWere) {
+TEST_F(CoreMemory, DestinationsAreUnchanged) {
     const osd::CompiledTable<double> compiled(bind().binding.table);
     const osd::ChangeEvaluator<double> changes(compiled);
     const auto pose = flat(lattice.positions);
@@ -280,7 +280,7 @@ TEST_F(CoreMemory, DestinationsAreAsTheyWere) {
     });
 }
 
-TEST_F(CoreMemory, WhatIsThereGoesWithoutMemory) {
+TEST_F(CoreMemory, DestroyingNeedsNoMemory) {
     auto bound = std::optional(bind());
     auto factored =
         std::optional(embed::bindFactored({refined(0), lattice.positions}, points, {.level = 2}));

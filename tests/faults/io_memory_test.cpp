@@ -121,7 +121,7 @@ TEST_F(IoMemory, OtherFiles) {
     failEachAllocation([&] { return io::readTargets(folder / "t.txt", 2).size(); });
 }
 
-TEST_F(IoMemory, AllThatAProgramDoes) {
+TEST_F(IoMemory, ReadBindAndWrite) {
     io::writeLattice(folder / "rest.vtu", shapes::box());
     test::putLatticeFile(folder / "model.obj", "v 0.5 0.5 0.5\nv 0.25 0.75 0.1\nv 7 7 7\n");
     failEachAllocation([&] {

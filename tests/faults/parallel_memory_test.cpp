@@ -40,7 +40,7 @@ void failSome(Work work, int times) {
 }
 
 // Often the scope of a limit ends by an exception for lack of memory, so its end must not allocate.
-TEST(ParallelMemory, ThreadLimitsEndWithoutAny) {
+TEST(ParallelMemory, ThreadLimitsEndWithoutMemory) {
     std::optional<ThreadLimit> limit(std::in_place, 1);
     auto end = [&] {
         limit.reset();

@@ -55,7 +55,7 @@ TEST(Arm, putsTheFirstVertexOnTheSideOfUp) {
     EXPECT_NEAR(norm(minus(at(lattice, 8), {3, 1.5, 1})), 0, kRounding);
 }
 
-TEST(Arm, keepsItsThicknessRoundBends) {
+TEST(Arm, keepsItsThicknessAroundBends) {
     // The bends of the polyline are at most 90°. A tube of constant cross-section, cut by bisecting
     // planes, has the volume of the cross-section times the length of its axis.
     const std::vector<Point3> points = {{0, 0, 0}, {1, 0, 0},     {1, 1, 0},
@@ -91,7 +91,7 @@ TEST(Arm, cutsABendByTheBisectingPlane) {
     for (Index v = 8; v < 12; ++v) EXPECT_NEAR(at(lattice, v)[0] + at(lattice, v)[1], 1, kRounding);
 }
 
-TEST(Arm, staysSoundRoundSharpBends) {
+TEST(Arm, staysValidAroundSharpBends) {
     for (const double bend : {60.0, 120.0, 150.0}) {
         const double angle = bend * pi / 180;
         const ArmOptions options =
@@ -129,7 +129,7 @@ TEST(Arm, hasTheTopologyOfItsPose) {
     expectSound(pose);
 }
 
-TEST(Arm, refusesAJointThatCannotBe) {
+TEST(Arm, refusesInvalidJoints) {
     EXPECT_MESSAGE(
         "arm: joints[2].position is (1, 0, 0); allowed: points other than that of the joint "
         "before",

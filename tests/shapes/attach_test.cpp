@@ -50,7 +50,7 @@ TEST(Attach, buildsAColumnPrismByPrism) {
     expectSound(lattice);
 }
 
-TEST(Attach, keepsTheNumbersOfWhatIsThere) {
+TEST(Attach, keepsExistingNumbers) {
     const Lattice before = cylinder({6, {2}, 2});
     Index boundary = 0;
     while (before.complex.relation(2, 3)[boundary].size() != 1) ++boundary;
@@ -66,7 +66,7 @@ TEST(Attach, keepsTheNumbersOfWhatIsThere) {
     expectSound(after);
 }
 
-TEST(Attach, putsPyramidsOnAnyFace) {
+TEST(Attach, attachesPyramidsToAnyFace) {
     const Lattice start = prism({5, 1, 1});
     for (Index face = 0; face < 7; ++face) {
         const bool pentagon = face < 2;
@@ -84,7 +84,7 @@ TEST(Attach, putsPyramidsOnAnyFace) {
     }
 }
 
-TEST(Attach, takesAnyCell) {
+TEST(Attach, attachesAnyCell) {
     // A wedge on top of a cube, as a roof; its ridge has two new vertices.
     const NewVertex ridge[] = {{{0.5, 0, 2}, {4, 5}}, {{0.5, 1, 2}, {6, 7}}};
     const Lattice lattice =
@@ -108,7 +108,7 @@ TEST(Attach, closesAGapWithoutNewVertices) {
     expectSound(lattice);
 }
 
-TEST(Attach, givesNewVerticesTheAttributesTheyComeFrom) {
+TEST(Attach, givesNewVerticesTheAttributesOfTheirSources) {
     Lattice lattice = box();
     lattice.attributes.push_back({"x", 1, {}});
     for (const Point3& position : lattice.positions)
@@ -121,7 +121,7 @@ TEST(Attach, givesNewVerticesTheAttributesTheyComeFrom) {
     EXPECT_EQ(pointed.attributes[0].values[8], 0.5);
 }
 
-TEST(Attach, averagesNoIntegers) {
+TEST(Attach, doesNotAverageIntegers) {
     Lattice lattice = box();
     lattice.integers.push_back({"material", 1, IntegerType::UInt8, {1, 2, 3, 4, 5, 6, 7, 8}});
     const FaceId top = lattice.complex.faces(CellId(0))[1];
@@ -149,7 +149,7 @@ TEST(Attach, carriesMarks) {
     EXPECT_EQ(grown.marks, lattice.marks);
 }
 
-TEST(Attach, refusesWhatDoesNotFit) {
+TEST(Attach, refusesCellsThatDoNotFit) {
     const Lattice two = box({{2, 1, 1}});
     Index inner = 0;
     while (two.complex.relation(2, 3)[inner].size() != 2) ++inner;

@@ -98,7 +98,7 @@ TEST(Barbell, hasRoundEnds) {
     }
 }
 
-TEST(Barbell, refusesARoundEndAsWideAsItsBar) {
+TEST(Barbell, refusesABarAsWideAsARoundEnd) {
     BarbellOptions options;
     options.barHalfWidth = options.endRadius;
     EXPECT_MESSAGE(

@@ -102,13 +102,13 @@ TEST(Extrude, keepsHolesAndSeparatePieces) {
     expectSound(pieces);
 }
 
-TEST(Extrude, turnsFacesThatAreWoundTheOtherWay) {
+TEST(Extrude, reversesFacesThatAreWoundTheOtherWay) {
     const Lattice mixed = mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}},
                                {{0, 1, 4, 3}, {1, 4, 5, 2}});
     expectSound(extrude(mixed, {{0.5, 0, 1}, 2}));
 }
 
-TEST(Extrude, takesSurfacesThatAreNotFlat) {
+TEST(Extrude, acceptsSurfacesThatAreNotFlat) {
     // A roof whose faces all face upwards.
     const Lattice roof = mesh({{0, 0, 0}, {1, 0, 1}, {2, 0, 0}, {0, 1, 0}, {1, 1, 1}, {2, 1, 0}},
                               {{0, 1, 4, 3}, {1, 2, 5, 4}});
@@ -134,7 +134,7 @@ TEST(Extrude, refusesFacesWithoutVolume) {
         extrude(fold, {{1, 0, 3}, 1}));
 }
 
-TEST(Extrude, refusesWhatIsNoMesh) {
+TEST(Extrude, refusesComplexesThatAreNotMeshes) {
     const Lattice solid = extrude(frame());
     EXPECT_MESSAGE("extrude: the mesh is a lattice; expected a mesh", extrude(solid));
     const Lattice fins = mesh({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}},
@@ -201,7 +201,7 @@ TEST(Sweep, closesIntoARing) {
     EXPECT_LT(totalVolume(ring), 0);
 }
 
-TEST(Sweep, takesLayersOfAnyShape) {
+TEST(Sweep, acceptsLayersOfAnyShape) {
     const Lattice flat = gridMesh({{2, 1}});
     std::vector<std::vector<Point3>> layers(3, flat.positions);
     for (Point3& position : layers[1]) position = {2 * position[0], position[1], 1};

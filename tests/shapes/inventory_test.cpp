@@ -118,7 +118,7 @@ TEST(Cylinder, liesAlongItsAxis) {
     }
 }
 
-TEST(Torus, hasTheCountsOfASectionSweptRound) {
+TEST(Torus, hasTheCountsOfASweptSection) {
     for (const int segments : {3, 5}) {
         for (const int m : {1, 3}) {
             const Lattice lattice = torus({segments, TorusSection::Grid, m});

@@ -39,7 +39,7 @@ void expectToGoOn(const Lattice& base, far::RefinerOptions options) {
     }
 }
 
-TEST(LevelLattice, GoesOnAsTheRefinerDoes) {
+TEST(LevelLattice, RefinesToTheSameLevelsAsTheRefiner) {
     for (const auto& [name, lattice] : test::zoo())
         for (const Boundary boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
             SCOPED_TRACE(name);
@@ -71,7 +71,7 @@ TEST(LevelLattice, KeepsMarksAndTags) {
 }
 
 // A marked corner that the mode would make a corner anyway stays a corner under another mode.
-TEST(LevelLattice, CornersThatAreMarkedStayMarked) {
+TEST(LevelLattice, MarkedCornersStayMarked) {
     Lattice cube = shapes::box();
     cube.marks.vertices = {{0, far::kInfinitelySharp}};
     for (Index edge = 0; edge < cube.complex.count(1); ++edge) {
@@ -86,7 +86,7 @@ TEST(LevelLattice, CornersThatAreMarkedStayMarked) {
     EXPECT_EQ(again.level(0).strata.of({0, 1}), 2);  // another corner of the cube
 }
 
-TEST(LevelLattice, PositionsAreThoseGiven) {
+TEST(LevelLattice, UsesTheGivenPositions) {
     const Lattice cube = shapes::box();
     const TopologyRefiner refiner(cube.complex);
     EXPECT_EQ(levelLattice(refiner, 0, cube.positions).positions, cube.positions);

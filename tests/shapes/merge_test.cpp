@@ -42,7 +42,7 @@ TEST(Merge, makesOneBoxOfTwo) {
     EXPECT_EQ(merged.complex.relation(3, 0)[3][0], left.complex.relation(3, 0)[3][0]);
 }
 
-TEST(Merge, weldsWhatRoundingSetApart) {
+TEST(Merge, weldsVerticesThatDifferByRounding) {
     // The length of the boxes has no exact binary form: 5 · 0.1 + 0.1 is not 6 · 0.1.
     std::vector<Lattice> boxes;
     for (int i = 0; i < 11; ++i) boxes.push_back(boxFrom(i * 0.1, 1, 0.1));
@@ -105,7 +105,7 @@ TEST(Merge, refusesACellThatWouldCollapse) {
     EXPECT_EQ(causeOf([&] { merge(box(), thin, {1e-6}); }), far::TopologyCause::RepeatedVertex);
 }
 
-TEST(Merge, refusesACellTwiceAndAFaceOfThreeCells) {
+TEST(Merge, refusesDuplicateCellsAndFacesOfThreeCells) {
     EXPECT_EQ(causeOf([] { merge(box(), box()); }), far::TopologyCause::RepeatedCell);
     EXPECT_MESSAGE(
         "merge: cell 0 of lattice 0, cell 0 of lattice 1 would become one cell; each cell may "
@@ -151,7 +151,7 @@ void addHexahedron(far::ComplexBuilder& builder, std::array<Index, 4> from,
     builder.addCell(far::StandardCell::Hexahedron, corners);
 }
 
-TEST(Merge, saysWhichNumbersAreOfTheResult) {
+TEST(Merge, errorsSayWhichNumbersBelongToTheResult) {
     // Three squares on a circle, and a cell from each to the next. The last cell is mirrored, so
     // the ring cannot be oriented.
     std::vector<Point3> positions;
@@ -174,7 +174,7 @@ TEST(Merge, saysWhichNumbersAreOfTheResult) {
                 StartsWith("merge: in the merged lattice, face "));
 }
 
-TEST(Merge, namesTheLatticesInMessages) {
+TEST(Merge, errorsNameTheLattices) {
     const MergeOptions named = {.tolerance = 1e-6, .names = {"a.vtu", "b.vtu"}};
     const Lattice thin = box({{1, 1, 2}, {0, 0, 0}, {100, 1, 1e-6}});
     EXPECT_THAT(messageOf([&] { merge(box(), thin, named); }),
@@ -196,7 +196,7 @@ TEST(Merge, namesTheLatticesInMessages) {
     EXPECT_MESSAGE("merge: got 1 names for 2 lattices", merge(left, lacking, {.names = {"a.vtu"}}));
 }
 
-TEST(Merge, refusesNothingAndMixedDimensions) {
+TEST(Merge, refusesEmptyListsAndMixedDimensions) {
     EXPECT_MESSAGE("merge: there is no lattice; expected 1 or more",
                    merge(std::span<const Lattice>{}));
     EXPECT_MESSAGE("merge: lattice 1 is a mesh; expected a lattice", merge(box(), gridMesh()));

@@ -72,7 +72,7 @@ TEST(Parameters, areRefusedByNameValueAndRange) {
                    diskMesh(regularPolygon(4, 1), {0, 0, 0}, {0}));
 }
 
-TEST(Parameters, areRefusedWhereThereWouldBeTooManyEntities) {
+TEST(Parameters, areRefusedIfThereWouldBeTooManyEntities) {
     // Each call asks for more entities than an Index can count; the last two for more than 64 bits
     // can count. No call may allocate memory for them first.
     constexpr int kMany = std::numeric_limits<int>::max();

@@ -18,7 +18,7 @@ struct RegularCase {
     double volume;  ///< if the vertices are on the unit sphere
 };
 
-TEST(Solids, areThePlatonicOnes) {
+TEST(Solids, areThePlatonicSolids) {
     const double s5 = std::sqrt(5.0);
     // Volumes by edge length a: tetrahedron a³/(6√2), a = √(8/3); cube a³, a = 2/√3; octahedron
     // a³√2/3, a = √2; dodecahedron (15 + 7√5) a³/4, a = 4/(√3 (1 + √5)); icosahedron
