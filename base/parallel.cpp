@@ -168,9 +168,9 @@ struct ThreadLimit::Control {
     // Queries oneTBB's default now: the first query allocates memory, and oneTBB would end the
     // program if that failed at the end of the limit.
     explicit Control(int threads)
-        : unlimited(tbb::info::default_concurrency()),
+        : defaultConcurrency(tbb::info::default_concurrency()),
           limit(tbb::global_control::max_allowed_parallelism, threads) {}
-    int unlimited;
+    int defaultConcurrency;
     tbb::global_control limit;
 };
 

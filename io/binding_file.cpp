@@ -55,7 +55,7 @@ std::vector<Point3> readPoints(ByteInput& in, std::int64_t count, const char* na
 }
 
 /// Returns true if the file is exactly as long as the sizes in its header say.
-bool fitTheRest(const Sizes& sizes, std::size_t left) {
+bool fileSizeMatches(const Sizes& sizes, std::size_t left) {
     // Subtracts each part from the bytes that are left, so that no claimed size can overflow.
     std::uint64_t room = left;
     const auto take = [&](std::int64_t count, std::uint64_t size) {
@@ -95,7 +95,7 @@ Sizes readHeader(ByteInput& in, std::uint64_t& hash) {
         for (std::int64_t& entries : sizes.gradientEntries.emplace())
             entries = in.number<std::int64_t>();
     }
-    if (!fitTheRest(sizes, in.left()))
+    if (!fileSizeMatches(sizes, in.left()))
         throw CodingError("is truncated or corrupted: its size is not what its header says");
     return sizes;
 }

@@ -54,7 +54,7 @@ public:
     void write(const std::filesystem::path& path, std::span<const Point3> positions) const;
 
     /// The same, and carries the directions at each point by its gradient: normals by
-    /// carryNormal(), tangents by carryTangent(). Directions keep their lengths, but for the
+    /// carryNormal(), tangents by carryTangent(). Directions keep their lengths, except for the
     /// rounding of the format. If all gradients are the identity and no point has moved, the copy
     /// is identical. Three numbers that are no direction, such as 0 0 0 or NaN, stay as they are.
     ///

@@ -120,7 +120,7 @@ void appendMarks(const far::Marks& from, std::span<const Index> newVertex, far::
         to.vertices.push_back({newVertex[mark.vertex], mark.sharpness});
 }
 
-/// Writes the values of vertices that first appear in `from`: those numbered `firstNew` and above.
+/// Appends to `to` the values of the vertices that appear first in `from`.
 template <class Attribute>
 void appendValues(const Attribute& from, std::span<const Index> newVertex, Attribute& to) {
     const std::size_t components = to.components;

@@ -90,7 +90,7 @@ public:
         }
         for (std::size_t i = 0; i < numbers.size(); ++i) {
             const auto number = loadNumber<Stored>(stored.data() + i * sizeof(Stored), order_);
-            if (!isHeldBy<Number>(number))
+            if (!fitsInto<Number>(number))
                 throw CodingError(
                     concat("number ", i, " is ", number, ", beyond what can be held"));
             numbers[i] = static_cast<Number>(number);
@@ -102,7 +102,7 @@ private:
     /// Returns true if a Number can hold this value exactly. Real numbers are only read as reals of
     /// at least as many bits.
     template <class Number, class Stored>
-    static bool isHeldBy(Stored number) {
+    static bool fitsInto(Stored number) {
         if constexpr (std::is_floating_point_v<Stored>) {
             static_assert(std::is_floating_point_v<Number> && sizeof(Number) >= sizeof(Stored));
             return true;

@@ -57,7 +57,7 @@ void writeTo(int descriptor, const FileToWrite& toWrite) {
 
 /// Calls `step`, and converts a std::system_error to a FileError for this file.
 template <class Step>
-void ofFile(const fs::path& path, const std::string& what, Step step) {
+void withFileErrors(const fs::path& path, const std::string& what, Step step) {
     try {
         step();
     } catch (const std::system_error& error) {
@@ -150,20 +150,20 @@ void writeFiles(const std::vector<FileToWrite>& files) {
             writeInPlace(destinations[i], files[i]);
             continue;
         }
-        ofFile(files[i].path, "cannot create a file beside it",
-               [&] { written.emplace_back(files[i], destinations[i].path); });
+        withFileErrors(files[i].path, "cannot create a file beside it",
+                       [&] { written.emplace_back(files[i], destinations[i].path); });
         writeTo(written.back().file.descriptor(), files[i]);
     }
     for (Written& each : written)
-        ofFile(each.toWrite.path, "cannot write", [&] { each.file.complete(); });
+        withFileErrors(each.toWrite.path, "cannot write", [&] { each.file.complete(); });
     blocked.emplace();
     for (Written& each : written)
-        ofFile(each.toWrite.path, "cannot write", [&] { each.file.giveName(); });
+        withFileErrors(each.toWrite.path, "cannot write", [&] { each.file.giveName(); });
     moveToTargets(written);
     blocked.reset();
     for (const Written& each : written)
-        ofFile(each.toWrite.path, "is written, but may not outlast a loss of power",
-               [&] { each.file.syncFolder(); });
+        withFileErrors(each.toWrite.path, "is written, but may not outlast a loss of power",
+                       [&] { each.file.syncFolder(); });
 }
 
 }  // namespace espalier::io

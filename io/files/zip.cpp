@@ -77,7 +77,7 @@ Directory findDirectory(std::string_view archive) {
     return directory;
 }
 
-/// Replaces numbers that need more than 32 bits by those of the extra field.
+/// Replaces numbers that need more than 32 bits by the numbers in the extra field.
 void widen(std::string_view extra, std::initializer_list<std::uint64_t*> numbers) {
     ByteInput in = inputAt(extra);
     // Fewer than 4 bytes at the end are padding, which some programs write.
@@ -187,7 +187,7 @@ bool ZipWriter::isLarge(std::uint64_t number) const {
 }
 
 /// Writes the fields that a local header and an entry of the directory share.
-void ZipWriter::common(const Member& member, bool isZip64, std::uint16_t extraSize) {
+void ZipWriter::writeSharedFields(const Member& member, bool isZip64, std::uint16_t extraSize) {
     constexpr std::uint16_t kFlags = 0;
     const auto size = isLarge(member.size) ? kZipAll32 : static_cast<std::uint32_t>(member.size);
     const auto compressedSize = size;
@@ -204,7 +204,7 @@ void ZipWriter::add(const std::string& name, const std::function<void(ByteOutput
 
     const bool isZip64 = isLarge(member.size);
     out_.number(kZipLocalHeader);
-    common(member, isZip64, isZip64 ? 20 : 0);
+    writeSharedFields(member, isZip64, isZip64 ? 20 : 0);
     out_.bytes(name);
     if (isZip64) out_.number(kZip64Extra, std::uint16_t{16}, member.size, member.size);
     write(out_);
@@ -221,7 +221,7 @@ void ZipWriter::finish() {
         const bool isZip64 = extra > 0;
         const std::uint16_t madeBy = isZip64 ? kZip64Version : kVersion;
         out_.number(kZipDirectoryEntry, madeBy);
-        common(member, isZip64, isZip64 ? static_cast<std::uint16_t>(extra + 4) : 0);
+        writeSharedFields(member, isZip64, isZip64 ? static_cast<std::uint16_t>(extra + 4) : 0);
         out_.number(kNoComment, kDisk, kAttributes, kWideAttributes,
                     hasPlace ? kZipAll32 : static_cast<std::uint32_t>(member.place));
         out_.bytes(member.name);

@@ -93,7 +93,7 @@ private:
         std::uint32_t checksum;
     };
     bool isLarge(std::uint64_t number) const;
-    void common(const Member& member, bool isZip64, std::uint16_t extraSize);
+    void writeSharedFields(const Member& member, bool isZip64, std::uint16_t extraSize);
 
     ByteOutput out_;
     Zip64 zip64_;

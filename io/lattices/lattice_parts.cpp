@@ -121,8 +121,8 @@ Lattice finishLattice(const std::filesystem::path& path, far::ComplexBuilder bui
                                          attribute.components,
                                          " components and is no known mark; names that begin with ",
                                          inQuotes(kReservedNames), " are kept for marks"));
-    parts.complex = namingWithout(path, dropped, [&] { return builder.build(); });
-    parts.marks = naming(path, [&] {
+    parts.complex = withPathAndDroppedInErrors(path, dropped, [&] { return builder.build(); });
+    parts.marks = withPathInErrors(path, [&] {
         return canonicalMarks(parts.complex, marksWithout(dropped, parts.complex, parts.marks));
     });
     eraseVertices(dropped, 1, parts.positions);
@@ -167,7 +167,7 @@ far::Marks checkedForWriting(const std::filesystem::path& path, const Lattice& l
                                        " has ", value, ", which is out of the range of ",
                                        integerTypeName(integers.type)));
     }
-    return naming(path, [&] { return canonicalMarks(lattice.complex, lattice.marks); });
+    return withPathInErrors(path, [&] { return canonicalMarks(lattice.complex, lattice.marks); });
 }
 
 }  // namespace espalier::io

@@ -73,7 +73,8 @@ std::vector<far::Marks::Vertex> vertexMarksFromFile(const std::filesystem::path&
 /// Calls f. If it throws a TopologyError, adds the path, and the line if there is one, in front of
 /// the message.
 template <class F>
-auto naming(const std::filesystem::path& path, F f, std::optional<std::size_t> line = {}) {
+auto withPathInErrors(const std::filesystem::path& path, F f,
+                      std::optional<std::size_t> line = {}) {
     try {
         return f();
     } catch (const far::TopologyError& error) {
@@ -113,11 +114,13 @@ void eraseVertices(std::span<const Index> dropped, int components, std::vector<V
     values.resize(kept);
 }
 
-/// Calls f, which builds a complex without the `dropped` vertices, in the way of naming(). The
-/// message of a TopologyError also says that its vertex numbers do not count the dropped vertices.
+/// Calls f, which builds a complex without the `dropped` vertices, in the way of
+/// withPathInErrors(). The message of a TopologyError also says that its vertex numbers do not
+/// count the dropped vertices.
 template <class F>
-auto namingWithout(const std::filesystem::path& path, std::span<const Index> dropped, F f) {
-    return naming(path, [&] {
+auto withPathAndDroppedInErrors(const std::filesystem::path& path, std::span<const Index> dropped,
+                                F f) {
+    return withPathInErrors(path, [&] {
         try {
             return f();
         } catch (const far::TopologyError& error) {

@@ -154,7 +154,7 @@ private:
                 // Half-faces run anticlockwise from inside; the builder takes loops from outside.
                 if (halfFace % 2 == 0) std::reverse(loop.begin(), loop.end());
             }
-            naming(path_, [&] { return builder.addCell(loops); });
+            withPathInErrors(path_, [&] { return builder.addCell(loops); });
         }
         checkUse(2, isFaceUsed_, "polyhedron");
     }
@@ -236,15 +236,15 @@ private:
     void readVectors(const std::string& name) {
         std::vector<double> values;
         std::optional<std::size_t> length;
-        bool isEven = true;
+        bool haveOneLength = true;
         for (std::size_t vertex = 0; vertex < lattice_.positions.size(); ++vertex) {
             const std::size_t size = text_.count("the length of a vector", 2);
-            isEven = isEven && size == length.value_or(size);
+            haveOneLength = haveOneLength && size == length.value_or(size);
             length = size;
             for (std::size_t i = 0; i < size; ++i)
                 values.push_back(text_.number<double>("a value of a property"));
         }
-        if (isEven && length.value_or(0) > 0)
+        if (haveOneLength && length.value_or(0) > 0)
             lattice_.attributes.push_back(
                 {name, checkedIndex(path_, *length, "components"), std::move(values)});
     }

@@ -53,7 +53,7 @@ public:
             if (key == "descr")
                 set(head.type, std::string(word()));
             else if (key == "fortran_order")
-                set(head.isFortranOrder, truth());
+                set(head.isFortranOrder, readBool());
             else if (key == "shape")
                 set(head.length, length());
             else
@@ -99,7 +99,7 @@ private:
         return take(end + 1).substr(0, end);
     }
 
-    bool truth() {
+    bool readBool() {
         skipSpace();
         const bool value = text_.starts_with("True");
         if (!value && !text_.starts_with("False")) fail("True or False");

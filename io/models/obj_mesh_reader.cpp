@@ -389,7 +389,7 @@ private:
                                "; the file has ", vertexCount()));
                 vertices.push_back(static_cast<Index>(paths.corners[corner]));
             }
-            naming(
+            withPathInErrors(
                 path_, [&] { add(vertices, paths.lineNumbers[i]); }, paths.lineNumbers[i]);
         }
     }
@@ -398,7 +398,7 @@ private:
         far::ComplexBuilder builder(2, vertexCount());
         forEachPath(faces_,
                     [&](const std::vector<Index>& loop, std::size_t) { builder.addFace(loop); });
-        return naming(path_, [&] { return builder.build(); });
+        return withPathInErrors(path_, [&] { return builder.build(); });
     }
 
     /// \param dropped receives the vertices that are on no line; the curve lacks them
@@ -427,7 +427,7 @@ private:
             }
         });
         dropped = builder.dropUnusedVertices();
-        return namingWithout(path_, dropped, [&] { return builder.build(); });
+        return withPathAndDroppedInErrors(path_, dropped, [&] { return builder.build(); });
     }
 
     /// Names a vertex as the file does: vertex 0 is "vertex 1".

@@ -64,7 +64,7 @@ void VtkCellReader::add(std::int64_t type, std::span<const std::int64_t> vertice
         std::swap(checked[2], checked[3]);
         std::swap(checked[6], checked[7]);
     }
-    naming(path_, [&] { return builder_.addCell(*kind, checked); });
+    withPathInErrors(path_, [&] { return builder_.addCell(*kind, checked); });
     ++cellCount_;
     maxEdges_ += kMaxEdges;
 }
@@ -73,7 +73,7 @@ void VtkCellReader::addPolyhedron(const std::vector<std::span<const std::int64_t
     std::vector<std::vector<Index>> checked(loops.size());
     for (std::size_t i = 0; i < loops.size(); ++i)
         for (const std::int64_t vertex : loops[i]) checked[i].push_back(checkedVertex(vertex));
-    naming(path_, [&] { return builder_.addCell(checked); });
+    withPathInErrors(path_, [&] { return builder_.addCell(checked); });
     ++cellCount_;
     for (const auto& loop : loops) maxEdges_ += loop.size();
 }

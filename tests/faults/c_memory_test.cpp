@@ -127,8 +127,8 @@ TEST_F(CMemory, Scopes) {
 
 /// Makes allocations fail while a thread that has not called before reports an error. Expects that
 /// the status is the right one or says that memory is exhausted, and that there is a message.
-void expectErrorsToldOnANewThread(espalier_status expected, const char* message,
-                                  const std::function<espalier_status()>& call) {
+void expectErrorsReportedOnANewThread(espalier_status expected, const char* message,
+                                      const std::function<espalier_status()>& call) {
     for (long n = 1;; ++n) {
         bool isDone = false, isTold = false, isWhole = false;
         std::thread([&] {
@@ -148,11 +148,11 @@ void expectErrorsToldOnANewThread(espalier_status expected, const char* message,
 TEST_F(CMemory, ErrorsAreReportedOnNewThreads) {
     espalier_lattice* none = nullptr;
     const std::string missing = (folder / "none.vtu").string();
-    expectErrorsToldOnANewThread(ESPALIER_ERROR_FILE,
-                                 (missing + ": cannot open: No such file or directory").c_str(),
-                                 [&] { return espalier_lattice_read(missing.c_str(), &none); });
-    expectErrorsToldOnANewThread(ESPALIER_ERROR_INPUT, "path is null",
-                                 [&] { return espalier_lattice_read(nullptr, &none); });
+    expectErrorsReportedOnANewThread(ESPALIER_ERROR_FILE,
+                                     (missing + ": cannot open: No such file or directory").c_str(),
+                                     [&] { return espalier_lattice_read(missing.c_str(), &none); });
+    expectErrorsReportedOnANewThread(ESPALIER_ERROR_INPUT, "path is null",
+                                     [&] { return espalier_lattice_read(nullptr, &none); });
     EXPECT_EQ(none, nullptr);
 }
 

@@ -42,13 +42,13 @@ inline std::filesystem::path matrixFolder() {
 }
 
 /// Returns the table that these files contain.
-inline Table othersTable() {
+inline Table tableOfOtherPrograms() {
     return {100'000, {0, 2, 2, 5, 5}, {0, 2, 0, 1, 3}, {0.25, -1.5, std::ldexp(1.0, -100), 7, 1}};
 }
 
 /// Expects that a table is valid, by the constructor that checks it, and that its weights are
 /// finite.
-inline void expectWhole(const Table& table) {
+inline void expectValidTable(const Table& table) {
     EXPECT_NO_THROW(Table(table.columnCount(), {table.offsets().begin(), table.offsets().end()},
                           {table.columns().begin(), table.columns().end()},
                           {table.weights().begin(), table.weights().end()}));

@@ -52,7 +52,7 @@ TEST(Npz, ReadsFilesWrittenByScipyAndNumpy) {
     const auto folder = matrixFolder();
     for (const char* name :
          {"scipy-compressed.npz", "scipy-array-unsorted-stored.npz", "numpy-2-big-endian.npz"})
-        EXPECT_EQ(readMatrix(folder / name), othersTable()) << name;
+        EXPECT_EQ(readMatrix(folder / name), tableOfOtherPrograms()) << name;
     constexpr double kLargest = std::int64_t{1} << 53;
     EXPECT_EQ(readMatrix(folder / "numpy-3-integers.npz"),
               Table(100'000, {0, 2, 2, 5, 5}, {0, 2, 0, 1, 3}, {1, -2, kLargest, -kLargest, 0}));
@@ -70,7 +70,7 @@ TEST(Npz, TruncatedOrChangedFilesAreRefused) {
     const std::string others = readFile(matrixFolder() / "scipy-compressed.npz");
     expectPartsOfMatrixRefused(others, tableInNpz);
     expectFlipsRefusedOr(others, tableInNpz,
-                         [](const Table& table) { EXPECT_EQ(table, othersTable()); });
+                         [](const Table& table) { EXPECT_EQ(table, tableOfOtherPrograms()); });
 }
 
 TEST(Npz, ErrorsNameTheArray) {
@@ -93,7 +93,7 @@ TEST(NpyArrays, RoundTripIsExact) {
 }
 
 TEST(NpyArrays, ReadsFilesWrittenByNumpy) {
-    EXPECT_EQ(readNpyArrays(matrixFolder() / "numpy.npy", 100'000), othersTable());
+    EXPECT_EQ(readNpyArrays(matrixFolder() / "numpy.npy", 100'000), tableOfOtherPrograms());
 }
 
 TEST(NpyArrays, TruncatedFilesAreRefusedAndChangedOnesGiveValidTablesOrErrors) {
@@ -106,7 +106,7 @@ TEST(NpyArrays, TruncatedFilesAreRefusedAndChangedOnesGiveValidTablesOrErrors) {
         };
         expectPartsOfMatrixRefused(whole.files[i], read);
         // These files have no checksum, so a changed file may give another matrix.
-        expectFlipsRefusedOr(whole.files[i], read, expectWhole);
+        expectFlipsRefusedOr(whole.files[i], read, expectValidTable);
     }
 }
 

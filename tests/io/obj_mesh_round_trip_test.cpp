@@ -85,7 +85,7 @@ TEST(ObjMesh, RefusesToWriteInconsistentMeshes) {
 
 /// A text with all kinds of statements. Each truncated or damaged copy must be read, or refused
 /// with an Error.
-const std::string& everything() {
+const std::string& textWithAllStatements() {
     static const std::string text =
         writtenMesh(taggedMesh()) + "t crease 4/2/0 0 1 1 4 0 12\nt corner 2/1/0 1 2 \\\n 3\n" +
         "t interpolateboundary 1/0/0 2\nt creasemethod 0/0/1 chaikin\n" +
@@ -96,8 +96,8 @@ const std::string& everything() {
 TEST(ObjMesh, TruncatedFilesAreReadOrRefused) {
     const TemporaryFolder folder;
     std::size_t readCount = 0;
-    for (std::size_t size = 0; size <= everything().size(); ++size) {
-        putLatticeFile(folder / "a.obj", everything().substr(0, size));
+    for (std::size_t size = 0; size <= textWithAllStatements().size(); ++size) {
+        putLatticeFile(folder / "a.obj", textWithAllStatements().substr(0, size));
         try {
             const Lattice mesh = io::readRefinable(folder / "a.obj");
             far::validate(mesh.complex);
@@ -116,9 +116,9 @@ TEST(ObjMesh, TruncatedFilesAreReadOrRefused) {
 
 TEST(ObjMesh, SurvivesDamage) {
     const TemporaryFolder folder;
-    for (std::size_t at = 0; at < everything().size(); at += 3)
+    for (std::size_t at = 0; at < textWithAllStatements().size(); at += 3)
         for (const char damage : {'9', '/', '\n'}) {
-            std::string damaged = everything();
+            std::string damaged = textWithAllStatements();
             damaged[at] = damage;
             putLatticeFile(folder / "a.obj", damaged);
             try {

@@ -33,7 +33,7 @@ struct Read {
 };
 
 /// Reads a file that has no comments within lines, by simple independent code.
-Read readPlainly(std::string text) {
+Read readIndependently(std::string text) {
     for (const std::string continued : {"\\\r\n", "\\\n"})
         for (std::size_t at = 0; (at = text.find(continued)) != std::string::npos;)
             text.replace(at, continued.size(), " ");
@@ -69,8 +69,8 @@ Read readPlainly(std::string text) {
 /// Expects that every corner has its old normal carried by its gradient, and that a corner precedes
 /// its normal only if it did before.
 void expectCarried(const std::string& text, const Gradients& gradients) {
-    const Read before = readPlainly(text);
-    const Read after = readPlainly(carriedBy(gradients, text));
+    const Read before = readIndependently(text);
+    const Read after = readIndependently(carriedBy(gradients, text));
     SCOPED_TRACE(text.substr(0, 500));
     ASSERT_EQ(after.corners.size(), before.corners.size());
     for (std::size_t i = 0; i < before.corners.size(); ++i) {
@@ -234,7 +234,7 @@ TEST(ObjNormals, StaySharedUnderARigidMotion) {
     for (std::size_t i = 0; i < gradients.size(); ++i)
         for (double& entry : gradients[i]) entry *= 1 + 1e-15 * double(i);
     const std::string text = kPoints + "vn 0 0 1\nf 1//1 2//1 3//1 4//1\n";
-    const Read read = readPlainly(carriedBy(gradients, text));
+    const Read read = readIndependently(carriedBy(gradients, text));
     EXPECT_EQ(read.normals.size(), 1u);
     expectCarried(text, gradients);
 }
@@ -246,9 +246,9 @@ TEST(ObjNormals, HaveNoNegativeZeros) {
 }
 
 TEST(ObjNormals, KeepTheirLengths) {
-    const Read read = readPlainly(carriedBy({rotation({1, 2, 3}, 1)},
-                                            "v 0 0 0\nvn 0 0 1\nvn 0 3e-5 4e-5\nvn 2e7 0 0\n"
-                                            "f 1//1 1//2 1//3\n"));
+    const Read read = readIndependently(carriedBy({rotation({1, 2, 3}, 1)},
+                                                  "v 0 0 0\nvn 0 0 1\nvn 0 3e-5 4e-5\nvn 2e7 0 0\n"
+                                                  "f 1//1 1//2 1//3\n"));
     const double expected[] = {1, 5e-5, 2e7};
     for (std::size_t i = 0; i < 3; ++i) {
         const Point3& normal = read.normals[i];
@@ -286,7 +286,7 @@ TEST(ObjNormals, OneNormalMayBeSplitForManyPoints) {
         text += "v " + std::to_string(i) + " 0 0\nf -1//1 -1//-1 -1//1\n";
         gradients.push_back(rotation({1, 0, 0}, 1e-5 * i));
     }
-    const Read read = readPlainly(carriedBy(gradients, text));
+    const Read read = readIndependently(carriedBy(gradients, text));
     EXPECT_EQ(read.normals.size(), std::size_t{kCount});
     expectCarried(text, gradients);
 }

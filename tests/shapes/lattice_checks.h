@@ -84,7 +84,7 @@ inline double totalVolume(const Lattice& lattice) {
 
 /// Expects of a lattice what the inventory promises: it is valid at levels 0 to 2 with its marks,
 /// has no duplicate vertices, and has cells of positive volume.
-inline void expectSound(const Lattice& lattice) {
+inline void expectValid(const Lattice& lattice) {
     ASSERT_EQ(lattice.positions.size(), std::size_t(lattice.complex.count(0)));
     std::vector<Point3> sorted = lattice.positions;
     std::sort(sorted.begin(), sorted.end());

@@ -16,7 +16,7 @@ std::vector<Point3> anyPositions(const TopologyRefiner& refiner, int level) {
 
 /// Expects that level 1 as a lattice, refined with its own options, has the same levels as the
 /// refiner after level 1.
-void expectToGoOn(const Lattice& base, far::RefinerOptions options) {
+void expectSameLevelsAsRefiner(const Lattice& base, far::RefinerOptions options) {
     options.marks = base.marks;
     TopologyRefiner whole = test::refined(base.complex, 3, options);
     const Lattice level = levelLattice(whole, 1, anyPositions(whole, 1));
@@ -43,18 +43,18 @@ TEST(LevelLattice, RefinesToTheSameLevelsAsTheRefiner) {
     for (const auto& [name, lattice] : test::zoo())
         for (const Boundary boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
             SCOPED_TRACE(name);
-            expectToGoOn(lattice, {.boundary = boundary});
+            expectSameLevelsAsRefiner(lattice, {.boundary = boundary});
         }
-    expectToGoOn(shapes::box({.cells = {4, 4, 4}}), {.boundary = Boundary::Open});
-    expectToGoOn(shapes::cylinder(), {.sharpEdges = far::SharpEdges::Literal});
+    expectSameLevelsAsRefiner(shapes::box({.cells = {4, 4, 4}}), {.boundary = Boundary::Open});
+    expectSameLevelsAsRefiner(shapes::cylinder(), {.sharpEdges = far::SharpEdges::Literal});
 }
 
 TEST(LevelLattice, KeepsMarksAndTags) {
     Lattice cube = shapes::box({.cells = {2, 2, 2}});
     cube.marks.vertices = {{0, far::kSmooth}, {13, far::kInfinitelySharp}, {4, 2.5F}};
     cube.marks.edges = {{{13, 14}, far::kInfinitelySharp}, {{1, 4}, 1.5F}};
-    expectToGoOn(cube, {});
-    expectToGoOn(cube, {.boundary = Boundary::EdgeOnly});
+    expectSameLevelsAsRefiner(cube, {});
+    expectSameLevelsAsRefiner(cube, {.boundary = Boundary::EdgeOnly});
 
     Lattice mesh = test::surfaceOf(shapes::box({.cells = {2, 2, 2}}));
     mesh.marks.vertices = {{3, 2.5F}};
@@ -63,7 +63,7 @@ TEST(LevelLattice, KeepsMarksAndTags) {
         const far::RefinerOptions options{.boundary = boundary,
                                           .creasing = far::Creasing::Chaikin,
                                           .triangles = far::TriangleSubdivision::Smooth};
-        expectToGoOn(mesh, options);
+        expectSameLevelsAsRefiner(mesh, options);
         TopologyRefiner refiner = test::refined(mesh.complex, 1, options);
         EXPECT_EQ(levelLattice(refiner, 1, anyPositions(refiner, 1)).tags,
                   (RefinementTags{boundary, options.creasing, options.triangles}));

@@ -87,7 +87,7 @@ inline void expectRowsSumToOne(const StencilTable<double>& table) {
 
 inline void expectRow(const Row& row, const std::map<Index, double>& expected) {
     EXPECT_EQ(row.weights.size(), expected.size());
-    // The tolerance is that of some twenty rounded operations on numbers up to 1.
+    // The tolerance allows for about twenty rounded operations on numbers up to 1.
     EXPECT_LE(difference(row, {expected}), 1e-15);
 }
 
