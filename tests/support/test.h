@@ -41,6 +41,7 @@ namespace test {
 
 using far::Boundary;
 using far::CellComplex;
+using far::Rules;
 using far::TopologyRefiner;
 
 /// The types for TYPED_TEST_SUITE().
