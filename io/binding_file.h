@@ -31,7 +31,8 @@ struct BoundGradients {
 /// format of the model.
 struct BoundModel {
     embed::Binding binding;
-    std::string modelName;   ///< file name of the model, without folders; the extension is its format
+    std::string
+        modelName;  ///< file name of the model, without folders; the extension is its format
     std::string modelBytes;  ///< content of the model's file
 
     /// Present if the model has normals or tangents and is bound to the limit. Without gradients,
@@ -56,7 +57,7 @@ struct BoundModel {
 ///       i64     offsets of the rows, rows + 1 of them
 ///       f64     weights
 ///       i32     columns
-///     f64 × 3   version 2: the lattice at rest, one position a column
+///     f64 × 3   version 2: the lattice at rest, one position per column
 ///     bytes     the model's name; the model
 ///     u32       CRC-32 (zlib's) of all bytes before it
 ///

@@ -65,7 +65,8 @@ ESPALIER_API void checkLatticeTarget(const std::filesystem::path& path);
 /// and 2) from .obj (obj_mesh.h), lattices as readLattice() does. Vertices of a curve that are on
 /// no line are dropped too; a mesh keeps vertices that no face uses.
 ///
-/// \throws FileError if the extension is none of these; what readObjMesh() and readLattice() throw
+/// \throws FileError if the extension is none of these; the errors of readObjMesh() and
+///         readLattice()
 ESPALIER_API Lattice readRefinable(const std::filesystem::path& path, ReadNotes* notes = nullptr);
 
 /// The same for a file that is in memory already.
@@ -77,7 +78,7 @@ ESPALIER_API Lattice readRefinable(const std::filesystem::path& path, std::strin
 /// Writes a mesh or a curve as .obj (obj_mesh.h), a lattice as writeLattice() does, so that
 /// readRefinable() gives it back.
 ///
-/// \throws FileError as checkRefinableTarget(); what writeObjMesh() and writeLattice() throw
+/// \throws FileError as checkRefinableTarget(); the errors of writeObjMesh() and writeLattice()
 ESPALIER_API void writeRefinable(const std::filesystem::path& path, const Lattice& lattice,
                                  const WriteLatticeOptions& options = {});
 

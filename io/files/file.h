@@ -55,8 +55,8 @@ ESPALIER_API std::string readFile(const std::filesystem::path& path);
 /// `cp` and the shell's `>` refuse it too; `sed -i` replaces it.
 ///
 /// \throws FileError if the file cannot be made, written or renamed, with the system's reason; what
-///         `write` throws. After one error the new file is in its place, and the message says so:
-///         if the folder cannot be synchronised to disk.
+///         `write` throws. If only the folder cannot be put on disk, the new file is in its place
+///         nevertheless, and the message says so.
 ESPALIER_API void writeFile(const std::filesystem::path& path,
                             const std::function<void(std::ostream&)>& write);
 

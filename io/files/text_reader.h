@@ -61,8 +61,9 @@ public:
     ///         short for the items
     std::size_t count(const char* what, std::size_t minBytes);
 
-    /// \throws FileError if the rest of the text is too short for `count` items of at least
-    ///         `minBytes` bytes each; the last one may lack its separator
+    /// Throws if the rest of the text is too short for `count` items of at least `minBytes` bytes
+    /// each. The last item may lack its separator.
+    /// \throws FileError saying that `what` claims too much
     void checkRoom(std::size_t count, std::size_t minBytes, const char* what) const;
 
     /// Reads the rest of the line, and returns it without its end ("\n" or "\r\n"). Returns an
