@@ -5,6 +5,9 @@
 #include <espalier/base/function_ref.h>
 #include <espalier/base/index.h>
 
+/// \file
+/// Runs the library's parallel loops on the threads of a host.
+
 namespace espalier {
 
 /// Interface to the threads of a host. Within an ExecutorScope it runs the ranges of parallelFor().

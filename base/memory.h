@@ -7,6 +7,9 @@
 #include <cstdint>
 #include <string>
 
+/// \file
+/// Limits the memory that the process may use.
+
 namespace espalier {
 
 /// Thrown when work needs more memory than a MemoryLimit allows.

@@ -9,6 +9,9 @@
 #include <functional>
 #include <memory>
 
+/// \file
+/// Reports the progress of calls, and cancels them.
+
 namespace espalier {
 
 class ProgressState;

@@ -7,6 +7,9 @@
 #include <cstdint>
 #include <string_view>
 
+/// \file
+/// Decodes UTF-8.
+
 namespace espalier {
 
 /// A code point of a text, or a byte that is not UTF-8.

@@ -11,6 +11,9 @@
 #include <string_view>
 #include <vector>
 
+/// \file
+/// Writes and reads bound models (.espb): a model, its binding, and what carries its normals.
+
 namespace espalier::io {
 
 /// Tables that give the deformation gradient F at each bound point, by which normals and tangents

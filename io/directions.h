@@ -6,6 +6,9 @@
 
 #include <array>
 
+/// \file
+/// Carries normals and tangents along with a deformation.
+
 namespace espalier::io {
 
 /// The deformation gradient F at a point, by rows: number 3 i + j is d x'_i / d X_j, the derivative

@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+/// \file
+/// Notes of readers on files that are valid but unusual.
+
 namespace espalier::io {
 
 /// Facts about a file that are no errors, but that its user should know. The library never prints:

@@ -10,6 +10,9 @@
 #include <string_view>
 #include <vector>
 
+/// \file
+/// Reads the wanted positions of points, for fitting.
+
 namespace espalier::io {
 
 /// The wanted position of one point of a model.

@@ -10,6 +10,9 @@
 #include <span>
 #include <vector>
 
+/// \file
+/// Makes lattices by sweeping and extruding meshes.
+
 namespace espalier::shapes {
 
 /// Tells whether one more row of cells joins the last layer of a sweep to the first.

@@ -9,6 +9,9 @@
 #include <string>
 #include <vector>
 
+/// \file
+/// Joins lattices by welding vertices that coincide.
+
 namespace espalier::shapes {
 
 /// Options of merge().

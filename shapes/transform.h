@@ -7,6 +7,9 @@
 
 #include <array>
 
+/// \file
+/// Moves lattices by affine maps.
+
 namespace espalier::shapes {
 
 /// An affine map of space: it maps a point p to linear · p + translation. The default is the

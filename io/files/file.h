@@ -11,6 +11,9 @@
 #include <string>
 #include <vector>
 
+/// \file
+/// Reads whole files, and writes files atomically.
+
 namespace espalier::io {
 
 /// Returns a path as messages show it: printable (base/printable.h), and shortened if it is long.

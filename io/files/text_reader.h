@@ -10,6 +10,9 @@
 #include <string>
 #include <string_view>
 
+/// \file
+/// Reads text files by tokens or by lines, with path and line in every error.
+
 namespace espalier::io {
 
 /// Removes the next word from the front of a line and returns it; empty if none is left. A word

@@ -10,6 +10,9 @@
 #include <string_view>
 #include <vector>
 
+/// \file
+/// Writes and reads tables in all matrix formats, chosen by the extension.
+
 namespace espalier::io {
 
 /// Options of writeMatrix().

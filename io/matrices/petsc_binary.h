@@ -7,6 +7,9 @@
 #include <filesystem>
 #include <string_view>
 
+/// \file
+/// Writes and reads tables as PETSc's binary files.
+
 namespace espalier::io {
 
 /// The size of integers in the PETSc that will read a file. A build of PETSc has one size
