@@ -70,8 +70,8 @@ def errors_of(points, limit):
 def print_table(folder, scene):
     limit, _, _ = deform(folder, scene, "--limit", "--tolerance", "1e-10")
     size = size_of(limit)
-    print(f"\n| {scene}, {len(limit):,} points | mean error | improvement | largest error | binding, s "
-          "| entries a row |")
+    print(f"\n| {scene}, {len(limit):,} points | mean error | improvement | largest error "
+          "| binding, s | entries a row |")
     print("|---|---|---|---|---|---|")
     before = None
     for name, options in [*((f"level {n}", ("-n", str(n))) for n in LEVELS),
