@@ -116,7 +116,7 @@ std::size_t at(int index) {
     return static_cast<std::size_t>(index);
 }
 
-/// Their vertex of the last level for each of ours.
+/// For each of our vertices of the last level, theirs.
 std::vector<int> matchVertices(
     const Far::TopologyRefiner& theirs,
     const far::TopologyRefiner& ours) {

@@ -117,7 +117,7 @@ TEST(Tutorial, FromALatticeToAPose) {
     EXPECT_GT(moved[300][0], points[300][0] + 1);
     EXPECT_EQ(moved[301], points[301]);
 
-    // What happens for each pose, in an animation.
+    // For each pose of an animation.
     const osd::CompiledTable<double> compiled(deformation);
     const auto xyz = osd::BufferDescriptor::packed(3);
     const std::span<const double> from(pose[0].data(),
