@@ -109,7 +109,7 @@ Trivariate<2, 1> nothing() {
 }
 
 TEST(BernsteinBounds, FindsTheFirstTime) {
-    // 1 − 4t plus the three squares, whose sum is −… in the middle.
+    // 1 − 4t plus three squares that are 0 in the middle: first 0 at t = 1/4.
     const Trivariate<2, 1> squares = polynomial([](std::size_t a, std::size_t b, std::size_t c) {
         return kSquare[a] + kSquare[b] + kSquare[c];
     });

@@ -370,7 +370,7 @@ TEST(Validity, FlatIsInverted) {
         });
     };
     const ValidityCheck validity(cube(), rest);
-    // At 0.03 the top is parallel to a side: the cell is in a plane.
+    // The determinant is the height − 0.3 · 0.1.
     EXPECT_THAT(validity.check(pressed(0.03)).inverted, ElementsAre(0));
     EXPECT_THAT(validity.check(pressed(0.03 + 1e-15)).inverted, ElementsAre(0));
     EXPECT_THAT(validity.check(pressed(0.03 + 1e-9)).inverted, IsEmpty());
