@@ -11,7 +11,7 @@
 namespace espalier::petsc {
 namespace {
 
-/// An error is told where it arises, and again by each function that it passes through.
+/// PETSc reports an error where it occurs, and again in each function that it passes through.
 PetscErrorCode keepMessage(MPI_Comm, int, const char* function, const char*, PetscErrorCode code,
                            PetscErrorType type, const char* message, void* context) {
     if (type != PETSC_ERROR_INITIAL) return code;
@@ -50,7 +50,7 @@ void checkMpi(int code) {
 
 namespace {
 
-/// Of fixed size, since memory may be what is missing.
+/// A fixed size, since the error may be lack of memory.
 using Complaint = std::array<char, 501>;
 
 Complaint complaintOf(const std::exception_ptr& wrong) {
