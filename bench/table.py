@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prints docs/performance.md from what espalier_bench measured, and draws its figure.
+"""Prints docs/performance.md from the measurements of espalier_bench, and draws its figure.
 
     table.py FIGURE.svg RESULTS.json...
 """
@@ -32,8 +32,8 @@ def table(head, rows):
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
-def ratio(theirs, ours):
-    return f"{theirs / ours:.1f} ×"
+def ratio(other, ours):
+    return f"{other / ours:.1f} ×"
 
 
 def milliseconds(run):
@@ -42,12 +42,12 @@ def milliseconds(run):
 
 
 def nanoseconds(run, factor=1):
-    """Of one item."""
+    """Nanoseconds per item."""
     return 1e6 * run["real_time"] / run["items"] * factor
 
 
 def apply_rows(best):
-    """One row for each of our runs and each peer on the same data."""
+    """Returns one row for each of our runs and each peer on the same data."""
     triad = {threads: best[f"triad/threads/{threads}"]["bytes_per_second"] for threads in (1, 2)}
     for name, ours in best.items():
         kind, *case, who = name.split("/")
@@ -72,95 +72,95 @@ def apply_rows(best):
                    f"{ours['bytes of CSR']:.2f}")
             continue
         for peer in ("OpenSubdiv", "Eigen"):
-            theirs = best.get("/".join([kind, *case, peer]))
-            if theirs:
-                yield (what, peer, milliseconds(theirs), milliseconds(ours),
-                       ratio(theirs["real_time"], ours["real_time"]), f"{share:.2f}",
+            other = best.get("/".join([kind, *case, peer]))
+            if other:
+                yield (what, peer, milliseconds(other), milliseconds(ours),
+                       ratio(other["real_time"], ours["real_time"]), f"{share:.2f}",
                        f"{ours['bytes of CSR']:.2f}")
 
 
 def levels(best, job, peer=None):
-    """Our runs of a job on the surface with OpenSubdiv's, of another job if `peer` is given:
-    (level, threads, ours, theirs)."""
+    """Returns our runs of a job on the surface and OpenSubdiv's of the same job, or of job `peer`:
+    (level, threads, ours, peer's)."""
     for level in (3, 4, 5):
-        theirs = best.get(f"{peer or job}/surface/{level}/OpenSubdiv")
-        for who, threads in OURS if theirs else ():
-            yield level, threads, best[f"{job}/surface/{level}/{who}"], theirs
+        other = best.get(f"{peer or job}/surface/{level}/OpenSubdiv")
+        for who, threads in OURS if other else ():
+            yield level, threads, best[f"{job}/surface/{level}/{who}"], other
 
 
 def lattices(best, job):
-    """Our runs of a job on the lattice, with OpenSubdiv's run of the most like number of items."""
+    """Returns our runs of a job on the lattice, and OpenSubdiv's run with the closest number of items."""
     peers = [(best[name], level) for level in (3, 4, 5)
              if (name := f"{job}/surface/{level}/OpenSubdiv") in best]
     for who, threads in OURS if peers else ():
         ours = best[f"{job}/lattice/3/{who}"]
-        theirs, level = min(peers, key=lambda peer: abs(peer[0]["items"] - ours["items"]))
-        yield threads, ours, theirs, level
+        other, level = min(peers, key=lambda peer: abs(peer[0]["items"] - ours["items"]))
+        yield threads, ours, other, level
 
 
 def refine_rows(best):
-    for level, threads, ours, theirs in levels(best, "refine"):
-        a, b = nanoseconds(theirs), nanoseconds(ours)
+    for level, threads, ours, other in levels(best, "refine"):
+        a, b = nanoseconds(other), nanoseconds(ours)
         yield (f"surface, levels 1 to {level}{threads}, a child face", "OpenSubdiv", f"{a:.0f} ns",
                f"{b:.0f} ns", ratio(a, b))
-    for threads, ours, theirs, level in lattices(best, "refine"):
-        a, b = nanoseconds(theirs), nanoseconds(ours)
+    for threads, ours, other, level in lattices(best, "refine"):
+        a, b = nanoseconds(other), nanoseconds(ours)
         yield (f"lattice, levels 1 to 3{threads}, a child cell",
                f"OpenSubdiv, a child face of levels 1 to {level}", f"{a:.0f} ns", f"{b:.0f} ns",
                ratio(a, b))
 
 
 def build_rows(best):
-    for level, threads, ours, theirs in levels(best, "build"):
-        yield (f"surface, S_{level}{threads}", "OpenSubdiv", milliseconds(theirs),
-               milliseconds(ours), ratio(theirs["real_time"], ours["real_time"]))
-    for threads, ours, theirs, level in lattices(best, "build"):
-        a, b = nanoseconds(theirs, 64 / 13), nanoseconds(ours)
+    for level, threads, ours, other in levels(best, "build"):
+        yield (f"surface, S_{level}{threads}", "OpenSubdiv", milliseconds(other),
+               milliseconds(ours), ratio(other["real_time"], ours["real_time"]))
+    for threads, ours, other, level in lattices(best, "build"):
+        a, b = nanoseconds(other, 64 / 13), nanoseconds(ours)
         yield (f"lattice, S_3{threads}, a row", f"OpenSubdiv, a row of S_{level} × 64/13",
                f"{a:.0f} ns", f"{b:.0f} ns", ratio(a, b))
-        # Their table is ours, so it has as many entries.
+        # OpenSubdiv's table equals ours, so it has the same number of entries.
         entries = best[f"build/surface/{level}/Espalier"]["entries"]
-        a, b = 1e6 * theirs["real_time"] / entries, 1e6 * ours["real_time"] / ours["entries"]
+        a, b = 1e6 * other["real_time"] / entries, 1e6 * ours["real_time"] / ours["entries"]
         yield (f"lattice, S_3{threads}, an entry", f"OpenSubdiv, an entry of S_{level}",
                f"{a:.1f} ns", f"{b:.1f} ns", ratio(a, b))
 
 
 def in_turn_rows(best):
     for job, what in (("in turn", "R_1 to R_{}"), ("at once", "S_{} at once")):
-        for level, threads, ours, theirs in levels(best, job, "in turn"):
-            yield (f"surface, {what.format(level)}{threads}", "OpenSubdiv", milliseconds(theirs),
-                   milliseconds(ours), ratio(theirs["real_time"], ours["real_time"]))
+        for level, threads, ours, other in levels(best, job, "in turn"):
+            yield (f"surface, {what.format(level)}{threads}", "OpenSubdiv", milliseconds(other),
+                   milliseconds(ours), ratio(other["real_time"], ours["real_time"]))
 
 
 def bind_rows(best):
-    theirs = best.get("bind/random/3/VTK")
+    other = best.get("bind/random/3/VTK")
     for job, what in (("bind/random/3", "random points, level 3, all of binding"),
                       ("embed/random/3", "random points, level 3, finding them in its cells"),
                       ("bind/surface/5", "points of a surface, level 5, all of binding")):
         for who, threads in OURS:
             ours = best[f"{job}/{who}"]
-            compared = theirs if "random" in job else None
+            compared = other if "random" in job else None
             yield (what + threads, "VTK" if compared else "none",
                    milliseconds(compared) if compared else "", milliseconds(ours),
                    ratio(compared["real_time"], ours["real_time"]) if compared else "")
 
 
 def limit_rows(best):
-    """The limit beside levels: building a row, applying it."""
+    """Returns the rows that compare the limit with levels: building a row, applying it."""
     for lattice in ("regular", "irregular"):
         def run(job, what, lattice=lattice):
             return best[f"limit/{job}/{lattice}/{what}"]
         for level in ("level 5", "level 6"):
             off = run("bind", level)["distance from the limit"]
             for who in ("", " 2 threads"):
-                theirs, ours = run("bind", level + who), run("bind", "limit" + who)
+                other, ours = run("bind", level + who), run("bind", "limit" + who)
                 yield (f"{lattice}, binding, a point{who and ', 2 threads'}", level, f"{off:.0e}",
-                       f"{nanoseconds(theirs) / 1000:.1f} µs", f"{nanoseconds(ours) / 1000:.1f} µs",
-                       ratio(theirs["real_time"], ours["real_time"]))
-            theirs, ours = run("apply", level), run("apply", "limit")
+                       f"{nanoseconds(other) / 1000:.1f} µs", f"{nanoseconds(ours) / 1000:.1f} µs",
+                       ratio(other["real_time"], ours["real_time"]))
+            other, ours = run("apply", level), run("apply", "limit")
             yield (f"{lattice}, applying, a point", level, f"{off:.0e}",
-                   f"{nanoseconds(theirs):.1f} ns", f"{nanoseconds(ours):.1f} ns",
-                   ratio(theirs["real_time"], ours["real_time"]))
+                   f"{nanoseconds(other):.1f} ns", f"{nanoseconds(ours):.1f} ns",
+                   ratio(other["real_time"], ours["real_time"]))
 
 
 def memory_rows(best):
@@ -182,7 +182,7 @@ def change_rows(best):
 
 
 def absent(best):
-    """A sentence on the peers that were not there."""
+    """Returns a sentence on the peers that were not available."""
     there = {name.rsplit("/", 1)[1] for name in best}
     missing = [peer for peer in ("OpenSubdiv", "VTK") if peer not in there]
     if not missing:
@@ -191,7 +191,7 @@ def absent(best):
 
 
 def growth(best):
-    """A sentence on each panel of the figure, true of its numbers."""
+    """Returns a sentence on each panel of the figure, with its numbers."""
     def exponents(job):
         return " and ".join(f"{plots.fit(points)[1]:.2f}"
                             for points in plots.series(best, job).values())

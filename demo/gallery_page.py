@@ -80,7 +80,7 @@ def entry_text(entry):
 
 
 def filled(text, width=100, between=" "):
-    """Text in lines of at most so many characters, broken where `between` is."""
+    """Wraps text to lines of at most `width` characters, broken at `between`."""
     lines = [""]
     for part in re.split(between, text):
         if lines[-1] and len(lines[-1]) + 1 + len(part) > width:
@@ -90,5 +90,5 @@ def filled(text, width=100, between=" "):
 
 
 def wrapped(command, width=100):
-    """A command on lines that the shell joins, each option beside its values."""
+    """Wraps a command to lines that the shell joins, with each option next to its values."""
     return filled(command, width - 6, " (?=-[-a-z])").replace("\n", " \\\n    ")
