@@ -42,9 +42,8 @@ struct Lattice {
         return all;
     }
 
-    /// Returns the average of the corners of the entity at a
-    /// place: the patch-face and the solid-solid rule, and the
-    /// midpoint of an edge.
+    /// Returns the average of the corners of the entity at a place: the patch-face and the
+    /// solid-solid rule, and the midpoint of an edge.
     Row centroid(const Place& half) const {
         std::vector<Row> points;
         for (const Place& p :
@@ -53,9 +52,8 @@ struct Lattice {
         return average(points);
     }
 
-    /// Returns the average of the centroids of the entities of a
-    /// higher dimension that contain a place, and checks their
-    /// number.
+    /// Returns the average of the centroids of the entities of a higher dimension that contain a
+    /// place, and checks their number.
     Row averageAround(const Place& half, int dimension, std::size_t count) const {
         std::vector<Row> rows;
         for (const Place& p : around(half, dimension - dimensionAt(half),
