@@ -18,7 +18,7 @@
 namespace espalier::compare {
 namespace {
 
-constexpr int kLeastExponent = -18;
+constexpr int kMinExponent = -18;
 constexpr int kMaxExponent = -6;
 
 // Anchors at equal distances. CIE lightness decreases in about equal steps: 93, 83, 70, 56 and 42
@@ -53,17 +53,16 @@ Colour shaded(const Colour& colour, double shade) {
 }
 
 ErrorScale::ErrorScale(double bound)
-    : logBound_(std::clamp(bound > 0 ? std::log10(bound) : kLeastExponent, kLeastExponent + 1.0,
+    : logBound_(std::clamp(bound > 0 ? std::log10(bound) : kMinExponent, kMinExponent + 1.0,
                            kMaxExponent - 1.0)) {}
 
 double ErrorScale::place(double error) const {
     const double size = std::abs(error);
     if (!(size < kMax)) return 1;
-    if (size <= kLeast) return 0;
+    if (size <= kMin) return 0;
     const double log = std::log10(size);
     // The parentheses make the result at the bound kBoundPlace, to the last bit.
-    if (log <= logBound_)
-        return kBoundPlace * ((log - kLeastExponent) / (logBound_ - kLeastExponent));
+    if (log <= logBound_) return kBoundPlace * ((log - kMinExponent) / (logBound_ - kMinExponent));
     return kBoundPlace + (1 - kBoundPlace) * (log - logBound_) / (kMaxExponent - logBound_);
 }
 
@@ -79,11 +78,11 @@ Colour ErrorScale::colourAt(double at) const {
 std::vector<ErrorScale::Tick> ErrorScale::ticks(double spacing) const {
     std::vector<Tick> ticks;
     double lastLabel = 0;
-    for (int exponent = kLeastExponent; exponent <= kMaxExponent; ++exponent) {
+    for (int exponent = kMinExponent; exponent <= kMaxExponent; ++exponent) {
         // Compute the place from the text of the number, as for errors that are read from a text.
         const std::string label = fmt::format("1e{}", exponent);
         const double at = place(std::stod(label));
-        const bool isEnd = exponent == kLeastExponent || exponent == kMaxExponent;
+        const bool isEnd = exponent == kMinExponent || exponent == kMaxExponent;
         const bool fits = at - lastLabel >= spacing && 1 - at >= spacing;
         ticks.push_back({at, isEnd || fits ? label : ""});
         if (!ticks.back().label.empty()) lastLabel = at;

@@ -31,7 +31,7 @@ Colour shaded(const Colour& colour, double shade);
 /// errors are, takes two thirds of the scale.
 class ErrorScale {
 public:
-    static constexpr double kLeast = 1e-18;
+    static constexpr double kMin = 1e-18;
     static constexpr double kMax = 1e-6;
 
     /// A grey for an error of 0.
@@ -41,7 +41,7 @@ public:
     ///        to either part
     explicit ErrorScale(double bound);
 
-    /// Returns the place of an error on the scale, 0 to 1. Errors below kLeast are at 0; errors
+    /// Returns the place of an error on the scale, 0 to 1. Errors below kMin are at 0; errors
     /// above kMax, and NaN, at 1.
     double place(double error) const;
 
@@ -56,7 +56,7 @@ public:
         std::string label = {};  ///< "1e-15"; empty where it would overlap another one
     };
 
-    /// Returns ticks at powers of ten, ascending, from kLeast to kMax, which both have labels.
+    /// Returns ticks at powers of ten, ascending, from kMin to kMax, which both have labels.
     /// \param spacing smallest distance of two labels, as a fraction of the scale
     std::vector<Tick> ticks(double spacing) const;
 

@@ -13,7 +13,7 @@ from images import BACKGROUND, SUPERSAMPLING, shrunk, to_array, to_image
 GHOST = (0.72, 0.74, 0.78)
 LATTICE = (0.84, 0.37, 0.00)
 #: Corner yellow, sharp red, boundary green, inside blue as in the paper's figure 5, in hues that
-#: colour-blind readers tell apart (Okabe and Ito).
+#: colour-blind readers can distinguish (Okabe and Ito).
 STRATA = ((0.94, 0.78, 0.15), (0.80, 0.28, 0.05), (0.00, 0.62, 0.45), (0.00, 0.45, 0.70))
 
 

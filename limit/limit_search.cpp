@@ -150,7 +150,7 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
     for (;;) {
         settle(found, Cells(*this, found.descent, sought));
         if (found.descent.candidates.cells.empty()) return found;
-        keepFew(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
+        limitCandidates(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
         // No margin: bounding boxes are larger than their cells by a part of the cell, which
         // exceeds rounding until cells are as small as that.
         found.descent.margin = isNearest ? descent_.rounding() : 0;
@@ -170,7 +170,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
                 if (!point.allFinite()) return false;
                 if (const PatchSolver* patch = cells.patch(i)) {
                     const auto [answer, uvw] = patch->find(point);
-                    if (answer == PatchSolver::Answer::Here) {
+                    if (answer == PatchSolver::Answer::Inside) {
                         located = {
                             embed::PointStatus::Inside,
                             LimitPlace{level,
@@ -208,17 +208,18 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
 }
 
 /// Keeps at most `maxCells` cells for each point: the nearest ones, measured before refinement.
-void LimitSearch::keepFew(embed::Descent& descent, std::span<const Point3> points,
-                          std::size_t maxCells) const {
+void LimitSearch::limitCandidates(embed::Descent& descent, std::span<const Point3> points,
+                                  std::size_t maxCells) const {
     embed::Candidates& candidates = descent.candidates;
     std::vector<std::vector<std::pair<double, Index>>> cellsOf(points.size());
     for (std::size_t i = 0; i < candidates.cells.size(); ++i)
         for (const Index p : candidates.pointsOf(i))
             cellsOf[p].emplace_back(0, candidates.cells[i]);
-    const bool areFew = std::all_of(cellsOf.begin(), cellsOf.end(),
-                                    [&](const auto& cells) { return cells.size() <= maxCells; });
+    const bool isWithinLimit = std::all_of(cellsOf.begin(), cellsOf.end(), [&](const auto& cells) {
+        return cells.size() <= maxCells;
+    });
     // Base cells may be of any type; CellSolver has no distances for them.
-    if (areFew || descent.levels.finest() == 0) return;
+    if (isWithinLimit || descent.levels.finest() == 0) return;
     const embed::CellSolver solver(descent.levels.finestLevel().complex,
                                    descent.levels.finestPositions(), scale_);
     for (std::size_t p = 0; p < points.size(); ++p) {

@@ -49,8 +49,8 @@ public:
 
 private:
     class Cells;
-    void keepFew(embed::Descent& descent, std::span<const Point3> points,
-                 std::size_t maxCells) const;
+    void limitCandidates(embed::Descent& descent, std::span<const Point3> points,
+                         std::size_t maxCells) const;
     bool isFineEnough(int level) const { return level >= finestLevel_; }
     /// Distance from a cell at which a point still counts as inside.
     double gap() const { return std::max(scale_.tolerance, tolerance_ * scale_.size); }

@@ -88,19 +88,19 @@ PatchSolver::PatchSolver(const TricubicPatch::ControlPoints& points) : map_(poin
 
 PatchSolver::Found PatchSolver::find(const Vector3d& point) const {
     constexpr double kOnFace = 1e-9;
-    if (!box_.contains(point)) return {Answer::NotHere, {}};
+    if (!box_.contains(point)) return {Answer::Outside, {}};
     // This excludes most patches that do not contain the point. In irregular regions 3 of 4 patches
     // asked do not contain it.
-    if (!hull_.contains(point)) return {Answer::NotHere, {}};
+    if (!hull_.contains(point)) return {Answer::Outside, {}};
     const TricubicMap map = map_.around(point);
     if (inverse_.allFinite()) {
         const Vector3d start = kCentre - inverse_ * map.position(kCentre);
         const auto uvw = embed::findOrigin(map, start.cwiseMax(0).cwiseMin(1));
-        if (uvw && embed::isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Here, *uvw};
-        if (isExcluded(map)) return {Answer::NotHere, {}};
+        if (uvw && embed::isInUnitCube(*uvw, kOnFace + rounding_)) return {Answer::Inside, *uvw};
+        if (isExcluded(map)) return {Answer::Outside, {}};
     }
     const Vector3d nearest = embed::nearestToOrigin(map);
-    if (map.position(nearest).norm() <= 2 * length_) return {Answer::Here, nearest};
+    if (map.position(nearest).norm() <= 2 * length_) return {Answer::Inside, nearest};
     return {Answer::Undecided, {}};
 }
 

@@ -36,8 +36,8 @@ public:
     const TricubicMap& map() const { return map_; }
 
     enum class Answer {
-        Here,      ///< in the patch
-        NotHere,   ///< proved not to be in the patch
+        Inside,    ///< in the patch
+        Outside,   ///< proved not to be in the patch
         Undecided  ///< the patch is too strongly bent to decide; its children are bent less
     };
     struct Found {
@@ -47,12 +47,12 @@ public:
 
     /// Decides whether a point is in the patch, and finds its place.
     ///
-    /// A point outside a hull of the patch is NotHere. Otherwise Newton's method runs; where it
+    /// A point outside a hull of the patch is Outside. Otherwise Newton's method runs; where it
     /// leaves the patch, Krawczyk's test may prove that the patch has no solution. In a flat patch,
-    /// and where neither test decides, the point is Here if the nearest place of the patch
-    /// coincides with it. A place that is Here may be outside [0, 1]³ by up to 1e-9 and the
+    /// and where neither test decides, the point is Inside if the nearest place of the patch
+    /// coincides with it. A place that is Inside may be outside [0, 1]³ by up to 1e-9 and the
     /// rounding of the coordinates. A point outside the hull by more than rounding is always
-    /// NotHere.
+    /// Outside.
     Found find(const Eigen::Vector3d& point) const;
 
     /// True if the Jacobian is nearly constant over the patch. Then nearest() finds the global

@@ -191,7 +191,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Maximum number of halvings of a part of the cube. With 10 along each axis, the gap between
 /// coefficients and values falls to 1e-6 of that in the whole cube.
-constexpr int kDeepest = 30;
+constexpr int kMaxDepth = 30;
 
 /// False for NaN.
 bool isAboveZero(double value) {
@@ -208,7 +208,7 @@ bool isProvedPositive(const Trivariate<Degree, Lanes>& polynomials) {
 
 /// True if a known value of a lane, at a corner, is not positive.
 template <std::size_t Degree, std::size_t Lanes>
-bool isSeenToFail(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane) {
+bool failsAtCorner(const Trivariate<Degree, Lanes>& polynomials, std::size_t lane) {
     const auto& corners = kCornerCoefficients<Degree>;
     return std::any_of(corners.begin(), corners.end(),
                        [&](std::size_t at) { return !isAboveZero(polynomials[at][lane]); });
@@ -333,7 +333,8 @@ bool isPositive(const Trivariate<Degree, 1>& polynomial) {
     for (int halvings = 0; !open.empty(); ++halvings) {
         const Part<Degree, 1> part = open.back();
         open.pop_back();
-        if (isSeenToFail(part.polynomials, 0) || part.depth == kDeepest || halvings == kMaxHalvings)
+        if (failsAtCorner(part.polynomials, 0) || part.depth == kMaxDepth ||
+            halvings == kMaxHalvings)
             return false;
         const auto [lower, upper] = part.halved(largestOf(bends(part.polynomials, 0)));
         for (const auto& half : {lower, upper})
@@ -354,7 +355,7 @@ double leastQuotient(const Trivariate<Degree, 2>& quotient) {
     const auto isHigher = [](const QuotientPart<Degree>& a, const QuotientPart<Degree>& b) {
         return a.low > b.low;
     };
-    for (int halvings = 0; halvings < kMaxHalvings && lowest.depth < kDeepest; ++halvings) {
+    for (int halvings = 0; halvings < kMaxHalvings && lowest.depth < kMaxDepth; ++halvings) {
         const double gap = high - lowest.low;
         const bool hasSign = lowest.low > 0 || !(high > 0);
         if (hasSign &&
@@ -391,14 +392,14 @@ ProvedTime positiveUpTo(const Trivariate<Degree, 4>& polynomial, double upTo) {
         const Moving part = open.back();
         open.pop_back();
         // All earlier times are proved.
-        const bool failsAtLast = isSeenToFail(part.polynomials, 3);
-        const bool isDeepest = part.depth == kDeepest;
+        const bool failsAtLast = failsAtCorner(part.polynomials, 3);
+        const bool isMaxDepth = part.depth == kMaxDepth;
         const bool isShort =
             part.last - part.first <= kPrecision * part.first || part.last <= kNone;
-        if (isSeenToFail(part.polynomials, 0) || (isShort && failsAtLast))
+        if (failsAtCorner(part.polynomials, 0) || (isShort && failsAtLast))
             return {part.first, true};
-        if (halvings == kMaxHalvings || (isShort && isDeepest)) return {part.first, false};
-        const bool takesTime = !isShort && (failsAtLast || isDeepest || part.isMostBentInTime());
+        if (halvings == kMaxHalvings || (isShort && isMaxDepth)) return {part.first, false};
+        const bool takesTime = !isShort && (failsAtLast || isMaxDepth || part.isMostBentInTime());
         const auto [one, other] = takesTime ? part.halvedInTime() : part.halvedInSpace();
         keepUnlessProved(one);
         keepUnlessProved(other);

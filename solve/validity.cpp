@@ -70,7 +70,7 @@ void join(std::vector<std::optional<std::int8_t>>& ofCells, Index cell, std::int
 /// Sets the orientation to 0 for cells that are oriented against most cells in their connected
 /// component. If both orientations are equally frequent, the lowest-numbered cell that has one
 /// decides.
-void dropTurned(const CellComplex& complex, std::vector<std::int8_t>& orientation) {
+void clearMinorityOrientations(const CellComplex& complex, std::vector<std::int8_t>& orientation) {
     const far::Incidence& faces = complex.relation(3, 2);
     const far::Incidence& cells = complex.relation(2, 3);
     std::vector<char> isSeen(orientation.size(), 0);
@@ -178,7 +178,7 @@ ValidityCheck::ValidityCheck(CheckedVolume checked, std::span<const Point3> rest
     for (Index part = 0; part < volume.partCount(); ++part)
         join(ofCells, volume.cellOf(part), ofParts[part]);
     for (const auto& orientation : ofCells) orientation_.push_back(orientation.value_or(0));
-    dropTurned(volume.cells(), orientation_);
+    clearMinorityOrientations(volume.cells(), orientation_);
     for (Index cell = 0; cell < volume.cells().count(3); ++cell)
         if (ofCells[cell] && orientation_[cell] == 0) badAtRest_.push_back(cell);
 }

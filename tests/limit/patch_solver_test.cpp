@@ -40,8 +40,8 @@ TEST(PatchSolver, NeverExcludesPointsInside) {
                 if (i % 5 == 0) uvw[i % 3] = i % 2;  // On a face.
                 const Vector3d point = solver.map().position(uvw);
                 const auto result = solver.find(point);
-                ASSERT_NE(result.answer, Answer::NotHere) << bend;
-                if (result.answer != Answer::Here) continue;
+                ASSERT_NE(result.answer, Answer::Outside) << bend;
+                if (result.answer != Answer::Inside) continue;
                 ++found;
                 // Newton's method has converged to the rounding of coordinates up to 6.
                 ASSERT_LT((solver.map().position(result.uvw) - point).norm(), 1e-14);
@@ -64,7 +64,7 @@ TEST(PatchSolver, ExcludesPointsOutside) {
             Vector3d uvw(unit(random), unit(random), unit(random));
             // The polynomial extends beyond the patch, and is injective a little further.
             uvw[i % 3] = i % 2 == 0 ? -0.2 * unit(random) - 1e-6 : 1 + 0.2 * unit(random) + 1e-6;
-            ASSERT_EQ(solver.find(solver.map().position(uvw)).answer, Answer::NotHere);
+            ASSERT_EQ(solver.find(solver.map().position(uvw)).answer, Answer::Outside);
         }
     }
 }
@@ -86,10 +86,10 @@ TEST(PatchSolver, FindsPointsOfFlatPatches) {
     for (int i = 0; i < 20; ++i) {
         const Vector3d point = solver.map().position({unit(random), unit(random), unit(random)});
         const auto found = solver.find(point);
-        ASSERT_EQ(found.answer, Answer::Here);
+        ASSERT_EQ(found.answer, Answer::Inside);
         // About ten units in the last place of coordinates of size 3.
         EXPECT_LT((solver.map().position(found.uvw) - point).norm(), 2e-14);
-        EXPECT_EQ(solver.find(point + Vector3d(0, 0, 1e-9)).answer, Answer::NotHere);
+        EXPECT_EQ(solver.find(point + Vector3d(0, 0, 1e-9)).answer, Answer::Outside);
     }
 }
 
