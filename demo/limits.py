@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prints the tables of docs/limits.md: the distance of bindings to levels from the limit, and their
-cost, for the models of the demo. With a PICTURE, draws the error of level 2 of the star instead.
+cost, for the models of the demo. With a PICTURE, also draws the error of level 2 of the star.
 
   limits.py FOLDER [PICTURE.png]    `espalier` must be on the path
 """
