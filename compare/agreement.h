@@ -54,8 +54,8 @@ struct SurfaceError {
 /// The agreement of one shape, level by level.
 struct ESPALIER_API Agreement {
     std::vector<LevelAgreement> levels = {};
-    SurfaceError picture =
-        {};                 ///< of a level with few enough faces to draw; empty if there is none
+    /// Picture of a level with few enough faces to draw; empty if there is none.
+    SurfaceError picture = {};
     std::string note = {};  ///< remark for the reader; mostly empty
 
     /// True if every level is within the bounds; false if there are no levels.

@@ -81,8 +81,8 @@ struct SeenFace {
 struct SurfaceView {
     std::vector<std::array<double, 2>> points = {};  ///< x to the right, y down
     std::vector<double> depths = {};                 ///< towards the viewer
-    std::vector<SeenFace> faces =
-        {};  ///< farthest first; of equally far ones, the lower number first
+    /// Farthest first; of equally far ones, the lower number first.
+    std::vector<SeenFace> faces = {};
     std::array<double, 2> min = {};  ///< bounding box of the points of these faces
     std::array<double, 2> max = {};
 };

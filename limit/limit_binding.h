@@ -55,8 +55,8 @@ struct LimitOptions {
 /// of the points resolves; it is accurate to 1e-6 there.
 struct LimitTable {
     stencils::StencilTable<double> points;  ///< D: points × base vertices
-    std::array<stencils::StencilTable<double>, 3> gradients =
-        {};  ///< the same shape; or 0 × 0 if not asked for
+    /// The same shape; 0 × 0 if they were not requested.
+    std::array<stencils::StencilTable<double>, 3> gradients = {};
 
     friend bool operator==(const LimitTable&, const LimitTable&) = default;
 };

@@ -44,10 +44,10 @@ struct Walker {
 /// Locations with their places on the levels below the level of the locations.
 struct Walk {
     stencils::Levels levels;  ///< level 0 is the level of the locations
-    std::vector<std::vector<std::size_t>> locations =
-        {};  ///< for each level, the locations that end on it
-    std::vector<std::vector<LimitPlace>> places =
-        {};  ///< for each level, one place for each of its `locations`
+    /// For each level, the locations that end on it.
+    std::vector<std::vector<std::size_t>> locations = {};
+    /// For each level, one place for each of its `locations`.
+    std::vector<std::vector<LimitPlace>> places = {};
 };
 
 /// Goes to the half of the cell along each axis that contains the place: changes `uvw` to the place

@@ -52,8 +52,8 @@ MatrixXd stepped(const Eigen::SparseMatrix<double>& transposed, const MatrixXd& 
 
 /// Returns the functionals of three edges, one in each column, the slowest to shrink first.
 MatrixXd sortedEdges(const Eigen::SparseMatrix<double>& transposed, const EdgePlaces& places) {
-    constexpr int kSteps =
-        16;  // Rates of shrinking that differ by less than a tenth do not matter.
+    // Rates of shrinking that differ by less than a tenth do not matter.
+    constexpr int kSteps = 16;
     MatrixXd edges = MatrixXd::Zero(transposed.rows(), 3);
     for (Eigen::Index k = 0; k < 3; ++k) {
         edges(0, k) = -1;  // The ring has the vertex first, then its edges.
@@ -77,8 +77,8 @@ MatrixXd sortedEdges(const Eigen::SparseMatrix<double>& transposed, const EdgePl
 /// \return nullopt if the direction does not converge
 std::optional<VectorXd> limitOf(const Eigen::SparseMatrix<double>& transposed, VectorXd functional,
                                 const MatrixXd& known) {
-    constexpr int kMaxSteps =
-        2048;  // Around an edge of 16 cells, directions converge by 0.95 per step.
+    // Around an edge of 16 cells, directions converge by 0.95 per step.
+    constexpr int kMaxSteps = 2048;
     constexpr double kSettled = 1e-15, kConverged = 1e-11, kRising = 100;
     const auto normalized = [&](const VectorXd& vector) -> VectorXd {
         return (vector - known * (known.transpose() * vector)).normalized();

@@ -116,9 +116,8 @@ public:
     // For PETSc's solvers, for example KSPLSQR. The table owns the matrices: do not destroy or
     // change them.
     Mat matrix() const { return matrix_.get(); }  ///< D
-    Mat blocked() const {
-        return blocked_.get();
-    }  ///< D for each component; D itself for one component
+    /// D for each component; D itself for one component.
+    Mat blocked() const { return blocked_.get(); }
 
 private:
     struct Destroy {
@@ -132,8 +131,8 @@ private:
     OwnedRange ownPoints_, ownVertices_;
     Offset pointCount_ = 0, vertexCount_ = 0, ghostCount_ = 0;
     Owned<Mat> matrix_, blocked_;
-    Owned<Vec> points_,
-        vertices_;  ///< without memory of their own: they refer to the caller's arrays
+    /// Without memory of their own: they refer to the caller's arrays.
+    Owned<Vec> points_, vertices_;
     std::vector<Index> kept_;
     std::vector<Point3> keptAt_;
 };
