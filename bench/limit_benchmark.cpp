@@ -19,7 +19,6 @@
 namespace espalier {
 namespace {
 
-constexpr auto kRules = stencils::Rules::Siggraph96;
 constexpr int kPointCount = 200'000;
 
 struct Scene {
@@ -30,10 +29,8 @@ struct Scene {
     /// Returns D for a level, or for the limit if the level is 0.
     embed::Binding bind(int level) const {
         if (level > 0)
-            return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
-                .binding;
-        return limit::withoutGradients(limit::bindLimit({base, lattice.positions, kRules}, points))
-            .binding;
+            return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
+        return limit::withoutGradients(limit::bindLimit({base, lattice.positions}, points)).binding;
     }
 
     /// Returns a pose that moves all vertices differently, by sines of their positions.

@@ -57,7 +57,7 @@ public:
     /// \param positions positions of the base vertices, for the picture
     /// \throws Error if under Boundary::Open no face is left to compare; for Rules::Mlca and
     ///         Rules::Rats, which OpenSubdiv does not have
-    Agreement compareAll(stencils::Rules rules, std::span<const Point3> positions) const;
+    Agreement compareAll(std::span<const Point3> positions) const;
 
     /// Number of non-manifold vertices that this release of OpenSubdiv misjudges. Releases before
     /// 3.6.1 treat some vertices as creases that do not form one (pull request 1338); these were

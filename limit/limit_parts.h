@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 
 #include <array>
 #include <memory>
@@ -54,11 +53,11 @@ public:
     /// \param base a lattice; its level 0 is refined anew, locally
     /// \param level level to which irregular features are refined, 1 to kMaxLevelOfParts. Each
     ///        level halves the width of the blended region around a feature
-    /// \throws Error if `base` is not a lattice or `level` is out of range, and under Rules::Rats;
+    /// \throws Error if `base` is not a lattice or `level` is out of range;
     ///         TopologyError and MemoryError as TopologyRefiner::refineUniform()
     /// \cost O(parts). Each level multiplies the number of parts at a feature: by 4 at a surface,
     ///       such as an open boundary, by 2 at an edge, by 1 at a vertex
-    LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, int level);
+    LimitParts(const far::TopologyRefiner& base, int level);
 
     const far::CellComplex& base() const;
 

@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/limit/limit_binding.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -47,11 +46,10 @@ struct LimitStencils {
 /// \param locations places in this level
 /// \throws Error for a level or cell that does not exist, a cell that is not a hexahedron, a place
 ///         outside [0, 1]³ or in a region that shrinks away under Boundary::Open, options out of
-///         range, and under Rules::Rats
+///         range
 /// \cost O(entries); near irregular features also about 0.2 ms for each further level. In parallel
 /// \cite MacCracken & Joy 1996, section 2.2; CSE-96-1, section 5; Joy, bicubic refinement
 ESPALIER_API LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                              stencils::Rules rules,
                                               std::span<const LimitLocation> locations,
                                               const LimitStencilOptions& options = {});
 
@@ -60,7 +58,6 @@ ESPALIER_API LimitStencils buildLimitStencils(const far::TopologyRefiner& refine
 /// hexahedron that has the vertex as a corner. A vertex in no hexahedron has empty rows of
 /// derivatives; all rows of an open vertex are empty.
 ESPALIER_API LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                              stencils::Rules rules,
                                               const LimitStencilOptions& options = {});
 
 }  // namespace espalier::limit

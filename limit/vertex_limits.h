@@ -3,7 +3,6 @@
 
 #include <espalier/base/api.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
@@ -12,7 +11,7 @@ namespace espalier::limit {
 
 /// Throws unless limits can be computed under these rules.
 /// \throws Error under Rules::Rats
-ESPALIER_API void checkLimitRules(stencils::Rules rules);
+ESPALIER_API void checkLimitRules(far::Rules rules);
 
 /// Builds L: row i holds the weights of the limit of vertices[i] over the vertices of the same
 /// level. Only vertices that share an entity with it have weights, at most 27 in a regular lattice.
@@ -28,17 +27,16 @@ ESPALIER_API void checkLimitRules(stencils::Rules rules);
 /// \cite Halstead, Kass, DeRose 1993 (surfaces). Regular vertices: (1, 4, 1)/6, the values of the
 ///       uniform cubic B-spline at its knots
 ESPALIER_API stencils::StencilTable<double> buildLimitMasks(const far::TopologyRefiner& refiner,
-                                                            int level, stencils::Rules rules,
+                                                            int level,
                                                             std::span<const Index> vertices);
 
 /// Builds L · S_level: the limits of all vertices of a level, or of some, over the base vertices.
 /// \throws Error as buildLimitMasks()
 /// \cost buildStencils() and buildLimitMasks()
 ESPALIER_API stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner,
-                                                              int level, stencils::Rules rules,
+                                                              int level,
                                                               std::span<const Index> vertices);
-ESPALIER_API stencils::StencilTable<double> buildVertexLimits(
-    const far::TopologyRefiner& refiner, int level,
-    stencils::Rules rules = stencils::Rules::Siggraph96);
+ESPALIER_API stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner,
+                                                              int level);
 
 }  // namespace espalier::limit

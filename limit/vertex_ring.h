@@ -3,7 +3,6 @@
 
 #include <espalier/base/api.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -55,7 +54,7 @@ ESPALIER_API std::vector<Index> verticesAround(const far::CellComplex& complex, 
 ///         refinement
 /// \cost O(entries of the ring's matrices)
 ESPALIER_API VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
-                               stencils::Rules rules, Index vertex);
+                               Index vertex);
 
 /// Returns the weights of the ring's points in the limit of the vertex: the left eigenvector ℓM = ℓ
 /// of sum 1. It is the limit of the vertex's row in Mᵏ.

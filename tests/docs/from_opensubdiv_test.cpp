@@ -314,8 +314,8 @@ std::vector<double> refineOurs(
     const far::TopologyRefiner& refiner) {
     const std::vector<double> base(positions.begin(),
                                    positions.end());
-    const auto points = stencils::refineValues(
-        refiner, level, stencils::Rules::Siggraph96, base, 3);
+    const auto points =
+        stencils::refineValues(refiner, level, base, 3);
     return points;
 }
 

@@ -26,8 +26,8 @@ CellComplex starOfTetrahedra(const CellComplex& hull) {
 }
 
 VertexRing ringIn(const CellComplex& complex, Rules rules, Index vertex) {
-    const TopologyRefiner refiner(complex);
-    return ringOf(refiner.level(0), refiner.options(), rules, vertex);
+    const TopologyRefiner refiner(complex, {.rules = rules});
+    return ringOf(refiner.level(0), refiner.options(), vertex);
 }
 
 void expectEigenvalues(const VertexRing& ring, const std::vector<double>& expected,
@@ -129,10 +129,8 @@ TEST(VertexLimits, RegularRowsEqualTheEigenvector) {
             for (Index vertex = 0; vertex < here.complex.count(0); vertex += 1 + level * 6) {
                 if (!embed::isRegularVertex(here, vertex)) continue;
                 ++seen;
-                const auto table =
-                    buildLimitMasks(refiner, level, stencils::Rules::Siggraph96, {{vertex}});
-                const auto ring =
-                    ringOf(here, refiner.options(), stencils::Rules::Siggraph96, vertex);
+                const auto table = buildLimitMasks(refiner, level, {{vertex}});
+                const auto ring = ringOf(here, refiner.options(), vertex);
                 Eigen::VectorXd expected = ring.start.transpose() * limitMask(ring);
                 for (std::size_t k = 0; k < table.columns(0).size(); ++k) {
                     const auto at = std::lower_bound(ring.vertices.begin(), ring.vertices.end(),
@@ -150,10 +148,11 @@ TEST(VertexLimits, RegularRowsEqualTheEigenvector) {
 /// Checks that the limits of the base vertices equal the limits of their children on further
 /// levels, which are refined around these vertices only.
 void expectInvariant(const std::string& name, const Lattice& lattice, Rules rules, int levels) {
-    TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+    TopologyRefiner refiner =
+        withRules(TopologyRefiner(lattice.complex, refinerOptions(lattice)), rules);
     std::vector<Index> vertices(lattice.complex.count(0));
     std::iota(vertices.begin(), vertices.end(), Index{0});
-    const auto expected = times(buildVertexLimits(refiner, 0, rules), lattice.positions);
+    const auto expected = times(buildVertexLimits(refiner, 0), lattice.positions);
     for (int level = 1; level <= levels; ++level) {
         std::set<Index> cells;
         for (const Index vertex : vertices)
@@ -162,7 +161,7 @@ void expectInvariant(const std::string& name, const Lattice& lattice, Rules rule
         refiner.refineAround(std::vector<Index>(cells.begin(), cells.end()));
         for (Index& vertex : vertices)
             vertex = refiner.refinement(level).childOf({{0, vertex}, {0, vertex}}).value().index;
-        const auto limits = buildVertexLimits(refiner, level, rules, vertices);
+        const auto limits = buildVertexLimits(refiner, level, vertices);
         EXPECT_LT(largestDistance(times(limits, lattice.positions), expected), 1e-12)
             << name << " level " << level;
     }
@@ -188,8 +187,8 @@ TEST(VertexLimits, RefinementConvergesToThem) {
         TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
         const auto limits = times(buildVertexLimits(refiner, 0), lattice.positions);
         refiner.refineUniform(levels);
-        const auto refined = asMatrix(
-            stencils::refinePositions(refiner, levels, Rules::Siggraph96, lattice.positions));
+        const auto refined =
+            asMatrix(stencils::refinePositions(refiner, levels, lattice.positions));
         // The remaining distance shrinks by the second eigenvalue of the ring, at most 0.62 here,
         // once no sharpness is left: sharpness is below 3 here.
         EXPECT_LT(largestDistance(refined.topRows(limits.rows()), limits),
@@ -213,8 +212,7 @@ Order orderOf(const std::string& name, const Lattice& lattice, int finest) {
     for (int level = 1; level <= finest; ++level) {
         refiner.refineUniform(level);
         const auto limits = times(buildVertexLimits(refiner, level), lattice.positions);
-        const auto at = asMatrix(
-            stencils::refinePositions(refiner, level, Rules::Siggraph96, lattice.positions));
+        const auto at = asMatrix(stencils::refinePositions(refiner, level, lattice.positions));
         const Eigen::VectorXd distances = (at - limits).rowwise().norm();
         order = {std::log2(largest / distances.maxCoeff()), std::log2(mean / distances.mean())};
         largest = distances.maxCoeff();
@@ -289,15 +287,16 @@ TEST(VertexLimits, OpenVerticesHaveNoLimit) {
     for (Index vertex = 0; vertex < table.rowCount(); ++vertex)
         EXPECT_EQ(table.weights(vertex).size(),
                   refiner.level(0).strata.isOpen({0, vertex}) ? 0U : 27U);
-    EXPECT_THROW(ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, 0), Error);
+    EXPECT_THROW(ringOf(refiner.level(0), refiner.options(), 0), Error);
 }
 
 TEST(VertexLimits, RefusesRatsAndUnknownVertices) {
     const TopologyRefiner mesh(gridMesh(2, 2));
-    EXPECT_THROW(buildVertexLimits(mesh, 0, Rules::Rats), Error);
-    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Rats, 4), Error);
-    EXPECT_THROW(buildVertexLimits(mesh, 0, Rules::Siggraph96, {{9}}), Error);
-    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Siggraph96, 9), Error);
+    const TopologyRefiner rats = withRules(mesh, Rules::Rats);
+    EXPECT_THROW(buildVertexLimits(rats, 0), Error);
+    EXPECT_THROW(ringOf(rats.level(0), rats.options(), 4), Error);
+    EXPECT_THROW(buildVertexLimits(mesh, 0, {{9}}), Error);
+    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), 9), Error);
 }
 
 // The mask of a vertex with thousands of edges is computed at once. Its eigenvalues would take
@@ -309,7 +308,7 @@ TEST(VertexLimits, WorkForVerticesWithThousandsOfEdges) {
     for (Index v = 0; v < lattice.complex.count(0); ++v)
         if (std::ssize(lattice.complex.relation(0, 1)[v]) == 3000) apex = v;
     ASSERT_NE(apex, kMaxIndex);
-    const VertexRing ring = ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, apex);
+    const VertexRing ring = ringOf(refiner.level(0), refiner.options(), apex);
     const Eigen::VectorXd mask = limitMask(ring);
     EXPECT_NEAR(mask.sum(), 1, 1e-14);
     EXPECT_LT((ring.subdivision.transpose() * mask - mask).lpNorm<Eigen::Infinity>(), 1e-15);

@@ -24,7 +24,7 @@ using limit::LimitPositions;
 
 LimitParts partsOf(const Lattice& lattice, int level) {
     const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
-    return LimitParts(base, Rules::Siggraph96, level);
+    return LimitParts(base, level);
 }
 
 /// Positions of a bar of three cells along x, with vertices at 0, 1 + a, 2 − a, 3.
@@ -191,7 +191,7 @@ TEST(LimitValidity, CellsThatShrinkAwayAreNeitherGoodNorBad) {
     };
     while (!isBeside(beside)) ++beside;
     const TopologyRefiner base(lattice.complex, {.boundary = Boundary::Open});
-    const ValidityCheck validity(LimitParts(base, Rules::Siggraph96, 2), lattice.positions);
+    const ValidityCheck validity(LimitParts(base, 2), lattice.positions);
     EXPECT_THAT(validity.badAtRest(), IsEmpty());
     Positions pose = lattice.positions;
     for (Point3& p : pose) p[0] *= 2;
