@@ -2,9 +2,8 @@
 //
 // Measures a bound model that is distributed over the ranks, for docs/scaling.md.
 //
-//     mpirun -n RANKS petsc_bench products   D times three components, by petsc::DistributedTable
-//     and
-//                                            by PETSc's product with a dense matrix of three
+//     mpirun -n RANKS petsc_bench products   D times three components, by petsc::DistributedTable,
+//                                            and by PETSc's product with a dense matrix of three
 //                                            columns; the same transposed
 //     mpirun -n RANKS petsc_bench lattice    memory of a rank, for a lattice of a million vertices
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+// Results of a comparison with OpenSubdiv.
 namespace espalier::compare {
 
 /// Largest differences that count as agreement.

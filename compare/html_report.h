@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+// Writes an HTML report of comparisons with OpenSubdiv.
 namespace espalier::compare {
 
 struct ReportedShape {

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+// Splits the limit volume of a lattice into tricubic patches and blended cells.
 namespace espalier::limit {
 
 /// Highest level to which LimitParts refines irregular features.

@@ -30,7 +30,7 @@ constexpr double kThinnest = 1e-13;
 /// taken as the nearest, and a point that stays Undecided is left to findNearest().
 constexpr int kMaxLevelOfPatches = 12;
 
-/// Maximum number of cells of a level in which a point is searched. More cells contain the point
+/// Maximum number of cells of a level that are searched for a point. More cells contain the point
 /// only where the lattice is folded.
 constexpr std::size_t kMaxContaining = 48;
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <span>
 
+// Builds rows for places in the limit volume: positions and derivatives.
 namespace espalier::limit {
 
 /// A place in the limit of a hexahedron of a level: (u, v, w) in [0, 1]³, along the axes that

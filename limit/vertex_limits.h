@@ -7,6 +7,7 @@
 
 #include <span>
 
+// Builds the limits of vertices of curves, meshes and lattices.
 namespace espalier::limit {
 
 /// Throws unless limits can be computed under these rules.

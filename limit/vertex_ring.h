@@ -9,6 +9,7 @@
 #include <complex>
 #include <vector>
 
+// Computes how refinement acts on a vertex's ring: its matrix, limit mask and eigenvalues.
 namespace espalier::limit {
 
 /// The ring of a vertex, and the matrix that takes it to the ring of the next level. The matrix is

@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <vector>
 
+// Applies the deformation matrix over the ranks of MPI, with PETSc.
 namespace espalier::petsc {
 
 /// The points, or the lattice vertices, of one rank: numbers first to last − 1. Ranks own

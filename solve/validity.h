@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+// Finds the cells that a pose turns inside out, and how far a lattice may move without any.
 namespace espalier::solve {
 
 /// A cell and its value.
