@@ -44,8 +44,8 @@ private:
     std::exception_ptr end_;  ///< set once isEnded_ is true
 };
 
-/// The scopes that apply to a thread: its own, or those of the thread that began the loop that it
-/// works for.
+/// The scopes that apply to a thread. While it works for a loop of another thread, these are the
+/// scopes of that thread.
 struct LoopContext {
     Executor* executor = nullptr;       ///< null for oneTBB's arena
     ProgressState* progress = nullptr;  ///< null without a ProgressScope

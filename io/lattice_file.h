@@ -58,7 +58,7 @@ ESPALIER_API void writeLattice(const std::filesystem::path& path, const Lattice&
 
 /// Checks a name for writeLattice() without touching the file, so that a wrong name is refused
 /// before long work.
-/// \throws FileError if the extension is that of no lattice format
+/// \throws FileError unless the extension names one of the formats above
 ESPALIER_API void checkLatticeTarget(const std::filesystem::path& path);
 
 /// Reads a curve, a mesh or a lattice, for refinement: curves and meshes (complexes of dimension 1

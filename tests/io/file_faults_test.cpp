@@ -73,7 +73,7 @@ TEST_F(WriteFaults, ErrorsOfLinkAndRenameLeaveTheOldFile) {
         EXPECT_EQ(errorOf(call, 1, EIO), path.string() + ": cannot write: Input/output error");
         EXPECT_TRUE(holdsOnly("old"));
     }
-    // The last sync is that of the folder, after the new file is in its place.
+    // The last call syncs the folder, after the new file is in its place.
     int syncs = 0;
     while (holdsOnly("old")) {
         const auto error = errorOf(SystemCall::Sync, ++syncs, EIO);
