@@ -148,7 +148,7 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
         keepFew(found.descent, points, isNearest ? kMaxNearest : kMaxContaining);
         // Boxes allow for a part of a cell, which is more, until cells are as small.
         found.descent.margin = isNearest ? descent_.rounding() : 0;
-        descent_.refine(found.descent, points, sought, Extent::Ring, embed::Bounding::Likely);
+        descent_.refine(found.descent, points, sought, Extent::Ring, embed::Bounding::Estimate);
     }
 }
 
@@ -179,7 +179,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
                 auto inside = cells.blend().locateIn(point, {&cell, 1});
                 if (!inside) {
                     // So small a cell may miss a point on its faces by the rounding of that.
-                    inside = cells.blend().locateBeside(point, CellId(cell), true);
+                    inside = cells.blend().locateOutsideCells(point, CellId(cell), true);
                     if (!(inside->distance <= descent_.rounding())) return false;
                 }
                 if (inside->place)
@@ -259,7 +259,7 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
                     distance = (patch->map().position(uvw) - point).norm();
                     place.where = FramePlace{cells.frame(i), embed::toArray(uvw), {}, false};
                 } else {
-                    const auto there = cells.blend().locateBeside(point, CellId(cell), true);
+                    const auto there = cells.blend().locateOutsideCells(point, CellId(cell), true);
                     if (!there.place) return false;
                     distance = there.distance;
                     place.where = *there.place;

@@ -41,7 +41,7 @@ TEST(CellSolver, FindsWhatTheLocatorDoes) {
             inCells += inside.has_value();
             const LocatedPoint expected = locator.locate(point, true);
             const LocatedPoint found =
-                inside ? *inside : solver.locateBeside(vec(point), nearestTo(point), true);
+                inside ? *inside : solver.locateOutsideCells(vec(point), nearestTo(point), true);
             ASSERT_EQ(found.status, expected.status) << name;
             ASSERT_EQ(found.distance, expected.distance) << name;
             ASSERT_EQ(found.residual, expected.residual) << name;
