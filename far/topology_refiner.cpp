@@ -30,7 +30,7 @@ ByEntity<std::uint8_t> marksOf(const CellComplex& complex, std::uint8_t mark) {
     return marks;
 }
 
-/// The entities that are lower ends of children: those that are not on the open boundary.
+/// Marks the entities that are lower ends of children: those that are not on the open boundary.
 ByEntity<std::uint8_t> closedEntities(const Level& parent) {
     ByEntity<std::uint8_t> closed = marksOf(parent.complex, 1);
     for (int d = 0; d <= parent.complex.dimension(); ++d)
@@ -39,7 +39,7 @@ ByEntity<std::uint8_t> closedEntities(const Level& parent) {
     return closed;
 }
 
-/// The children [v, f] of the holes.
+/// Returns the children [v, f] of the holes.
 std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement) {
     std::vector<Index> holes;
     if (parent.holes.empty()) return holes;
@@ -53,7 +53,7 @@ std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement
 }  // namespace
 
 void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
-    // Room first: what throws below leaves the levels as they are.
+    // Reserve memory first: an exception below then leaves the levels unchanged.
     refinements_.reserve(refinements_.size() + 1);
     levels_.reserve(levels_.size() + 1);
     const Level& parent = levels_.back();
@@ -68,7 +68,7 @@ void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
 
 namespace {
 
-/// Refuses a level that cannot be, before those below it are made.
+/// Throws if a level is too large, before the levels below it are made.
 void checkSize(const CellComplex& complex, int levels, int level) {
     const LevelSize size = levelSize(complex, levels);
     const std::string name = concat("level ", level);
@@ -83,7 +83,7 @@ void checkSize(const CellComplex& complex, int levels, int level) {
 }  // namespace
 
 void TopologyRefiner::refineUniform(int level) {
-    // Without boundary control levels are smaller, by how much is not known beforehand.
+    // Without boundary control, levels are smaller by an amount that is not known in advance.
     if (level > maxLevel() && isUniform() && boundary() != Boundary::Open)
         checkSize(levels_.back().complex, level - maxLevel(), level);
     while (maxLevel() < level) {
@@ -103,7 +103,7 @@ void TopologyRefiner::refineUniform(int level) {
 
 namespace {
 
-/// The cells that share a vertex with one of `cells`, and these; ascending.
+/// Returns `cells` and the cells that share a vertex with one of them, ascending.
 std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cells) {
     std::vector<std::uint8_t> isIn(complex.count(complex.dimension()));
     for (const Index cell : cells)
@@ -116,7 +116,7 @@ std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cell
     return result;
 }
 
-/// Takes the mark off the entities without a vertex of one of `cells`.
+/// Removes the mark of entities that have no vertex of one of `cells`.
 void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
                   ByEntity<std::uint8_t>& marks) {
     std::vector<std::uint8_t> isCorner(complex.count(0), 0);
@@ -134,7 +134,7 @@ void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
     }
 }
 
-/// Marks cells and all that they contain.
+/// Marks cells and all entities that they contain.
 ByEntity<std::uint8_t> marksIn(const CellComplex& complex, std::span<const Index> cells) {
     ByEntity<std::uint8_t> marks = marksOf(complex, 0);
     for (int d = 0; d <= complex.dimension(); ++d)
@@ -168,7 +168,7 @@ void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) 
     } else {
         kept.upper = marksOf(parent.complex, 1);
         chosen.assign(cells.begin(), cells.end());
-        // Chaikin's rule looks at the edges at both ends of an edge: one more ring must be whole.
+        // Chaikin's rule uses the edges at both ends of an edge, so one more ring must be complete.
         if (options_.creasing == Creasing::Chaikin && parent.strata.hasSemiSharp())
             chosen = grown(parent.complex, chosen);
         unmarkBeyond(parent.complex, chosen, kept.lower);
