@@ -144,7 +144,7 @@ stencils::StencilTable<double> rowsOf(const far::Level& level,
                                               stencils::compositionOf(walk.levels.tables()));
     if (!derivatives.empty())
         derivativeRows = stencils::composeDerivatives(
-            walk.levels.tables(), std::move(derivativeRows), stencils::RowMeaning::Themselves);
+            walk.levels.tables(), std::move(derivativeRows), stencils::RowMeaning::Vectors);
     // Where the row of each location and derivative is.
     struct Source {
         const stencils::StencilTable<double>* table;

@@ -31,7 +31,8 @@ bool Surroundings::decideRows(const far::Level& level, far::Boundary boundary, R
 }
 
 Index Surroundings::shapeOf(const Entity& entity) {
-    // What repeats is met early. Where nothing does, each shape takes some kilobytes.
+    // Shapes that repeat occur early. If none repeats, each stored shape would take several
+    // kilobytes.
     constexpr std::size_t kMaxRemembered = 4096;
     collect(entity);
     describe(entity);
@@ -69,7 +70,7 @@ void Surroundings::describe(const Entity& entity) {
     }
 }
 
-/// Its strata; its vertices; and what bounds it, with directions.
+/// Appends an entity's strata, its vertices, and its boundary with signs.
 void Surroundings::describe(int dimension, Index index) {
     const Entity entity{dimension, index};
     const far::Strata& strata = level_.strata;
@@ -85,7 +86,7 @@ void Surroundings::describe(int dimension, Index index) {
     description_.push_back(static_cast<Index>(parts.size()));
     const IndexSet& near = around_[static_cast<std::size_t>(dimension) - 1];
     for (std::size_t i = 0; i < parts.size(); ++i)
-        // Parts that do not touch the entity bear no name here.
+        // Parts that do not touch the entity have no number here.
         description_.push_back(near.has(parts[i]) ? signs[i] * (near.placeOf(parts[i]) + 1) : 0);
 }
 
