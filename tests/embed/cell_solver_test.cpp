@@ -11,8 +11,9 @@
 namespace espalier::embed {
 namespace {
 
-// Given the cells whose boxes hold a point, the solver alone finds what the locator does.
-TEST(CellSolver, FindsWhatTheLocatorDoes) {
+// Given the cells whose boxes contain a point, the solver alone finds the same place as the
+// locator.
+TEST(CellSolver, AgreesWithTheLocator) {
     for (const auto& [name, lattice] : zoo()) {
         const Refined refined(lattice, 1);
         Eigen::AlignedBox3d box;
