@@ -10,8 +10,8 @@
 namespace espalier::stencils {
 
 bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level, Rules rules) {
-    // On level 1 nothing is inside an entity but its own point. Rows are matched by their place
-    // among those of an entity: none may be missing.
+    // On level 1, an entity contains no vertex but its own point. Rows are matched by their
+    // position among the rows of an entity, so no row may be missing.
     return level >= 2 && refiner.isUniform() &&
            Surroundings::decideRows(refiner.level(0), refiner.boundary(), rules);
 }
@@ -23,15 +23,15 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
     const BaseEntities& origin = origins[static_cast<std::size_t>(level) - 1];
     insides_.resize(origin.count());
 
-    // Refinement keeps the order of the shapes, and so rows correspond that come at the same place
-    // among the rows of their base entities.
+    // Refinement keeps the order of vertices in equal shapes, so corresponding rows have the same
+    // position among the rows of their base entities.
     Array<Index> places(parents.count());
     std::vector<Index> sizes(insides_.size(), 0);
     for (Index vertex = 0; vertex < parents.count(); ++vertex)
         places[vertex] = sizes[origin.of(parents(vertex))]++;
 
-    std::vector<Index> firstSets;            // of each shape
-    std::vector<std::optional<Index>> sets;  // of each set of rows, its number among firsts_
+    std::vector<Index> firstSets;            // for each shape
+    std::vector<std::optional<Index>> sets;  // for each set of rows, its position in firsts_
     Surroundings surroundings(refiner.level(0));
     for (std::size_t row = 0; row < vertices.size(); ++row) {
         const Index vertex = vertices[row];
@@ -57,14 +57,15 @@ RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,
     }
 }
 
-/// The places of the columns of a table among the vertices around their base entities.
+/// Returns, for each entry of a table, the position of its column among the vertices around the
+/// row's base entity.
 Array<Index> RepeatedRows::placesOf(const StencilTable<double>& firstRows) const {
     Array<Index> places(firstRows.columns().size());
     for (Index row = 0; row < firstRows.rowCount(); ++row) {
         const Index* const around = verticesAround(firstBases_[row]);
         Offset entry = firstRows.offsets()[row];
         Index place = 0;
-        for (const Index column : firstRows.columns(row)) {  // Both ascend.
+        for (const Index column : firstRows.columns(row)) {  // Both are ascending.
             while (around[place] != column) ++place;
             places[entry++] = place;
         }
