@@ -81,7 +81,8 @@ CellSolver::CellSolver(const far::CellComplex& complex, std::span<const Point3> 
       corners_(hexahedra(complex)),
       scale_(scale) {}
 
-std::optional<LocatedPoint> CellSolver::beyondReach(const Vector3d& point, bool seekNearest) {
+std::optional<LocatedPoint> CellSolver::resultIfUnreachable(const Vector3d& point,
+                                                            bool seekNearest) {
     // From farther away, the distances to all cells a millionth of the lattice across would be
     // equal up to rounding, and all cells would be candidates.
     constexpr double kFarthest = 1e8;

@@ -77,7 +77,8 @@ public:
     /// for all other points.
     ///
     /// \param point in units of the lattice (LengthUnit)
-    static std::optional<LocatedPoint> beyondReach(const Eigen::Vector3d& point, bool seekNearest);
+    static std::optional<LocatedPoint> resultIfUnreachable(const Eigen::Vector3d& point,
+                                                           bool seekNearest);
 
     /// Returns a box that contains the points in a cell, the points within the tolerance of it, and
     /// the points in the gaps beside it.

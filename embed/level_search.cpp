@@ -103,7 +103,7 @@ LocatedPart LevelSearch::locateInside(std::span<const Point3> points, Extent ext
     for (const Index i : part.points) {
         const Vector3d point(points[i].data());
         const auto near = found ? cells.of(i) : std::span<const Index>();
-        auto located = CellSolver::beyondReach(point, seekNearest_);
+        auto located = CellSolver::resultIfUnreachable(point, seekNearest_);
         if (!located && found) located = solver->locateIn(point, near);
         // A gap is inside the boxes of the cells beside it, so a point in no box is outside.
         if (!located && (seekNearest_ || !near.empty())) unsettled.push_back(i);

@@ -43,7 +43,8 @@ LocatedPoint PointLocator::locate(const Point3& position, bool seekNearest) cons
 
 LocatedPoint PointLocator::locateInUnits(const Point3& position, bool seekNearest) const {
     const Vector3d point(position.data());
-    if (const auto beyond = CellSolver::beyondReach(point, seekNearest)) return *beyond;
+    if (const auto unreachable = CellSolver::resultIfUnreachable(point, seekNearest))
+        return *unreachable;
 
     std::vector<Index> candidates;
     tree_.findContaining(point, candidates);

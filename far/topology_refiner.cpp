@@ -117,7 +117,7 @@ std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cell
 }
 
 /// Removes the mark of entities that have no vertex of one of `cells`.
-void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
+void unmarkOutside(const CellComplex& complex, std::span<const Index> cells,
                   ByEntity<std::uint8_t>& marks) {
     std::vector<std::uint8_t> isCorner(complex.count(0), 0);
     for (const Index cell : cells)
@@ -171,7 +171,7 @@ void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) 
         // Chaikin's rule uses the edges at both ends of an edge, so one more ring must be complete.
         if (options_.creasing == Creasing::Chaikin && parent.strata.hasSemiSharp())
             chosen = grown(parent.complex, chosen);
-        unmarkBeyond(parent.complex, chosen, kept.lower);
+        unmarkOutside(parent.complex, chosen, kept.lower);
     }
     addLevel(&kept);
     chosen_ = std::move(chosen);
@@ -179,9 +179,9 @@ void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) 
 
 namespace {
 
-void checkLevel(int level, int least, int most) {
-    if (level < least || level > most)
-        throw Error(concat("there is no level ", level, " here: levels ", least, " to ", most,
+void checkLevel(int level, int first, int last) {
+    if (level < first || level > last)
+        throw Error(concat("there is no level ", level, " here: levels ", first, " to ", last,
                            " have been refined"));
 }
 

@@ -192,7 +192,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
         LocatedInLimit& located = result.points[p];
         if (located.place) continue;
         const auto beyond =
-            embed::CellSolver::beyondReach(Vector3d(points[p].data()), seekNearest_);
+            embed::CellSolver::resultIfUnreachable(Vector3d(points[p].data()), seekNearest_);
         if (beyond)
             located.status = beyond->status;
         else
