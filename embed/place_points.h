@@ -28,7 +28,7 @@ void checkPositions(const far::CellComplex& complex, std::span<const Point3> pos
 void checkRest(const RestLattice& lattice, int level);
 
 /// Returns the tolerance, checked.
-/// \throws Error if it is not finite or negative
+/// \throws Error if it is negative or not finite
 double checkedTolerance(double tolerance);
 
 /// \throws Error if there are more points than an Index can count

@@ -182,8 +182,9 @@ ESPALIER_API Marks marksFor(const CellComplex& complex, const Strata& strata, Bo
 ESPALIER_API float childSharpness(const CellComplex& complex, const Strata& strata,
                                   Creasing creasing, const Entity& edge, Index vertex);
 
-/// Tells how an edge or vertex loses its stratum in the next split, because its sharpness runs out. Its new point
-/// is `weight` times the rule of its stratum plus 1 − weight times the rule of stratum `next`.
+/// Tells how an edge or vertex loses its stratum in the next split, because its sharpness runs out.
+/// Its new point is `weight` times the rule of its stratum plus 1 − weight times the rule of
+/// stratum `next`.
 struct Fading {
     int next = 0;
     double weight = 1;

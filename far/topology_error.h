@@ -28,7 +28,7 @@ enum class TopologyCause {
     WrongDimension,    ///< a cell for a mesh, or a face for a lattice or a curve
     NotABox,           ///< a lattice is not a box of hexahedra, as required
     BadMark,           ///< a marked edge does not exist, or a mark's value has no meaning
-    TooManyEntities    ///< there are more entities than an Index counts
+    TooManyEntities    ///< there are more entities than an Index can count
 };
 
 /// Thrown for a topology that cannot be built or refined.

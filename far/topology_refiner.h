@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-// far/: topology. No positions and no weights.
+// far/: refines topology. It knows neither positions nor weights.
 //
 // In: loops of vertex numbers, and marks. Out: refined levels with the strata of their entities.
 //

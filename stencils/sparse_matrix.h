@@ -24,7 +24,7 @@ public:
     using Matrix = Eigen::SparseMatrix<Real, Eigen::RowMajor, Index>;
     using Map = Eigen::Map<const Matrix>;
 
-    /// \throws Error if the table has more entries than an Index counts
+    /// \throws Error if the table has more entries than an Index can count
     explicit SparseView(const StencilTable<Real>& table) : table_(&table) {
         if (table.entryCount() > kMaxIndex)
             throw Error("a table of " + std::to_string(table.entryCount()) +
@@ -44,7 +44,7 @@ private:
 };
 
 /// Returns a table with the entries of any Eigen sparse expression; explicit zeros are kept.
-/// \throws Error if it has more rows or columns than an Index counts
+/// \throws Error if it has more rows or columns than an Index can count
 template <class Derived>
 StencilTable<typename Derived::Scalar> fromEigen(const Eigen::SparseMatrixBase<Derived>& matrix) {
     using Real = typename Derived::Scalar;

@@ -21,7 +21,7 @@ class StencilTable;
 template <class To, class From>
 ESPALIER_API StencilTable<To> convertTable(StencilTable<From>&& table);
 
-/// A sparse matrix of weights in compressed sparse rows, as OpenSubdiv's stencil tables: row i
+/// A sparse matrix of weights in compressed sparse rows, like OpenSubdiv's stencil tables: row i
 /// gives result i as Σ_k weights(i)[k] · source[columns(i)[k]].
 ///
 /// Columns are ascending and unique in a row. Immutable, so any number of threads may read it. Real
