@@ -13,8 +13,9 @@
 #include <utility>
 #include <vector>
 
-/// \file Classifies the entities of a complex as corners, sharp edges, boundary surfaces or
-/// interior, and tells how semi-sharp features fade.
+/// \file
+/// Classifies the entities of a complex as corners, sharp edges, boundary surfaces or interior, and
+/// tells how semi-sharp features fade.
 
 namespace espalier::far {
 
@@ -28,8 +29,8 @@ enum class Boundary {
     EdgeOnly,  ///< as Sharp, but a vertex is not a corner merely because it is in one cell
                ///< (lattice) or one face (mesh). On a mesh, this is OpenSubdiv's "edge only"
     Open       ///< no boundary control: uniform B-spline behaviour, the region shrinks (section
-               ///< 2.2). OpenSubdiv's "none" omits faces that shrink;
-               ///< here, their remaining parts stay
+               ///< 2.2). OpenSubdiv's "none" omits faces that shrink; here, their remaining parts
+               ///< stay
 };
 inline constexpr Word<Boundary> kBoundaryWords[] = {
     {"sharp", Boundary::Sharp}, {"edge-only", Boundary::EdgeOnly}, {"open", Boundary::Open}};
@@ -103,7 +104,7 @@ public:
         return !isOpen_[0].empty() && valueAt(isOpen_, entity) != 0;
     }
 
-    /// Returns the sharpness of a vertex or an edge that is left on this level.
+    /// Returns the remaining sharpness of a vertex or an edge.
     float sharpness(Entity entity) const {
         const auto& values = entity.dimension == 0 ? sharpness_.vertices : sharpness_.edges;
         return values[entity.index];
