@@ -12,8 +12,8 @@ namespace espalier::stencils {
 /// From which end to multiply level tables.
 enum class Composition {
     FromBase,  ///< each row of S_k is computed once, for all rows that use its vertex
-    FromRows   ///< each row is carried to the base separately. For long rows of S_k: few of them
-               ///< are used by more rows than they have entries
+    FromRows   ///< each row is carried to the base separately. Faster for long rows of S_k, most of
+               ///< which are used by fewer rows than they have entries
 };
 
 /// Returns FromRows if new points above a complex have rows of more than about 256 entries. This is
