@@ -25,6 +25,20 @@
 // equal to it; its child has the dimension dim b − dim a.
 namespace espalier::far {
 
+/// The rules of refinement. The first two are Catmull-Clark's and differ only in the edge rule of
+/// volumes, and only for interior edges with a number of faces other than four. On grids, the third
+/// is equal to both.
+enum class Rules {
+    Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
+    Cse96,       ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
+    Mlca,        ///< split, then average: see stencils/mlca.h    Bajaj, Schaefer, Warren & Xu 2002
+    Rats         ///< for curves and meshes: see stencils/rats.h  Savva & Clapworthy, section 2.2
+};
+inline constexpr Word<Rules> kRulesWords[] = {{"siggraph96", Rules::Siggraph96},
+                                              {"cse96", Rules::Cse96},
+                                              {"mlca", Rules::Mlca},
+                                              {"rats", Rules::Rats}};
+
 /// The weight of a triangle in the point of a smooth edge of a surface.
 enum class TriangleSubdivision {
     Catmark,  ///< the same as for every face
@@ -35,6 +49,7 @@ inline constexpr Word<TriangleSubdivision> kTriangleSubdivisionWords[] = {
 
 /// How to refine a complex; chosen once, at level 0.
 struct RefinerOptions {
+    Rules rules = Rules::Siggraph96;
     Boundary boundary = Boundary::Sharp;
     SharpEdges sharpEdges = SharpEdges::SingleCell;
     Creasing creasing = Creasing::Uniform;
@@ -59,7 +74,10 @@ struct Level {
 /// Any number of threads may call const functions at once.
 class ESPALIER_API TopologyRefiner {
 public:
-    /// \throws TopologyError for marks that do not fit `base`
+    /// \throws TopologyError for marks that do not fit `base`; under Rules::Rats (BadMark) for an
+    ///         edge or a vertex that is semi-sharp
+    /// \throws Error under Rules::Mlca and Rules::Rats for TriangleSubdivision::Smooth; under
+    ///         Rules::Rats for a lattice and for Boundary::Open, as it reaches the border
     explicit TopologyRefiner(CellComplex base, const RefinerOptions& options = {});
 
     /// Continues the chain of another refiner: level 0 is `first`.
@@ -100,6 +118,7 @@ public:
     bool isUniform() const { return !chosen_; }
 
     int dimension() const { return level(0).complex.dimension(); }
+    Rules rules() const { return options_.rules; }
     Boundary boundary() const { return options_.boundary; }
     const RefinerOptions& options() const { return options_; }
 

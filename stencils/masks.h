@@ -3,25 +3,11 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
-#include <espalier/base/word.h>
+#include <espalier/far/topology_refiner.h>
 
 #include <array>
 
 namespace espalier::stencils {
-
-/// The rules of refinement. The first two are Catmull-Clark's and differ only in the edge rule of
-/// volumes, and only for interior edges with a number of faces other than four. On grids, the third
-/// is equal to both.
-enum class Rules {
-    Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
-    Cse96,       ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
-    Mlca,        ///< split, then average: see mlca.h       Bajaj, Schaefer, Warren & Xu 2002
-    Rats         ///< for curves and meshes: see rats.h     Savva & Clapworthy, section 2.2
-};
-inline constexpr Word<Rules> kRulesWords[] = {{"siggraph96", Rules::Siggraph96},
-                                              {"cse96", Rules::Cse96},
-                                              {"mlca", Rules::Mlca},
-                                              {"rats", Rules::Rats}};
 
 /// The new point of an entity as an affine combination of averages. Entry j is the weight of the
 /// average of the centroids of the incident entities of dimension j; if j is the entity's own
@@ -56,7 +42,7 @@ using Mask = std::array<double, kMaxDimension + 1>;
 ///        number of edges on the surface; at least 1; otherwise not used
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3; Joy, bicubic refinement, "face", "edge" and
 ///       "vertex" points (stratum 2); CSE-96-1, section 2 (stratum 1)
-ESPALIER_API Mask refinementMask(Rules rules, int dimension, int stratum, Index valence);
+ESPALIER_API Mask refinementMask(far::Rules rules, int dimension, int stratum, Index valence);
 
 /// Returns the rule of an edge on stratum 2 under TriangleSubdivision::Smooth: M (1 − 2w) + 2w Ā,
 /// where w is the mean, over the faces at the edge, of 0.47 for a triangle and 1/4 for any other

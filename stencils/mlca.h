@@ -53,9 +53,4 @@ namespace espalier::stencils {
 ESPALIER_API std::vector<Entity> mlcaSubCell(const far::CellComplex& complex, Entity whole,
                                              std::size_t corner);
 
-/// Checks that MLCA can refine the complex of a refiner.
-///
-/// \throws Error under TriangleSubdivision::Smooth, which changes a mask that MLCA does not have
-ESPALIER_API void checkMlca(const far::TopologyRefiner& refiner);
-
 }  // namespace espalier::stencils

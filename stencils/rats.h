@@ -54,11 +54,4 @@ ESPALIER_API RatsPoint ratsPoint(const far::Level& level, Entity entity);
 /// \cite Savva & Clapworthy, Eq 4 to 19; section 3 (F_γ and E_δ are means of new vertex points)
 ESPALIER_API std::vector<Entity> ratsSources(const far::Level& level, Entity entity);
 
-/// Checks that RATS can refine the complex of a refiner.
-///
-/// \throws Error for a lattice, under Boundary::Open (RATS reaches the border), and under
-///         TriangleSubdivision::Smooth; far::TopologyError (BadMark) if a vertex or edge is
-///         semi-sharp (names the first one)
-ESPALIER_API void checkRats(const far::TopologyRefiner& refiner);
-
 }  // namespace espalier::stencils

@@ -9,11 +9,11 @@
 
 namespace espalier::stencils {
 
-bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level, Rules rules) {
+bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level) {
     // On level 1, an entity contains no vertex but its own point. Rows are matched by their
     // position among the rows of an entity, so no row may be missing.
     return level >= 2 && refiner.isUniform() &&
-           Surroundings::decideRows(refiner.level(0), refiner.boundary(), rules);
+           Surroundings::decideRows(refiner.level(0), refiner.options());
 }
 
 RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,

@@ -141,7 +141,7 @@ TEST(BaseEntities, ContainTheVerticesInTheirInterior) {
         for (Index index = 0; index < box.complex.count(d); ++index)
             centres.push_back(centre(d, index));
     // By linear precision, the vertices of a level are at the points of a finer grid.
-    const auto positions = refinePositions(refiner, 3, Rules::Siggraph96, box.positions);
+    const auto positions = refinePositions(refiner, 3, box.positions);
     const auto origins = baseEntities(refiner, 3);
     ASSERT_EQ(origins.back().count(), Index(centres.size()));
     const auto ofVertices = origins.back().of(0);
