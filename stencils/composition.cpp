@@ -120,11 +120,11 @@ StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int leve
     const auto rowsOf = [&](int k, std::span<const Index> demanded) {
         return buildLevelTable(refiner, k, demanded);
     };
-    if (RepeatedRows::areIn(refiner, level)) {
+    if (RepeatedRows::isApplicable(refiner, level)) {
         const RepeatedRows rows(refiner, level, origins, vertices);
-        const bool isAll = rows.firsts().size() == vertices.size();
-        auto firstRows = compose(refiner, level, origins, rows.firsts(), rowsOf);
-        return isAll ? firstRows : rows.expand(firstRows);
+        const bool isAll = rows.representatives().size() == vertices.size();
+        auto distinctRows = compose(refiner, level, origins, rows.representatives(), rowsOf);
+        return isAll ? distinctRows : rows.expand(distinctRows);
     }
     return compose(refiner, level, origins, vertices, rowsOf);
 }

@@ -119,7 +119,7 @@ ESPALIER_API std::vector<double> refineValues(const far::TopologyRefiner& refine
 ESPALIER_API std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
                                                  std::span<const Point3> positions);
 
-/// All steps for positions.
+/// Carries positions of the base vertices to a level: refineValues() for positions.
 ESPALIER_API std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,
                                                  std::span<const Point3> positions);
 

@@ -18,8 +18,8 @@ namespace espalier::stencils {
 /// this takes 40 ns per row instead of 490.
 class RepeatedRows {
 public:
-    /// Whether shapes decide the rows of S_level.
-    static bool areIn(const far::TopologyRefiner& refiner, int level);
+    /// Returns true if the rows of S_level depend on shapes only.
+    static bool isApplicable(const far::TopologyRefiner& refiner, int level);
 
     /// \param origins of levels 0 to `level` − 1
     /// \param vertices of the level, whose rows are requested
@@ -27,16 +27,16 @@ public:
     RepeatedRows(const far::TopologyRefiner& refiner, int level,
                  std::span<const BaseEntities> origins, std::span<const Index> vertices);
 
-    /// One vertex of each set of rows, in the order in which they are met.
-    const std::vector<Index>& firsts() const { return firsts_; }
+    /// One vertex for each set of equal rows, in the order of first occurrence.
+    const std::vector<Index>& representatives() const { return representatives_; }
 
     /// Returns all rows.
-    /// \param firstRows the rows of S_level for firsts()
+    /// \param distinctRows the rows of S_level for representatives()
     /// \cost O(entries), in parallel
-    StencilTable<double> expand(const StencilTable<double>& firstRows) const;
+    StencilTable<double> expand(const StencilTable<double>& distinctRows) const;
 
 private:
-    /// A row: a copy of row `first` of firsts(), over the vertices around a base entity.
+    /// A row: a copy of row `first` of representatives(), over the vertices around a base entity.
     struct Copy {
         Index first;
         Index base;
@@ -49,10 +49,10 @@ private:
     const Index* verticesAround(Index base) const {
         return around_.data() + insides_[base]->vertices;
     }
-    Array<Index> placesOf(const StencilTable<double>& firstRows) const;
+    Array<Index> placesOf(const StencilTable<double>& distinctRows) const;
 
-    std::vector<Index> firsts_;
-    std::vector<Index> firstBases_;               ///< for each of firsts_, its base entity
+    std::vector<Index> representatives_;
+    std::vector<Index> baseEntities_;             ///< for each of representatives_, its base entity
     Array<Copy> copies_;                          ///< one per row
     std::vector<std::optional<Inside>> insides_;  ///< one per base entity
     std::vector<Index> around_;

@@ -24,7 +24,8 @@ Surroundings::Surroundings(const far::Level& level)
                               d >= 2 ? &complex.boundary(d) : nullptr});
 }
 
-bool Surroundings::decideRows(const far::Level& level, const far::RefinerOptions& options) {
+bool Surroundings::shapesDetermineRows(const far::Level& level,
+                                       const far::RefinerOptions& options) {
     const bool seesShapesOnly = options.rules == far::Rules::Mlca
                                     ? level.complex.dimension() < kMaxDimension
                                     : options.rules != far::Rules::Rats;
@@ -95,17 +96,18 @@ void Surroundings::describe(int dimension, Index index) {
 ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level,
                          std::span<const Index> vertices) {
     std::optional<Surroundings> surroundings;
-    if (vertices.size() > 1 && Surroundings::decideRows(level, refiner.options()))
+    if (vertices.size() > 1 && Surroundings::shapesDetermineRows(level, refiner.options()))
         surroundings.emplace(level);
     ShapeGroups groups;
     std::map<Index, std::size_t> groupOfShape;
     for (const Index vertex : vertices) {
-        const auto [place, isNew] = groups.groupOf.emplace(vertex, groups.firsts.size());
+        const auto [place, isNew] = groups.groupOf.emplace(vertex, groups.representatives.size());
         if (!isNew) continue;
         if (surroundings)
             place->second = groupOfShape.emplace(surroundings->shapeOf({0, vertex}), place->second)
                                 .first->second;
-        if (place->second == groups.firsts.size()) groups.firsts.push_back(vertex);
+        if (place->second == groups.representatives.size())
+            groups.representatives.push_back(vertex);
     }
     return groups;
 }

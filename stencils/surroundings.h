@@ -29,10 +29,10 @@ class Surroundings {
 public:
     explicit Surroundings(const far::Level& level);
 
-    /// Whether rows inside entities follow from shapes, under these rules. RATS looks one vertex
-    /// further, and MLCA at all parts of the cells around, of which a shape names those alone that
-    /// touch the entity.
-    static bool decideRows(const far::Level& level, const far::RefinerOptions& options);
+    /// Returns true if the shape around an entity determines the rows inside it. It does not under
+    /// RATS, which uses vertices one step farther away, nor under MLCA on lattices, which uses all
+    /// parts of the cells around, while a shape names only those that touch the entity.
+    static bool shapesDetermineRows(const far::Level& level, const far::RefinerOptions& options);
 
     /// Returns the number of the shape around an entity, counted from 0 in the order of first
     /// occurrence. After several thousand shapes, new ones are not stored, and get a different
@@ -71,11 +71,11 @@ private:
 /// Vertices grouped by the shape of their surroundings. Rows of vertices in the same group have the
 /// same weights, over the vertices around them in ascending order.
 struct ShapeGroups {
-    std::vector<Index> firsts;             ///< one vertex of each group
+    std::vector<Index> representatives;    ///< one vertex of each group
     std::map<Index, std::size_t> groupOf;  ///< for each vertex
 };
 
-/// Where shapes do not decide rows, each vertex is a group of its own.
+/// Groups vertices by shape. If shapes do not determine rows, each vertex is a separate group.
 /// \param vertices of `level`, a level of `refiner`; repeats are allowed
 ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level,
                          std::span<const Index> vertices);
