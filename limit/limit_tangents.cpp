@@ -130,14 +130,14 @@ stencils::StencilTable<double> buildTangentTable(const far::TopologyRefiner& ref
     const stencils::ShapeGroups groups = stencils::groupByShape(refiner, here, vertices);
 
     // For each distinct ring, the triples of edges that are needed there.
-    std::vector<std::map<EdgePlaces, MatrixXd>> directions(groups.firsts.size());
+    std::vector<std::map<EdgePlaces, MatrixXd>> directions(groups.representatives.size());
     const auto directionsAt = [&](const CellCorner& corner) -> MatrixXd& {
         return directions[groups.groupOf.at(corner.vertex)][edgesAt(here.complex, corner)];
     };
     for (const CellCorner& corner : corners) directionsAt(corner);
-    parallelFor(std::ssize(groups.firsts), 1, [&](Offset first, Offset last) {
+    parallelFor(std::ssize(groups.representatives), 1, [&](Offset first, Offset last) {
         for (auto group = static_cast<std::size_t>(first); std::cmp_less(group, last); ++group) {
-            const VertexRing ring = ringOf(here, refiner.options(), groups.firsts[group]);
+            const VertexRing ring = ringOf(here, refiner.options(), groups.representatives[group]);
             for (auto& [places, columns] : directions[group])
                 columns = ring.start.transpose() * directionsOf(ring, places);
         }
