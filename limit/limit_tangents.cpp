@@ -2,10 +2,11 @@
 #include "limit_tangents.h"
 
 #include <espalier/limit/vertex_ring.h>
+#include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/surroundings.h>
 #include <espalier/stencils/table_builder.h>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -34,12 +35,6 @@ EdgePlaces edgesAt(const far::CellComplex& complex, const CellCorner& corner) {
             places[count++] = static_cast<Index>(found - around.begin());
     }
     return places;
-}
-
-/// Returns an orthonormal basis; its first k vectors span the same space as the first k columns.
-MatrixXd orthonormal(const MatrixXd& columns) {
-    return Eigen::HouseholderQR<MatrixXd>(columns).householderQ() *
-           MatrixXd::Identity(columns.rows(), columns.cols());
 }
 
 /// Applies one level. Then corrects the sum of each column to 0, since the rounding of the sum
@@ -115,8 +110,9 @@ MatrixXd directionsOf(const VertexRing& ring, const EdgePlaces& places) {
     if (known.cols() == 3) return known;
     // A direction that rotates or converges slowly does so within the space of the three.
     constexpr int kSteps = 128;
-    MatrixXd basis = orthonormal(edges);
-    for (int step = 0; step < kSteps; ++step) basis = orthonormal(stepped(transposed, basis));
+    MatrixXd basis = stencils::orthonormalBasis(edges);
+    for (int step = 0; step < kSteps; ++step)
+        basis = stencils::orthonormalBasis(stepped(transposed, basis));
     return basis;
 }
 
