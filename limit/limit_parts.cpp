@@ -67,7 +67,7 @@ LimitParts::LimitParts(const far::TopologyRefiner& base, int level) {
         const far::Level& here = levels.finestLevel();
         std::vector<LimitPart> irregular;
         for (const LimitPart& part : left) {
-            if (!embed::isLasting(here, part.cell)) continue;
+            if (!embed::remainsInLimit(here, part.cell)) continue;
             if (embed::isRegularCell(here, part.cell)) {
                 refined->parts.push_back(part);
                 refined->patches.emplace_back(here, *embed::frameOf(here.complex, part.cell));

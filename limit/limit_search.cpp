@@ -154,7 +154,7 @@ FoundPoints LimitSearch::search(std::span<const Point3> points, embed::Sought so
         // No margin: bounding boxes are larger than their cells by a part of the cell, which
         // exceeds rounding until cells are as small as that.
         found.descent.margin = isNearest ? descent_.rounding() : 0;
-        descent_.refine(found.descent, points, sought, Extent::Ring, embed::Bounding::Likely);
+        descent_.refine(found.descent, points, sought, Extent::Ring, embed::Bounding::Estimate);
     }
 }
 
@@ -185,7 +185,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
                 auto inside = cells.blend().locateIn(point, {&cell, 1});
                 if (!inside) {
                     // The cell is so small that rounding may put a point on its faces outside.
-                    inside = cells.blend().locateBeside(point, CellId(cell), true);
+                    inside = cells.blend().locateOutsideCells(point, CellId(cell), true);
                     if (!(inside->distance <= descent_.rounding())) return false;
                 }
                 if (inside->place)
@@ -198,7 +198,7 @@ FoundPoints LimitSearch::findInside(std::span<const Point3> points,
         LocatedInLimit& located = result.points[p];
         if (located.place) continue;
         const auto beyond =
-            embed::CellSolver::beyondReach(Vector3d(points[p].data()), seekNearest_);
+            embed::CellSolver::resultIfUnreachable(Vector3d(points[p].data()), seekNearest_);
         if (beyond)
             located.status = beyond->status;
         else
@@ -265,7 +265,7 @@ FoundPoints LimitSearch::findNearest(std::span<const Point3> points) const {
                     distance = (patch->map().position(uvw) - point).norm();
                     place.where = FramePlace{cells.frame(i), embed::toArray(uvw), {}, false};
                 } else {
-                    const auto there = cells.blend().locateBeside(point, CellId(cell), true);
+                    const auto there = cells.blend().locateOutsideCells(point, CellId(cell), true);
                     if (!there.place) return false;
                     distance = there.distance;
                     place.where = *there.place;

@@ -148,7 +148,7 @@ stencils::StencilTable<double> rowsOf(const far::Level& level,
                                               stencils::compositionOf(walk.levels.tables()));
     if (!derivatives.empty())
         derivativeRows = stencils::composeDerivatives(
-            walk.levels.tables(), std::move(derivativeRows), stencils::RowMeaning::Themselves);
+            walk.levels.tables(), std::move(derivativeRows), stencils::RowMeaning::Vectors);
     // The table and row that hold a location and derivative.
     struct Source {
         const stencils::StencilTable<double>* table;

@@ -2,10 +2,11 @@
 #include "limit_tangents.h"
 
 #include <espalier/limit/vertex_ring.h>
+#include <espalier/stencils/level_rows.h>
 #include <espalier/stencils/surroundings.h>
 #include <espalier/stencils/table_builder.h>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -34,12 +35,6 @@ EdgePlaces edgesAt(const far::CellComplex& complex, const CellCorner& corner) {
             places[count++] = static_cast<Index>(found - around.begin());
     }
     return places;
-}
-
-/// Returns an orthonormal basis; its first k vectors span the same space as the first k columns.
-MatrixXd orthonormal(const MatrixXd& columns) {
-    return Eigen::HouseholderQR<MatrixXd>(columns).householderQ() *
-           MatrixXd::Identity(columns.rows(), columns.cols());
 }
 
 /// Applies one level. Then corrects the sum of each column to 0, since the rounding of the sum
@@ -115,8 +110,9 @@ MatrixXd directionsOf(const VertexRing& ring, const EdgePlaces& places) {
     if (known.cols() == 3) return known;
     // A direction that rotates or converges slowly does so within the space of the three.
     constexpr int kSteps = 128;
-    MatrixXd basis = orthonormal(edges);
-    for (int step = 0; step < kSteps; ++step) basis = orthonormal(stepped(transposed, basis));
+    MatrixXd basis = stencils::orthonormalBasis(edges);
+    for (int step = 0; step < kSteps; ++step)
+        basis = stencils::orthonormalBasis(stepped(transposed, basis));
     return basis;
 }
 
@@ -130,14 +126,14 @@ stencils::StencilTable<double> buildTangentTable(const far::TopologyRefiner& ref
     const stencils::ShapeGroups groups = stencils::groupByShape(refiner, here, vertices);
 
     // For each distinct ring, the triples of edges that are needed there.
-    std::vector<std::map<EdgePlaces, MatrixXd>> directions(groups.firsts.size());
+    std::vector<std::map<EdgePlaces, MatrixXd>> directions(groups.representatives.size());
     const auto directionsAt = [&](const CellCorner& corner) -> MatrixXd& {
         return directions[groups.groupOf.at(corner.vertex)][edgesAt(here.complex, corner)];
     };
     for (const CellCorner& corner : corners) directionsAt(corner);
-    parallelFor(std::ssize(groups.firsts), 1, [&](Offset first, Offset last) {
+    parallelFor(std::ssize(groups.representatives), 1, [&](Offset first, Offset last) {
         for (auto group = static_cast<std::size_t>(first); std::cmp_less(group, last); ++group) {
-            const VertexRing ring = ringOf(here, refiner.options(), groups.firsts[group]);
+            const VertexRing ring = ringOf(here, refiner.options(), groups.representatives[group]);
             for (auto& [places, columns] : directions[group])
                 columns = ring.start.transpose() * directionsOf(ring, places);
         }

@@ -52,11 +52,11 @@ public:
     IrregularLimits(const far::TopologyRefiner& refiner, const far::Level& level,
                     std::span<const Index> vertices)
         : groups_(stencils::groupByShape(refiner, level, vertices)) {
-        const std::vector<Index>& firsts = groups_.firsts;
-        masks_.resize(firsts.size());
-        parallelFor(std::ssize(firsts), 1, [&](Offset first, Offset last) {
+        const std::vector<Index>& representatives = groups_.representatives;
+        masks_.resize(representatives.size());
+        parallelFor(std::ssize(representatives), 1, [&](Offset first, Offset last) {
             for (Offset i = first; i < last; ++i) {
-                const VertexRing ring = ringOf(level, refiner.options(), firsts[i]);
+                const VertexRing ring = ringOf(level, refiner.options(), representatives[i]);
                 masks_[i] = ring.start.transpose() * limitMask(ring);
             }
         });

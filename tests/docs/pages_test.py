@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the pages of docs/: their code is part of files that are built and run, and their links
-exist."""
+"""Checks the pages of docs/ and of the top folder: their code is part of files that are built and
+run, and their links exist."""
 
 import pathlib
 import re
@@ -95,7 +95,7 @@ def errors_in(page):
 
 class Pages(unittest.TestCase):
     def test_code_and_links(self):
-        pages = sorted(DOCS.glob("*.md")) + [DOCS.parent / "README.md"]
+        pages = sorted(DOCS.glob("*.md")) + sorted(DOCS.parent.glob("*.md"))
         self.assertGreater(len(pages), 5)
         for page in pages:
             with self.subTest(page=page.name):

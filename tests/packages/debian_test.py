@@ -71,6 +71,7 @@ class DebianPackages(unittest.TestCase):
         self.in_root("espalier shape box --cells 2 2 2 -o rest.vtu")
         self.in_root("espalier deform rest.vtu --rest rest.vtu --to rest.vtu -n 2 -o moved.vtu")
         self.assertTrue((self.root / "root/moved.vtu").is_file())
+        self.assertTrue((self.root / "usr/share/man/man1/espalier.1").is_file())
 
     def test_2_somebody_elses_program(self):
         self.install(self.file_of("libespalier-dev"), "g++", "cmake", "ninja-build", "pkg-config")
@@ -94,7 +95,7 @@ class DebianPackages(unittest.TestCase):
     def test_5_nothing_is_left(self):
         names = " ".join(path.name.split("_")[0] for path in self.packages)
         self.in_root(f"apt-get remove -y -qq {names}")
-        for pattern in ("usr/bin/espalier", "usr/include/espalier*", "usr/lib/**/*espalier*"):
+        for pattern in ("usr/bin/espalier", "usr/share/man/man1/espalier*", "usr/include/espalier*", "usr/lib/**/*espalier*"):
             self.assertEqual(list(self.root.glob(pattern)), [])
 
 

@@ -51,6 +51,10 @@ class Packages(unittest.TestCase):
         out = self.run_program("by-package/consumer", env=self.environment())
         self.assertIn("none.ovm", out)
 
+    def test_the_program_has_its_manual_page(self):
+        self.assertEqual((self.prefix / "share/man/man1/espalier.1").is_file(),
+                         (self.prefix / "bin/espalier").is_file())
+
     def test_components_that_are_not_there_are_named(self):
         (self.folder / "asks").mkdir()
         (self.folder / "asks/CMakeLists.txt").write_text(
