@@ -75,9 +75,7 @@ StencilTable<double> orthonormal(const StencilTable<double>& rows) {
             for (Index r = first; r <= row; ++r)
                 for (std::size_t k = 0; k < rows.columns(r).size(); ++k)
                     vectors(placeIn(columns, rows.columns(r)[k]), r - first) = rows.weights(r)[k];
-            const Eigen::MatrixXd basis =
-                Eigen::HouseholderQR<Eigen::MatrixXd>(vectors).householderQ() *
-                Eigen::MatrixXd::Identity(vectors.rows(), vectors.cols());
+            const Eigen::MatrixXd basis = orthonormalBasis(vectors);
             for (std::size_t i = 0; i < columns.size(); ++i)
                 accumulator.add(columns[i], basis(static_cast<Eigen::Index>(i), row - first));
             accumulator.makeSumZero();
@@ -207,6 +205,11 @@ std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTabl
     result.pop_back();
     appendParts(last, std::span(counts).subspan(result.size()), result);
     return result;
+}
+
+Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& columns) {
+    return Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ() *
+           Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
 }
 
 }  // namespace espalier::stencils

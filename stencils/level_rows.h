@@ -4,6 +4,8 @@
 #include <espalier/far/cell_complex.h>
 #include <espalier/stencils/stencil_table.h>
 
+#include <Eigen/Core>
+
 #include <span>
 #include <vector>
 
@@ -49,5 +51,9 @@ enum class RowMeaning { Vectors, Spans };
 std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTable<double>> tables,
                                                      std::vector<StencilTable<double>> rows,
                                                      RowMeaning meaning);
+
+/// Returns an orthonormal basis of the space that the columns span: one vector for each column. For every k,
+/// the first k vectors span the same space as the first k columns.
+Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& columns);
 
 }  // namespace espalier::stencils
