@@ -46,8 +46,8 @@ Strata::Numbers classifyOpen(const CellComplex& complex, const SharpnessValues& 
         return (side == 1 ? sharpness.edges : sharpness.vertices)[index] == kInfinitelySharp;
     };
     for (Index index = 0; index < complex.count(side); ++index) {
-        const auto wholes = complex.relation(side, side + 1)[index].size();
-        const bool isBoundary = complex.dimension() == 2 ? wholes == 1 : wholes != 2;
+        const auto upperCount = complex.relation(side, side + 1)[index].size();
+        const bool isBoundary = complex.dimension() == 2 ? upperCount == 1 : upperCount != 2;
         if (isBoundary && !isSharp(index)) setClosure(complex, {side, index}, 1, isOpen);
     }
     // If all vertices of an entity are open, none of its children remains in the region: the

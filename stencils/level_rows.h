@@ -52,8 +52,8 @@ std::vector<StencilTable<double>> composeDerivatives(std::span<const StencilTabl
                                                      std::vector<StencilTable<double>> rows,
                                                      RowMeaning meaning);
 
-/// Returns an orthonormal basis of the space that the columns span: one vector for each column. For every k,
-/// the first k vectors span the same space as the first k columns.
+/// Returns an orthonormal basis of the space that the columns span: one vector for each column. For
+/// every k, the first k vectors span the same space as the first k columns.
 Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& columns);
 
 }  // namespace espalier::stencils

@@ -212,13 +212,13 @@ TEST(LocalBinding, ReportsProgressOfEachPointOnce) {
     const Lattice lattice = shapes::box({.cells = {2, 2, 2}});
     // 20,000 points are two groups.
     const std::vector<Point3> points(20'000, Point3{0.1, 0.2, 0.3});
-    std::atomic<Offset> most = 0;
+    std::atomic<Offset> largest = 0;
     bindPoints({TopologyRefiner(lattice.complex), lattice.positions}, points,
                {.level = 1, .progress = [&](Offset done) {
-                    for (Offset before = most; before < done;)
-                        if (most.compare_exchange_weak(before, done)) break;
+                    for (Offset before = largest; before < done;)
+                        if (largest.compare_exchange_weak(before, done)) break;
                 }});
-    EXPECT_EQ(most, std::ssize(points));
+    EXPECT_EQ(largest, std::ssize(points));
 }
 
 TEST(LocalBinding, DoesNotDependOnTheNumberOfThreads) {

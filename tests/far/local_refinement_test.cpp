@@ -67,34 +67,35 @@ void expectLikeWhole(const TopologyRefiner& part, const TopologyRefiner& whole,
                      const std::vector<Index>& cells) {
     const int k = part.maxLevel(), d = part.dimension();
     const Correspondence same(part, whole);
-    const Level &ours = part.level(k), &theirs = whole.level(k);
+    const Level &partLevel = part.level(k), &wholeLevel = whole.level(k);
     for (int dimension = 0; dimension <= d; ++dimension) {
         const auto& all = same.ofDimension(k, dimension);
         EXPECT_TRUE(std::is_sorted(all.begin(), all.end())) << "dimension " << dimension;
     }
     for (const Index child : childrenOf(part, cells))
-        for (const Index vertex : ours.complex.relation(d, 0)[child])
+        for (const Index vertex : partLevel.complex.relation(d, 0)[child])
             for (int dimension = 0; dimension <= d; ++dimension) {
                 // Everything around the vertex exists,
-                const auto around = ours.complex.relation(0, dimension)[vertex];
-                const Index itself = same.of(k, {0, vertex}).index;
+                const auto around = partLevel.complex.relation(0, dimension)[vertex];
+                const Index wholeVertex = same.of(k, {0, vertex}).index;
                 EXPECT_EQ(mapped(same, k, dimension, around),
-                          copyOf(theirs.complex.relation(0, dimension)[itself]));
+                          copyOf(wholeLevel.complex.relation(0, dimension)[wholeVertex]));
                 for (const Index index : around) {
                     // has the same boundary as in the whole level,
                     const Entity entity{dimension, index}, other = same.of(k, entity);
                     if (dimension > 0) {
-                        EXPECT_EQ(
-                            mapped(same, k, dimension - 1, ours.complex.boundary(dimension)[index]),
-                            copyOf(theirs.complex.boundary(dimension)[other.index]));
+                        EXPECT_EQ(mapped(same, k, dimension - 1,
+                                         partLevel.complex.boundary(dimension)[index]),
+                                  copyOf(wholeLevel.complex.boundary(dimension)[other.index]));
                     }
                     // and has the same stratum, openness and sharpness.
-                    EXPECT_EQ(ours.strata.of(entity), theirs.strata.of(other));
-                    EXPECT_EQ(ours.strata.smoothStratum(entity),
-                              theirs.strata.smoothStratum(other));
-                    EXPECT_EQ(ours.strata.isOpen(entity), theirs.strata.isOpen(other));
+                    EXPECT_EQ(partLevel.strata.of(entity), wholeLevel.strata.of(other));
+                    EXPECT_EQ(partLevel.strata.smoothStratum(entity),
+                              wholeLevel.strata.smoothStratum(other));
+                    EXPECT_EQ(partLevel.strata.isOpen(entity), wholeLevel.strata.isOpen(other));
                     if (dimension < 2) {
-                        EXPECT_EQ(ours.strata.sharpness(entity), theirs.strata.sharpness(other));
+                        EXPECT_EQ(partLevel.strata.sharpness(entity),
+                                  wholeLevel.strata.sharpness(other));
                     }
                 }
             }
