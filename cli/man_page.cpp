@@ -78,6 +78,11 @@ std::string escaped(std::string_view text) {
     return result;
 }
 
+/// Escapes a text of the help, and ends it with a full stop.
+std::string sentence(const std::string& text) {
+    return escaped(text) + (text.ends_with('.') ? "" : ".");
+}
+
 std::string bold(std::string_view text) {
     return "\\fB" + escaped(text) + "\\fR";
 }
@@ -126,8 +131,7 @@ std::string entryOf(const CLI::Option& option) {
         term = bold(namesOf(option));
         if (const auto value = valueOf(option); !value.empty()) term += " " + italic(value);
     }
-    std::string text = escaped(option.get_description());
-    if (!text.ends_with('.')) text += '.';
+    std::string text = sentence(option.get_description());
     if (option.get_option_text().empty() && option.get_type_size() != 0) {
         if (!option.get_default_str().empty())
             text += " Default: " + escaped(option.get_default_str()) + ".";
@@ -185,8 +189,8 @@ private:
         const std::string usage = usageOf(command, name);
         if (command.get_parent()->get_parent() == nullptr)
             synopsis_ += (synopsis_.empty() ? "" : ".br\n") + usage + "\n";
-        descriptions_ += fmt::format(".SS {}\n{}\n.PP\n{}.\n", escaped(name), usage,
-                                     escaped(command.get_description()));
+        descriptions_ += fmt::format(".SS {}\n{}\n.PP\n{}\n", escaped(name), usage,
+                                     sentence(command.get_description()));
         for (const std::string& group : command.get_groups()) {
             std::string entries;
             std::vector<std::string> others;
@@ -224,8 +228,8 @@ std::string manPage(const CLI::App& program, const std::string& version) {
         ".TH ESPALIER 1 \"\" \"espalier {}\" \"User Commands\"\n"
         ".nh\n.ad l\n"
         ".SH NAME\nespalier \\- deform models by lattices of any polyhedral topology\n"
-        ".SH SYNOPSIS\n{}.SH DESCRIPTION\n{}.\n.SH OPTIONS\n",
-        version, commands.synopsis(), escaped(program.get_description()));
+        ".SH SYNOPSIS\n{}.SH DESCRIPTION\n{}\n.SH OPTIONS\n",
+        version, commands.synopsis(), sentence(program.get_description()));
     for (const CLI::Option* option : program.get_options({})) page += entryOf(*option);
     page += ".PP\nEvery command has " + bold("--help") + " too.\n";
     page += ".SH COMMANDS\n" + commands.descriptions() + ".SH COMMON OPTIONS\n";

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the pages of docs/ and the top folder: their code is that of files which are built and run, and their links
-lead somewhere."""
+"""Checks the pages of docs/ and of the top folder: their code is that of files which are built and run,
+and their links lead somewhere."""
 
 import pathlib
 import re
@@ -121,6 +121,18 @@ class Pages(unittest.TestCase):
                 source = (DOCS.parent / path).read_text(encoding="utf-8")
                 # A definition: its head starts at the left margin, and a body follows.
                 self.assertRegex(source, rf"(?m)^\S[^;={{}}]*\b{name}\([^;{{}}]*\)[^;{{}}]*{{")
+
+
+    def test_the_page_of_the_library_names_what_exists(self):
+        text = (DOCS / "library.md").read_text(encoding="utf-8")
+        names = set(re.findall(r"`(\w+)::(\w+)`", text))
+        names -= {(first, name) for first, name in names if first == "espalier"}  # targets
+        self.assertGreater(len(names), 20)
+        for folder, name in sorted(names):
+            with self.subTest(name=f"{folder}::{name}"):
+                headers = (DOCS.parent / folder).rglob("*.h")
+                self.assertTrue(any(re.search(rf"\b{name}\b", header.read_text(encoding="utf-8"))
+                                    for header in headers))
 
 
 class Checker(unittest.TestCase):
