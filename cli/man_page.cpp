@@ -91,7 +91,7 @@ std::string italic(std::string_view text) {
     return "\\fI" + escaped(text) + "\\fR";
 }
 
-/// The words for the value of an option: "INT", "WORD|WORD", "" for flags.
+/// Returns the words for the value of an option: "INT", "WORD|WORD", "" for flags.
 std::string valueOf(const CLI::Option& option) {
     if (!option.get_option_text().empty()) return option.get_option_text();
     if (option.get_type_size() == 0) return {};
@@ -102,7 +102,7 @@ std::string valueOf(const CLI::Option& option) {
     return type;
 }
 
-/// "-n, --level".
+/// Returns "-n, --level".
 std::string namesOf(const CLI::Option& option) {
     std::string names;
     for (const std::string& name : option.get_snames())
@@ -112,7 +112,7 @@ std::string namesOf(const CLI::Option& option) {
     return names;
 }
 
-/// ` With A and B only.`, or nothing if there are no options.
+/// Returns " Only with A and B.", from the words before and after; nothing if there are no options.
 std::string withOthers(const std::set<CLI::Option*>& others, const char* before,
                        const char* after) {
     std::vector<std::string> names;
@@ -121,7 +121,7 @@ std::string withOthers(const std::set<CLI::Option*>& others, const char* before,
     return names.empty() ? "" : fmt::format(" {}{}{}.", before, fmt::join(names, " and "), after);
 }
 
-/// The paragraph on an option or an argument.
+/// Writes the paragraph on an option or an argument.
 std::string entryOf(const CLI::Option& option) {
     std::string term;
     if (option.get_positional()) {
@@ -142,7 +142,7 @@ std::string entryOf(const CLI::Option& option) {
     return fmt::format(".TP\n{}\n{}\n", term, text);
 }
 
-/// The options and arguments of a command without --help, which all have.
+/// Returns the options and arguments of a command, without --help, which every command has.
 std::vector<const CLI::Option*> optionsOf(const CLI::App& command) {
     return command.get_options(
         [&](const CLI::Option* option) { return option != command.get_help_ptr(); });
@@ -167,7 +167,7 @@ public:
     const std::vector<std::string>& sharedEntries() const { return shared_; }
 
 private:
-    /// "espalier bind MODEL --rest TEXT -o TEXT [OPTIONS]".
+    /// Returns "espalier bind MODEL --rest TEXT -o TEXT [OPTIONS]".
     static std::string usageOf(const CLI::App& command, const std::string& name) {
         std::string usage = bold(name);
         for (const CLI::Option* option : optionsOf(command))

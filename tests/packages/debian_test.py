@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the Debian packages of a build, and uses them in a root that has nothing else.
+"""Makes the Debian packages of a build, and uses them in an otherwise empty root.
 
-Takes root's rights, debootstrap and a mirror of Debian: without these it is skipped, and says so.
+Needs root's rights, debootstrap and a mirror of Debian; otherwise the test is skipped with a reason.
 """
 
 import os
@@ -63,7 +63,7 @@ class DebianPackages(unittest.TestCase):
         return [f"./{path.name}" for path in self.packages
                 if path.name.startswith("libespalier") and "-dev" not in path.name]
 
-    # In this order, each of them finds what those before it have installed.
+    # Tests run in this order: each finds what the ones before it have installed.
 
     def test_1_the_program_alone(self):
         self.install(self.file_of("espalier"), *self.own_libraries())
