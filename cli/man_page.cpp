@@ -78,6 +78,11 @@ std::string escaped(std::string_view text) {
     return result;
 }
 
+/// Escapes a text of the help, and ends it with a full stop.
+std::string sentence(const std::string& text) {
+    return escaped(text) + (text.ends_with('.') ? "" : ".");
+}
+
 std::string bold(std::string_view text) {
     return "\\fB" + escaped(text) + "\\fR";
 }
@@ -86,7 +91,7 @@ std::string italic(std::string_view text) {
     return "\\fI" + escaped(text) + "\\fR";
 }
 
-/// The words for the value of an option: "INT", "WORD|WORD", "" for flags.
+/// Returns the words for the value of an option: "INT", "WORD|WORD", "" for flags.
 std::string valueOf(const CLI::Option& option) {
     if (!option.get_option_text().empty()) return option.get_option_text();
     if (option.get_type_size() == 0) return {};
@@ -97,7 +102,7 @@ std::string valueOf(const CLI::Option& option) {
     return type;
 }
 
-/// "-n, --level".
+/// Returns "-n, --level".
 std::string namesOf(const CLI::Option& option) {
     std::string names;
     for (const std::string& name : option.get_snames())
@@ -107,7 +112,7 @@ std::string namesOf(const CLI::Option& option) {
     return names;
 }
 
-/// ` With A and B only.`, or nothing if there are no options.
+/// Returns " Only with A and B.", from the words before and after; nothing if there are no options.
 std::string withOthers(const std::set<CLI::Option*>& others, const char* before,
                        const char* after) {
     std::vector<std::string> names;
@@ -116,7 +121,7 @@ std::string withOthers(const std::set<CLI::Option*>& others, const char* before,
     return names.empty() ? "" : fmt::format(" {}{}{}.", before, fmt::join(names, " and "), after);
 }
 
-/// The paragraph on an option or an argument.
+/// Writes the paragraph on an option or an argument.
 std::string entryOf(const CLI::Option& option) {
     std::string term;
     if (option.get_positional()) {
@@ -126,8 +131,7 @@ std::string entryOf(const CLI::Option& option) {
         term = bold(namesOf(option));
         if (const auto value = valueOf(option); !value.empty()) term += " " + italic(value);
     }
-    std::string text = escaped(option.get_description());
-    if (!text.ends_with('.')) text += '.';
+    std::string text = sentence(option.get_description());
     if (option.get_option_text().empty() && option.get_type_size() != 0) {
         if (!option.get_default_str().empty())
             text += " Default: " + escaped(option.get_default_str()) + ".";
@@ -138,7 +142,7 @@ std::string entryOf(const CLI::Option& option) {
     return fmt::format(".TP\n{}\n{}\n", term, text);
 }
 
-/// The options and arguments of a command without --help, which all have.
+/// Returns the options and arguments of a command, without --help, which every command has.
 std::vector<const CLI::Option*> optionsOf(const CLI::App& command) {
     return command.get_options(
         [&](const CLI::Option* option) { return option != command.get_help_ptr(); });
@@ -163,7 +167,7 @@ public:
     const std::vector<std::string>& sharedEntries() const { return shared_; }
 
 private:
-    /// "espalier bind MODEL --rest TEXT -o TEXT [OPTIONS]".
+    /// Returns "espalier bind MODEL --rest TEXT -o TEXT [OPTIONS]".
     static std::string usageOf(const CLI::App& command, const std::string& name) {
         std::string usage = bold(name);
         for (const CLI::Option* option : optionsOf(command))
@@ -185,8 +189,8 @@ private:
         const std::string usage = usageOf(command, name);
         if (command.get_parent()->get_parent() == nullptr)
             synopsis_ += (synopsis_.empty() ? "" : ".br\n") + usage + "\n";
-        descriptions_ += fmt::format(".SS {}\n{}\n.PP\n{}.\n", escaped(name), usage,
-                                     escaped(command.get_description()));
+        descriptions_ += fmt::format(".SS {}\n{}\n.PP\n{}\n", escaped(name), usage,
+                                     sentence(command.get_description()));
         for (const std::string& group : command.get_groups()) {
             std::string entries;
             std::vector<std::string> others;
@@ -224,8 +228,8 @@ std::string manPage(const CLI::App& program, const std::string& version) {
         ".TH ESPALIER 1 \"\" \"espalier {}\" \"User Commands\"\n"
         ".nh\n.ad l\n"
         ".SH NAME\nespalier \\- deform models by lattices of any polyhedral topology\n"
-        ".SH SYNOPSIS\n{}.SH DESCRIPTION\n{}.\n.SH OPTIONS\n",
-        version, commands.synopsis(), escaped(program.get_description()));
+        ".SH SYNOPSIS\n{}.SH DESCRIPTION\n{}\n.SH OPTIONS\n",
+        version, commands.synopsis(), sentence(program.get_description()));
     for (const CLI::Option* option : program.get_options({})) page += entryOf(*option);
     page += ".PP\nEvery command has " + bold("--help") + " too.\n";
     page += ".SH COMMANDS\n" + commands.descriptions() + ".SH COMMON OPTIONS\n";

@@ -127,14 +127,17 @@ def without(option, arguments):
 
 
 def run_commands(block, folder):
-    """A block with the output of its commands, as this program prints it in a folder."""
-    lines = []
+    """A block with the output of its commands, as this program prints it in a folder: of each command
+    standard output, then standard error."""
+    lines, code = [], 0
     path = f"{os.path.dirname(program.ESPALIER)}:{os.environ['PATH']}"
     for command in re.findall(r"^\$ (.*)$", block, re.MULTILINE):
-        result = subprocess.run(["bash", "-c", command], cwd=folder, text=True, timeout=120, check=False,
-                                env={**os.environ, "PATH": path}, stdout=subprocess.PIPE,
-                                stderr=subprocess.STDOUT)
-        lines += [f"$ {command}", *(line.rstrip() for line in result.stdout.splitlines())]
+        result = subprocess.run(["bash", "-c", f"(exit {code}); {command}"], cwd=folder, text=True,
+                                timeout=120, check=False, env={**os.environ, "PATH": path},
+                                capture_output=True)
+        code = result.returncode
+        output = (result.stdout + result.stderr).splitlines()
+        lines += [f"$ {command}", *(line.rstrip() for line in output)]
     return "".join(line + "\n" for line in lines)
 
 
@@ -161,8 +164,8 @@ class Examples(CliTest):
         self.assertEqual(alike(shown), alike(shown.replace("1.5", "20.25").replace("1e-17", "2.5e-18")))
         self.assertNotEqual(alike(shown), alike(shown.replace("residual", "rest")))
         self.assertNotEqual(alike("1 of 2 files"), alike("2 of 2 files"))
-        self.assertEqual(run_commands("$ echo 1 2\nanother\n$ false; echo $?\n", self.path),
-                         "$ echo 1 2\n1 2\n$ false; echo $?\n1\n")
+        self.assertEqual(run_commands("$ echo 1 2\nanother\n$ (exit 3)\n$ echo $?\n", self.path),
+                         "$ echo 1 2\n1 2\n$ (exit 3)\n$ echo $?\n3\n")
 
 
 class Options(CliTest):

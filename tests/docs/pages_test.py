@@ -123,6 +123,18 @@ class Pages(unittest.TestCase):
                 self.assertRegex(source, rf"(?m)^\S[^;={{}}]*\b{name}\([^;{{}}]*\)[^;{{}}]*{{")
 
 
+    def test_the_page_of_the_library_names_what_exists(self):
+        text = (DOCS / "library.md").read_text(encoding="utf-8")
+        names = set(re.findall(r"`(\w+)::(\w+)`", text))
+        names -= {(first, name) for first, name in names if first == "espalier"}  # targets
+        self.assertGreater(len(names), 20)
+        for folder, name in sorted(names):
+            with self.subTest(name=f"{folder}::{name}"):
+                headers = (DOCS.parent / folder).rglob("*.h")
+                self.assertTrue(any(re.search(rf"\b{name}\b", header.read_text(encoding="utf-8"))
+                                    for header in headers))
+
+
 class Checker(unittest.TestCase):
     """Tests the check itself: it finds each kind of error in a page."""
 
