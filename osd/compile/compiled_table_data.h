@@ -15,7 +15,7 @@ struct CompiledTable<Real>::Data {
     Index rowCount, columnCount;
     kernels::Kernels<Real> kernels;
     Rows rows;
-    Index mostColumns;  ///< of a group
+    Index maxColumns;  ///< of a group
 
     std::span<const Index> columnsOf(const typename Rows::Group& group) const {
         return std::span(rows.groupColumns).subspan(group.firstColumn, group.columnCount);

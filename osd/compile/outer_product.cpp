@@ -16,7 +16,8 @@ constexpr std::size_t kSamples = 6;
 /// by which columns are sorted. No two are alike in it by chance, as they may be in one row.
 constexpr std::size_t kCoordinates = kSamples + 1;
 using Logarithms = std::array<double, kCoordinates>;
-constexpr std::array<double, kSamples> kMean = {0.2371, 0.1193, 0.1689, 0.0971, 0.2137, 0.1639};
+constexpr std::array<double, kSamples> kKeyWeights = {0.2371, 0.1193, 0.1689,
+                                                      0.0971, 0.2137, 0.1639};
 
 Logarithms operator+(const Logarithms& a, const Logarithms& b) {
     Logarithms sum;
@@ -63,7 +64,7 @@ public:
     }
 
     /// Whether two columns are the same in all rows, so that nothing tells which is where.
-    bool hasTwins() const {
+    bool hasDuplicates() const {
         return std::adjacent_find(order_.begin(), order_.end(), [&](Index a, Index b) {
                    return isNear(points_[a], points_[b]);
                }) != order_.end();
@@ -133,7 +134,7 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
         for (std::size_t column = 0; column < weights.size(); ++column) {
             const double logarithm = std::log(std::abs(static_cast<double>(weights[column])));
             points[column][1 + s] = logarithm;
-            points[column][0] += kMean[s] * logarithm;
+            points[column][0] += kKeyWeights[s] * logarithm;
         }
     }
     // Sums and differences of four logarithms, each off by the rounding of its weight and its own.
@@ -143,7 +144,7 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
     const double tolerance = 4.0 * std::numeric_limits<Real>::epsilon() +
                              4 * largest * std::numeric_limits<double>::epsilon();
     const SumSet set(std::move(points), tolerance);
-    if (set.hasTwins()) return std::nullopt;
+    if (set.hasDuplicates()) return std::nullopt;
     auto axes = findAxes(set);
     if (!axes || axes->size() < 2) return std::nullopt;
     axes->resize(3);
@@ -170,8 +171,8 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
 }
 
 template <class Real>
-bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
-               std::span<Real> factors) {
+bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
+                  std::span<Real> factors) {
     const Index n = product.size[0], m = product.size[1], l = product.size[2];
     // Sums of sizes over the other axes. Each weight is rounded; of their sum, the sum of these
     // errors is a smaller part, if it is not rounded on the way.
@@ -227,7 +228,7 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
 
 template std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const float>>);
 template std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const double>>);
-template bool factorsOf(const OuterProduct&, std::span<const float>, std::span<float>);
-template bool factorsOf(const OuterProduct&, std::span<const double>, std::span<double>);
+template bool factorizeRow(const OuterProduct&, std::span<const float>, std::span<float>);
+template bool factorizeRow(const OuterProduct&, std::span<const double>, std::span<double>);
 
 }  // namespace espalier::osd

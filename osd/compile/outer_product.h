@@ -38,6 +38,7 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
 /// \return false if a weight is off its product by more than three times the precision of Real, and
 ///         by more than the least normal number; or if that is not far below the largest weight
 template <class Real>
-bool factorsOf(const OuterProduct& product, std::span<const Real> weights, std::span<Real> factors);
+bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
+                  std::span<Real> factors);
 
 }  // namespace espalier::osd

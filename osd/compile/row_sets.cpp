@@ -50,7 +50,7 @@ std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
     }
     std::sort(sets.begin(), sets.end(),
               [](const RowSet& a, const RowSet& b) { return a.rows.front() < b.rows.front(); });
-    for (std::size_t set = 0; set < sets.size(); ++set) sets[set].host = set;
+    for (std::size_t set = 0; set < sets.size(); ++set) sets[set].superset = set;
     return sets;
 }
 
@@ -68,29 +68,29 @@ std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
     });
     std::vector<std::uint64_t> masks;
     for (std::size_t set = 0; set < sets.size(); ++set) masks.push_back(maskOf(columnsOf(set)));
-    std::vector<std::vector<std::size_t>> hostsWith(table.columnCount());
+    std::vector<std::vector<std::size_t>> supersetsWith(table.columnCount());
     for (const std::size_t set : order) {
         const auto columns = columnsOf(set);
         if (columns.empty()) continue;
         // Of the hosts with the column that is in fewest. In a pole of many edges these are many
         // too, and a guest more or less is not worth the search.
-        constexpr std::size_t kMaxTried = 256, kMaxTimes = 3;
-        const auto& hosts =
-            hostsWith[*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {
-                return hostsWith[a].size() < hostsWith[b].size();
+        constexpr std::size_t kMaxTried = 256, kMaxSizeRatio = 3;
+        const auto& supersets =
+            supersetsWith[*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {
+                return supersetsWith[a].size() < supersetsWith[b].size();
             })];
         const auto last =
-            hosts.begin() + static_cast<std::ptrdiff_t>(std::min(hosts.size(), kMaxTried));
-        const auto host = std::find_if(hosts.begin(), last, [&](std::size_t candidate) {
+            supersets.begin() + static_cast<std::ptrdiff_t>(std::min(supersets.size(), kMaxTried));
+        const auto superset = std::find_if(supersets.begin(), last, [&](std::size_t candidate) {
             return (masks[set] & ~masks[candidate]) == 0 &&
-                   columnsOf(candidate).size() <= kMaxTimes * columns.size() &&
+                   columnsOf(candidate).size() <= kMaxSizeRatio * columns.size() &&
                    std::ranges::includes(columnsOf(candidate), columns);
         });
-        if (host != last) {
-            sets[set].host = *host;
+        if (superset != last) {
+            sets[set].superset = *superset;
             continue;
         }
-        for (const Index column : columns) hostsWith[column].push_back(set);
+        for (const Index column : columns) supersetsWith[column].push_back(set);
     }
     return sets;
 }

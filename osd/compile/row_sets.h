@@ -26,7 +26,7 @@ std::uint64_t hashOf(std::span<const Number> numbers) {
 /// Rows of a table with the same columns.
 struct RowSet {
     std::vector<Index> rows = {};  ///< ascending
-    std::size_t host = 0;  ///< a set whose columns hold all of these; itself if there is none
+    std::size_t superset = 0;  ///< a set whose columns hold all of these; itself if there is none
 };
 
 /// The rows of a table by their columns. Sets come in the order of their first rows. No host has

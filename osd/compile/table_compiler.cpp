@@ -141,10 +141,10 @@ private:
 };
 
 /// Rows of a run, which one thread evaluates.
-constexpr std::ptrdiff_t kMaxRowsOfRun = 4096;
+constexpr std::ptrdiff_t kMaxRowsPerRun = 4096;
 
 /// Rows of the same weights that are worth a run.
-constexpr std::ptrdiff_t kFewestShared = 16;
+constexpr std::ptrdiff_t kMinSharedRows = 16;
 
 template <class Real>
 class RunList {
@@ -159,7 +159,7 @@ public:
         const auto firstWeight = static_cast<Offset>(compiled_.weights.size());
         if (isShared) appendWeights(rows.front());
         while (!rows.empty()) {
-            const auto part = rows.first(std::min(std::ssize(rows), kMaxRowsOfRun));
+            const auto part = rows.first(std::min(std::ssize(rows), kMaxRowsPerRun));
             compiled_.runs.push_back(
                 {length, static_cast<Offset>(compiled_.columns.size()),
                  isShared ? firstWeight : static_cast<Offset>(compiled_.weights.size()), isShared,
@@ -218,7 +218,7 @@ void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
             (std::ranges::equal(table.weights(each->row), table.weights(first->row)) ? same
                                                                                      : others)
                 .push_back(each->row);
-        if (std::ssize(same) >= kFewestShared)
+        if (std::ssize(same) >= kMinSharedRows)
             runs.add(same, true);
         else
             others.insert(others.end(), same.begin(), same.end());
@@ -232,7 +232,7 @@ void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
 }
 
 /// About so many rows are a task, which one thread evaluates.
-constexpr Index kRowsOfTask = 4096;
+constexpr Index kRowsPerTask = 4096;
 
 template <class Real>
 class TableCompiler {
@@ -241,12 +241,13 @@ public:
 
     CompiledRows<Real> compile() {
         const std::vector<RowSet> sets = findRowSets(table_);
-        std::vector<std::vector<std::size_t>> guests(sets.size());
-        for (std::size_t set = 0; set < sets.size(); ++set) guests[sets[set].host].push_back(set);
-        for (std::size_t host = 0; host < sets.size(); ++host)
-            if (!guests[host].empty()) addHost(sets, host, guests[host]);
+        std::vector<std::vector<std::size_t>> subsets(sets.size());
+        for (std::size_t set = 0; set < sets.size(); ++set)
+            subsets[sets[set].superset].push_back(set);
+        for (std::size_t superset = 0; superset < sets.size(); ++superset)
+            if (!subsets[superset].empty()) addSuperset(sets, superset, subsets[superset]);
         groups_.moveTo(result_);
-        addRuns(table_, std::move(alone_), result_);
+        addRuns(table_, std::move(ungrouped_), result_);
         addTasks();
         result_.groups.shrink_to_fit();
         result_.groupColumns.shrink_to_fit();
@@ -261,14 +262,14 @@ public:
 
 private:
     /// Adds the rows of a host and its guests, as far as they fill panels.
-    void addHost(const std::vector<RowSet>& sets, std::size_t host,
-                 const std::vector<std::size_t>& guests) {
-        const std::vector<Index>& own = sets[host].rows;
+    void addSuperset(const std::vector<RowSet>& sets, std::size_t superset,
+                     const std::vector<std::size_t>& subsets) {
+        const std::vector<Index>& own = sets[superset].rows;
         shared_ = table_.columns(own.front());
         std::size_t rowCount = 0;
-        for (const std::size_t set : guests) rowCount += sets[set].rows.size();
+        for (const std::size_t set : subsets) rowCount += sets[set].rows.size();
         if (2 * rowCount < kLanes<Real>) {
-            for (const std::size_t set : guests) append(alone_, sets[set].rows);
+            for (const std::size_t set : subsets) append(ungrouped_, sets[set].rows);
             return;
         }
         std::vector<std::span<const Real>> weights;
@@ -276,7 +277,7 @@ private:
         const auto product = findOuterProduct<Real>(weights);
         std::vector<Index> products, left;
         std::vector<Real> factors;
-        for (const std::size_t set : guests) {
+        for (const std::size_t set : subsets) {
             std::vector<Index> others;
             for (const Index row : sets[set].rows)
                 (product && addFactors(*product, row, factors) ? products : others).push_back(row);
@@ -287,7 +288,7 @@ private:
             const std::size_t ownCount = table_.columns(sets[set].rows.front()).size();
             const bool fits =
                 shared_.size() * sizeof(Real) <= ownCount * (sizeof(Real) + sizeof(Index));
-            append(fits ? left : alone_, std::span(others).subspan(full));
+            append(fits ? left : ungrouped_, std::span(others).subspan(full));
         }
         if (product) addProducts(*product, products, factors);
         // What is left together, with the host's columns: all of it, or full panels, or none.
@@ -296,7 +297,7 @@ private:
                                     : isSmaller(std::span(left).first(full)) ? full
                                                                              : 0;
         addPanels(std::span(left).first(paneled), shared_);
-        append(alone_, std::span(left).subspan(paneled));
+        append(ungrouped_, std::span(left).subspan(paneled));
     }
 
     /// Whether rows take no more room in panels of the host's columns than alone.
@@ -331,14 +332,14 @@ private:
         const std::size_t length = product.size[0] + product.size[1] + product.size[2];
         if (length > found.size()) return false;
         const auto own = std::span(found).first(length);
-        if (!factorsOf<Real>(product, spread(row, shared_), own)) return false;
+        if (!factorizeRow<Real>(product, spread(row, shared_), own)) return false;
         factors.insert(factors.end(), own.begin(), own.end());
         return true;
     }
 
     void addPanels(std::span<const Index> rows, std::span<const Index> columns) {
-        for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMaxRowsOfGroup))) {
-            const auto part = rows.first(std::min(rows.size(), kMaxRowsOfGroup));
+        for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMaxRowsPerGroup))) {
+            const auto part = rows.first(std::min(rows.size(), kMaxRowsPerGroup));
             std::vector<Real> numbers;
             numbers.reserve(part.size() * columns.size());
             for (const Index row : part) {
@@ -354,8 +355,8 @@ private:
         const std::size_t length = product.size[0] + product.size[1] + product.size[2];
         std::vector<Index> columns;
         for (const Index position : product.order) columns.push_back(shared_[position]);
-        for (std::size_t first = 0; first < rows.size(); first += kMaxRowsOfGroup) {
-            const auto part = rows.subspan(first, std::min(rows.size() - first, kMaxRowsOfGroup));
+        for (std::size_t first = 0; first < rows.size(); first += kMaxRowsPerGroup) {
+            const auto part = rows.subspan(first, std::min(rows.size() - first, kMaxRowsPerGroup));
             const auto numbers = factors.subspan(first * length, part.size() * length);
             groups_.add(part, columns, product.size, {numbers.begin(), numbers.end()});
         }
@@ -366,7 +367,7 @@ private:
         Index rowCount = 0;
         for (std::size_t group = 0; group < result_.groups.size(); ++group) {
             rowCount += result_.groups[group].rowCount;
-            if (rowCount < kRowsOfTask && group + 1 < result_.groups.size()) continue;
+            if (rowCount < kRowsPerTask && group + 1 < result_.groups.size()) continue;
             result_.taskStarts.push_back(static_cast<Offset>(group) + 1);
             rowCount = 0;
         }
@@ -376,7 +377,7 @@ private:
     CompiledRows<Real> result_;
     GroupList<Real> groups_;
     std::span<const Index> shared_;  ///< columns of the host at hand
-    std::vector<Index> alone_;       ///< rows that are in no group
+    std::vector<Index> ungrouped_;   ///< rows that are in no group
 };
 
 }  // namespace
@@ -388,13 +389,13 @@ CompiledRows<Real> compileRows(const StencilTable<Real>& table) {
 
 template <class Real>
 StencilTable<Real> rowsOnly(const StencilTable<Real>& table, std::span<const Index> rows) {
-    std::vector<char> isThere(table.rowCount(), 0);
-    for (const Index row : rows) isThere[row] = 1;
+    std::vector<char> isSelected(table.rowCount(), 0);
+    for (const Index row : rows) isSelected[row] = 1;
     Array<Offset> offsets = {0};
     Array<Index> columns;
     Array<Real> weights;
     for (Index row = 0; row < table.rowCount(); ++row) {
-        if (isThere[row]) {
+        if (isSelected[row]) {
             columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
             weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
         }

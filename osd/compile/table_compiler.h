@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "../kernels/room.h"
+#include "../kernels/scratch.h"
 
 // What is inside a compiled table.
 
@@ -18,7 +18,7 @@ namespace espalier::osd {
 
 /// Rows of a group, at most, since a lattice of few cells has few sets of columns, of very many
 /// rows.
-inline constexpr std::size_t kMaxRowsOfGroup = 1024;
+inline constexpr std::size_t kMaxRowsPerGroup = 1024;
 
 /// A table in three forms, each row in one of them.
 template <class Real>
@@ -76,12 +76,12 @@ stencils::StencilTable<Real> rowsOnly(const stencils::StencilTable<Real>& table,
 /// Of each column of a table the places, ascending, in which it was found: in whatever a caller
 /// counts by Place.
 template <class Place>
-class PlacesOfColumns {
+class InverseIndex {
 public:
     /// \param forEach calls what it is given with each column and place, places ascending; twice
     ///        the same
     template <class ForEach>
-    PlacesOfColumns(Index columnCount, ForEach forEach) : offsets_(columnCount + 1, 0) {
+    InverseIndex(Index columnCount, ForEach forEach) : offsets_(columnCount + 1, 0) {
         forEach([&](Index column, Place) { ++offsets_[column + 1]; });
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
         places_.resize(offsets_.back());

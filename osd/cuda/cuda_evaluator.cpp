@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "../kernels/room.h"
+#include "../kernels/scratch.h"
 #include "cuda_launch.h"
 #include "device_table.h"
 
@@ -98,8 +98,8 @@ private:
 
 /// Bytes of a part of a workspace. Parts start at multiples of 256, as what CUDA allocates does.
 template <class Real>
-std::size_t deviceRoomOf(Offset count) {
-    return osd::roomOf<Real, 256>(count);
+std::size_t deviceScratchBytes(Offset count) {
+    return osd::scratchBytes<Real, 256>(count);
 }
 
 template <class Real>
@@ -135,13 +135,13 @@ void runOnDevice(Index sourceCount, CudaSource<Real> source, const BufferDescrip
     const Offset sourceNumbers =
         source.isOnHost && sourceCount > 0 ? (sourceCount - 1) * sourceLayout.stride + length : 0;
     const Offset destinationNumbers = destination.isOnHost ? rowCount * length : 0;
-    std::byte* const memory =
-        workspace.reserve(deviceRoomOf<Real>(placeCount) + deviceRoomOf<Real>(sourceNumbers) +
-                          deviceRoomOf<Real>(destinationNumbers));
+    std::byte* const memory = workspace.reserve(deviceScratchBytes<Real>(placeCount) +
+                                                deviceScratchBytes<Real>(sourceNumbers) +
+                                                deviceScratchBytes<Real>(destinationNumbers));
     Real* const places = reinterpret_cast<Real*>(memory);
-    Real* const sourceCopy = reinterpret_cast<Real*>(memory + deviceRoomOf<Real>(placeCount));
-    Real* const results = reinterpret_cast<Real*>(memory + deviceRoomOf<Real>(placeCount) +
-                                                  deviceRoomOf<Real>(sourceNumbers));
+    Real* const sourceCopy = reinterpret_cast<Real*>(memory + deviceScratchBytes<Real>(placeCount));
+    Real* const results = reinterpret_cast<Real*>(memory + deviceScratchBytes<Real>(placeCount) +
+                                                  deviceScratchBytes<Real>(sourceNumbers));
     if (sourceNumbers > 0)
         check(cudaMemcpyAsync(sourceCopy, source.data + sourceLayout.offset,
                               bytesOf<Real>(sourceNumbers), cudaMemcpyHostToDevice, stream),
@@ -185,7 +185,7 @@ int cudaDeviceCount() {
 template <class Real>
 CudaBuffer<Real>::CudaBuffer(std::size_t size)
     : device_(currentDevice()),
-      data_(static_cast<Real*>(allocateOnDevice(roomOf<Real>(static_cast<Offset>(size))))),
+      data_(static_cast<Real*>(allocateOnDevice(scratchBytes<Real>(static_cast<Offset>(size))))),
       size_(size) {}
 
 template <class Real>
@@ -363,7 +363,8 @@ CudaWorkspace CudaEvaluator<Real>::workspace(Offset length, CudaStream stream) c
     checkLength(length);
     const DeviceScope scope(data_->device);
     CudaWorkspace workspace(stream);
-    if (data_->adjoint) workspace.reserve(deviceRoomOf<Real>(data_->adjoint->placeCount * length));
+    if (data_->adjoint)
+        workspace.reserve(deviceScratchBytes<Real>(data_->adjoint->placeCount * length));
     return workspace;
 }
 

@@ -86,14 +86,14 @@ private:
 };
 
 template <class Kernel>
-__global__ void __launch_bounds__(kWarpsOfBlock* kWarp)
-    run(const __grid_constant__ Kernel kernel, unsigned sharedOfWarp) {
+__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
+    run(const __grid_constant__ Kernel kernel, unsigned sharedPerWarp) {
     extern __shared__ __align__(16) unsigned char shared[];
-    const unsigned warpOfBlock = threadIdx.x / kWarp;
-    const long long index = static_cast<long long>(blockIdx.x) * (blockDim.x / kWarp) + warpOfBlock;
+    const unsigned warpInBlock = threadIdx.x / kWarp;
+    const long long index = static_cast<long long>(blockIdx.x) * (blockDim.x / kWarp) + warpInBlock;
     if (index >= kernel.warps) return;
     CudaWarp warp;
-    kernel.kernel(warp, static_cast<Index>(index), shared + warpOfBlock * sharedOfWarp);
+    kernel.kernel(warp, static_cast<Index>(index), shared + warpInBlock * sharedPerWarp);
 }
 
 /// A kernel, and how many warps it takes: counted once, on the host.

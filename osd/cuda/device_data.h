@@ -13,7 +13,7 @@ inline constexpr int kWarp = 32;
 /// Rows of a group that a lane evaluates at a time: as many as 16 bytes hold weights, which is the
 /// most that it can load at once.
 template <class Real>
-inline constexpr int kRowsOfLane = static_cast<int>(16 / sizeof(Real));
+inline constexpr int kRowsPerLane = static_cast<int>(16 / sizeof(Real));
 
 /// Rows that share their columns, as in CompiledRows: panels of kernels::kLanes rows.
 struct Group {
@@ -68,8 +68,8 @@ struct TableView {
     Groups<Real> groups;
     TaskList panels;
     TaskList products[kSizeCount];  ///< in the order of kSizes
-    Index mostProductColumns;       ///< of a product of other sizes
-    SparseRows<Real> alone;         ///< the rows that are in no group
+    Index maxProductColumns;        ///< of a product of other sizes
+    SparseRows<Real> ungrouped;     ///< the rows that are in no group
 };
 
 /// Sums of results for each of some places, or of the columns of the table.

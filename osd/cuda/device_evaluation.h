@@ -9,7 +9,7 @@
 namespace espalier::osd::device {
 
 /// Warps of a block, at most: they share nothing but its memory.
-inline constexpr unsigned kWarpsOfBlock = 4;
+inline constexpr unsigned kWarpsPerBlock = 4;
 
 /// Shared memory that any block may have on any device.
 inline constexpr unsigned kMaxShared = 48 * 1024;
@@ -22,8 +22,8 @@ struct Blocks {
 /// How warps go into blocks; each warp has so many bytes of shared memory, no more than
 /// kMaxShared.
 constexpr Blocks blocksOf(Index warpCount, unsigned sharedBytes) {
-    const unsigned fit = sharedBytes == 0 ? kWarpsOfBlock : kMaxShared / sharedBytes;
-    const unsigned warps = fit < kWarpsOfBlock ? fit : kWarpsOfBlock;
+    const unsigned fit = sharedBytes == 0 ? kWarpsPerBlock : kMaxShared / sharedBytes;
+    const unsigned warps = fit < kWarpsPerBlock ? fit : kWarpsPerBlock;
     return {(static_cast<unsigned>(warpCount) + warps - 1) / warps, warps};
 }
 
@@ -64,7 +64,7 @@ template <int n, class Real, class Launch>
 void launchProducts(const TableView<Real>& table, const TaskList& tasks,
                     const Evaluation<Real>& evaluation, Launch& launch) {
     forComponents<4>(evaluation.length, [&]<int width>(const Components& components) {
-        launch(ProductKernel<n, width, Real>{table.groups, tasks, table.mostProductColumns,
+        launch(ProductKernel<n, width, Real>{table.groups, tasks, table.maxProductColumns,
                                              evaluation, components});
     });
 }
@@ -80,13 +80,13 @@ void launchTable(const TableView<Real>& table, const Evaluation<Real>& evaluatio
     forComponents<kMaxComponents>(evaluation.length, [&]<int width>(const Components& components) {
         launch(PanelKernel<width, Real>{table.groups, table.panels, evaluation, components});
     });
-    const SparseRows<Real>& alone = table.alone;
-    if (alone.rows == nullptr)
-        launchSparse(alone, evaluation.first,
-                     evaluation.last < alone.count ? evaluation.last : alone.count, evaluation,
-                     launch);
+    const SparseRows<Real>& ungrouped = table.ungrouped;
+    if (ungrouped.rows == nullptr)
+        launchSparse(ungrouped, evaluation.first,
+                     evaluation.last < ungrouped.count ? evaluation.last : ungrouped.count,
+                     evaluation, launch);
     else
-        launchSparse(alone, 0, alone.count, evaluation, launch);
+        launchSparse(ungrouped, 0, ungrouped.count, evaluation, launch);
 }
 
 /// destination = tableᵀ · source, for the columns of the table that are rows of the evaluation.

@@ -49,7 +49,7 @@ struct Values {
 /// A number of each of the rows of a lane.
 template <class Real>
 struct alignas(16) RowNumbers {
-    Real of[kRowsOfLane<Real>];
+    Real of[kRowsPerLane<Real>];
 };
 
 /// Four components, which are loaded at once.
@@ -103,7 +103,7 @@ private:
 template <int width, class Real>
 class Results {
 public:
-    static constexpr int kRows = kWarp * kRowsOfLane<Real>;
+    static constexpr int kRows = kWarp * kRowsPerLane<Real>;
     static constexpr unsigned kBytes = kRows * (width | 1) * sizeof(Real);
 
     ESPALIER_DEVICE explicit Results(unsigned char* shared)
@@ -111,10 +111,10 @@ public:
 
     ESPALIER_DEVICE void set(int lane, const Values<RowNumbers<Real>, width>& sums) const {
         ESPALIER_UNROLL
-        for (int q = 0; q < kRowsOfLane<Real>; ++q) {
+        for (int q = 0; q < kRowsPerLane<Real>; ++q) {
             ESPALIER_UNROLL
             for (int c = 0; c < width; ++c)
-                numbers_[(lane * kRowsOfLane<Real> + q) * kPitch + c] = sums.of[c].of[q];
+                numbers_[(lane * kRowsPerLane<Real> + q) * kPitch + c] = sums.of[c].of[q];
         }
     }
 
@@ -139,7 +139,7 @@ private:
 };
 
 template <class Real>
-ESPALIER_DEVICE bool isAnyWanted(const Group& group, const Evaluation<Real>& e) {
+ESPALIER_DEVICE bool isAnyInRange(const Group& group, const Evaluation<Real>& e) {
     return group.highest >= e.first && group.lowest < e.last;
 }
 
@@ -160,7 +160,7 @@ ESPALIER_DEVICE void addEntry(Values<RowNumbers<Real>, width>& sums, const RowNu
     ESPALIER_UNROLL
     for (int c = 0; c < width; ++c) {
         ESPALIER_UNROLL
-        for (int q = 0; q < kRowsOfLane<Real>; ++q)
+        for (int q = 0; q < kRowsPerLane<Real>; ++q)
             sums.of[c].of[q] = addProduct(sums.of[c].of[q], number.of[q], entry.of[c]);
     }
 }
@@ -172,7 +172,7 @@ ESPALIER_DEVICE void addSums(Values<RowNumbers<Real>, width>& sums, const RowNum
     ESPALIER_UNROLL
     for (int c = 0; c < width; ++c) {
         ESPALIER_UNROLL
-        for (int q = 0; q < kRowsOfLane<Real>; ++q)
+        for (int q = 0; q < kRowsPerLane<Real>; ++q)
             sums.of[c].of[q] = addProduct(sums.of[c].of[q], number.of[q], others.of[c].of[q]);
     }
 }
@@ -196,7 +196,7 @@ struct PanelKernel {
     ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char* shared) const {
         const Task task = tasks.tasks[index];
         const Group group = table.groups[task.group];
-        if (!isAnyWanted(group, evaluation)) return;
+        if (!isAnyInRange(group, evaluation)) return;
         for (Offset i = 0; i < components.count; ++i)
             evaluate(warp, group, task.part, components.from + i * width, shared);
     }
@@ -216,7 +216,7 @@ private:
             entries.gather(warp, table.columns + group.firstColumn + first, count, evaluation,
                            from);
             warp.each([&](int lane) {
-                const Index row = firstRow + lane * kRowsOfLane<Real>;
+                const Index row = firstRow + lane * kRowsPerLane<Real>;
                 if (row >= group.rowCount) return;
                 const Real* number = numberOf(table, group, row, group.columnCount, first);
                 Sums own = sums[lane];
@@ -254,14 +254,14 @@ template <int n, int width, class Real>
 struct ProductKernel {
     Groups<Real> table;
     TaskList tasks;
-    Index mostColumns;  ///< of a product, if n is 0
+    Index maxColumns;  ///< of a product, if n is 0
     Evaluation<Real> evaluation;
     Components components;
 
     Index warpCount() const { return tasks.count; }
     unsigned sharedBytes() const {
         // Sizes descend.
-        return Entries<width, Real>::bytes(n > 0 ? n * n * n : mostColumns) +
+        return Entries<width, Real>::bytes(n > 0 ? n * n * n : maxColumns) +
                Results<width, Real>::kBytes;
     }
 
@@ -269,7 +269,7 @@ struct ProductKernel {
     ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char* shared) const {
         const Task task = tasks.tasks[index];
         const Group group = table.groups[task.group];
-        if (!isAnyWanted(group, evaluation)) return;
+        if (!isAnyInRange(group, evaluation)) return;
         const Results<width, Real> results(shared);
         const Entries<width, Real> entries(shared + Results<width, Real>::kBytes);
         const Index rowsLeft = group.rowCount - task.part;
@@ -282,7 +282,7 @@ struct ProductKernel {
             entries.gather(warp, table.columns + group.firstColumn, group.columnCount, evaluation,
                            from);
             warp.each([&](int lane) {
-                if (lane * kRowsOfLane<Real> >= rowCount) return;
+                if (lane * kRowsPerLane<Real> >= rowCount) return;
                 if constexpr (n > 0)
                     results.set(lane, multiply(group, factors[lane], entries));
                 else
@@ -299,7 +299,7 @@ private:
     template <class Warp>
     ESPALIER_DEVICE void load(Warp& warp, const Group& group, Index firstRow, int lane,
                               Factors<(n > 0 ? n : 1), Real>& factors) const {
-        const Index row = firstRow + lane * kRowsOfLane<Real>;
+        const Index row = firstRow + lane * kRowsPerLane<Real>;
         if (row >= group.rowCount) return;
         const Index m = group.size[1], l = group.size[2];
         const Real* number = numberOf(table, group, row, n + m + l, 0);
@@ -344,7 +344,7 @@ private:
                                      const Entries<width, Real>& entries) const {
         const Index sizeA = group.size[0], sizeB = group.size[1], sizeC = group.size[2];
         const Real* numbers =
-            numberOf(table, group, firstRow + lane * kRowsOfLane<Real>, sizeA + sizeB + sizeC, 0);
+            numberOf(table, group, firstRow + lane * kRowsPerLane<Real>, sizeA + sizeB + sizeC, 0);
         // Not Warp::load(): those of the first axis are read again for each line.
         const auto factor = [&](Index which) -> const RowNumbers<Real>& {
             return *reinterpret_cast<const RowNumbers<Real>*>(numbers + which * kLanes<Real>);
@@ -373,8 +373,8 @@ struct SparseKernel {
     Components components;
 
     Index warpCount() const {
-        const Index rowsOfWarp = kWarp >> rows.lanesLog2;
-        return (last - first + rowsOfWarp - 1) / rowsOfWarp;
+        const Index rowsPerWarp = kWarp >> rows.lanesLog2;
+        return (last - first + rowsPerWarp - 1) / rowsPerWarp;
     }
     unsigned sharedBytes() const { return 0; }
 
@@ -397,7 +397,7 @@ private:
         return rows.rows == nullptr ? static_cast<Index>(row) : rows.rows[row];
     }
 
-    ESPALIER_DEVICE bool isWanted(Offset row) const {
+    ESPALIER_DEVICE bool isInRange(Offset row) const {
         if (row >= last) return false;
         const Index number = numberOfRow(row);
         return number >= evaluation.first && number < evaluation.last;
@@ -411,7 +411,7 @@ private:
         warp.each([&](int lane) {
             Sums own = {};
             const Offset row = rowOf(index, lane);
-            const bool isHere = isWanted(row);
+            const bool isHere = isInRange(row);
             const Offset end = isHere ? rows.offsets[row + 1] : 0;
             Offset entry = isHere ? rows.offsets[row] + (lane & (lanes - 1)) : 0;
 #if defined(__CUDACC__)
@@ -429,7 +429,7 @@ private:
         warp.sumOver(sums, lanes);
         warp.each([&](int lane) {
             const Offset row = rowOf(index, lane);
-            if (!isWanted(row)) return;
+            if (!isInRange(row)) return;
             Real* to = e.destination +
                        (numberOfRow(row) - e.destinationFirst) * e.destinationStride + from;
             ESPALIER_UNROLL
@@ -441,7 +441,7 @@ private:
 
 /// The next multiple of kWarp, for Warp::sumAll().
 template <int count>
-inline constexpr int kWholeWarps = (count + kWarp - 1) / kWarp* kWarp;
+inline constexpr int kRoundedUpToWarp = (count + kWarp - 1) / kWarp* kWarp;
 
 /// Σ over the rows of a group of weight times value, for 16 of its columns at a time; each task is
 /// such a tile. The results lie by columns, as evaluation.destination says of rows.
@@ -472,7 +472,7 @@ private:
     ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index firstColumn,
                                   Offset from) const {
         const Evaluation<Real>& e = evaluation;
-        constexpr int kSums = kWholeWarps<kTile * width>;
+        constexpr int kSums = kRoundedUpToWarp<kTile * width>;
         using Sums = Values<Real, kSums>;
         typename Warp::template PerLane<Sums> sums;
         const Index columns = group.columnCount - firstColumn;
@@ -539,27 +539,28 @@ private:
 
     template <class Warp>
     ESPALIER_DEVICE void prefetch(Warp& warp, const Group& group, Index row, Index length) const {
-        constexpr Index lanes = kLanes<Real>, bytesOfLine = 128;
+        constexpr Index lanes = kLanes<Real>, bytesPerLine = 128;
         // Each of the lanes a line of the numbers of the rows of a warp.
-        constexpr Index numbersOfLine = bytesOfLine / static_cast<Index>(sizeof(Real));
+        constexpr Index numbersPerLine = bytesPerLine / static_cast<Index>(sizeof(Real));
         const Index first = row / kWarp * kWarp;
         const Index panels = (group.rowCount - first + lanes - 1) / lanes;
         const Index wanted = panels < kWarp / lanes ? panels : kWarp / lanes;
-        for (Index i = (row - first) * numbersOfLine; i < wanted * lanes * length;
-             i += kWarp * numbersOfLine)
+        for (Index i = (row - first) * numbersPerLine; i < wanted * lanes * length;
+             i += kWarp * numbersPerLine)
             warp.prefetch(numberOf(table, group, first, length, 0) + i);
     }
 
     template <class Warp>
     ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index tile, Offset from) const {
         const Evaluation<Real>& e = evaluation;
-        constexpr int kSums = kWholeWarps<16 * width>;
+        constexpr int kSums = kRoundedUpToWarp<16 * width>;
         using Sums = Values<Real, kSums>;
         typename Warp::template PerLane<Sums> sums;
         const Index n = group.size[0], m = group.size[1], l = group.size[2];
-        const Index tilesOfLine = (n + 3) / 4, tilesOfPlane = tilesOfLine * ((m + 3) / 4);
-        const Index firstI = tile % tilesOfLine * 4, firstJ = tile % tilesOfPlane / tilesOfLine * 4;
-        const Index plane = tile / tilesOfPlane;
+        const Index tilesPerLine = (n + 3) / 4, tilesPerPlane = tilesPerLine * ((m + 3) / 4);
+        const Index firstI = tile % tilesPerLine * 4,
+                    firstJ = tile % tilesPerPlane / tilesPerLine * 4;
+        const Index plane = tile / tilesPerPlane;
         warp.each([&](int lane) {
             Sums own = {};
             for (Index r = lane; r < group.rowCount; r += kWarp) {
@@ -581,11 +582,11 @@ private:
                     const Real b = factor[(n + firstJ + j) * kLanes<Real>];
                     ESPALIER_UNROLL
                     for (int d = 0; d < width; ++d) {
-                        const Real ofLine = b * value.of[d];
+                        const Real lineValue = b * value.of[d];
                         ESPALIER_UNROLL
                         for (int i = 0; i < 4; ++i) {
                             Real& sum = own.of[(j * 4 + i) * width + d];
-                            sum = addProduct(sum, a[i], ofLine);
+                            sum = addProduct(sum, a[i], lineValue);
                         }
                     }
                 }

@@ -23,7 +23,7 @@ constexpr Offset kMaxEntries = 1024;
 
 /// The rows of a table that lives longer.
 template <class Real>
-SparseArrays<Real> viewedRows(const StencilTable<Real>& table) {
+SparseArrays<Real> borrowedRows(const StencilTable<Real>& table) {
     SparseArrays<Real> rows;
     rows.offsets = table.offsets();
     rows.columns = table.columns();
@@ -33,19 +33,19 @@ SparseArrays<Real> viewedRows(const StencilTable<Real>& table) {
 
 template <class Real>
 SparseArrays<Real> ownRows(StencilTable<Real> table) {
-    SparseArrays<Real> rows = viewedRows(table);
+    SparseArrays<Real> rows = borrowedRows(table);
     rows.table = std::move(table);  // which leaves its arrays where they are
     return rows;
 }
 
 /// Rows cut into segments of no more than kMaxEntries entries.
-struct Cut {
+struct RowSegments {
     std::vector<Offset> offsets = {0};       ///< of the segments in the entries
     std::vector<Offset> firstSegments = {};  ///< of each row, and one behind the last
 };
 
-Cut cutRows(std::span<const Offset> offsets) {
-    Cut cut;
+RowSegments splitRows(std::span<const Offset> offsets) {
+    RowSegments cut;
     for (std::size_t row = 0; row + 1 < offsets.size(); ++row) {
         cut.firstSegments.push_back(std::ssize(cut.offsets) - 1);
         for (Offset first = offsets[row]; first < offsets[row + 1]; first += kMaxEntries)
@@ -61,7 +61,7 @@ template <class Real>
 TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
     : rowCount(table.rowCount()), columnCount(table.columnCount()) {
     if (!isGrouped) {
-        alone = viewedRows(table);
+        ungrouped = borrowedRows(table);
         return;
     }
     CompiledRows<Real> compiled = compileRows(table);
@@ -82,16 +82,16 @@ TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
         std::vector<Task>* tasks = &panels;
         if (size[0] > 0) {
             const auto* kind = std::find(std::begin(kSizes), std::end(kSizes) - 1, size[0]);
-            if (*kind == 0) mostProductColumns = std::max(mostProductColumns, group.columnCount);
+            if (*kind == 0) maxProductColumns = std::max(maxProductColumns, group.columnCount);
             tasks = &products[kind - std::begin(kSizes)];
         }
-        for (Index first = 0; first < group.rowCount; first += kWarp * kRowsOfLane<Real>)
+        for (Index first = 0; first < group.rowCount; first += kWarp * kRowsPerLane<Real>)
             tasks->push_back({number, first});
     }
     std::sort(compiled.rows.begin(), compiled.rows.end());
-    alone = ownRows(stencils::selectRows<Real>(table, compiled.rows));
-    alone.ownRows = std::move(compiled.rows);
-    alone.rows = alone.ownRows;
+    ungrouped = ownRows(stencils::selectRows<Real>(table, compiled.rows));
+    ungrouped.ownRows = std::move(compiled.rows);
+    ungrouped.rows = ungrouped.ownRows;
 }
 
 template <class Real>
@@ -107,17 +107,18 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
     }
 
     // The columns of the rows that are in no group.
-    segments = ownRows(arrays.groups.empty()
-                           ? stencils::transposeTable(table)
-                           : stencils::transposeTable(rowsOnly<Real>(table, arrays.alone.rows)));
-    Cut cut = cutRows(segments.offsets);
+    segments =
+        ownRows(arrays.groups.empty()
+                    ? stencils::transposeTable(table)
+                    : stencils::transposeTable(rowsOnly<Real>(table, arrays.ungrouped.rows)));
+    RowSegments cut = splitRows(segments.offsets);
     segments.ownOffsets = std::move(cut.offsets);
     segments.offsets = segments.ownOffsets;
     firstSegment = std::ssize(arrays.groupColumns);
     placeCount = firstSegment + segments.count();
 
     // Of each column the places of what is to be added up.
-    const PlacesOfColumns<Offset> places(table.columnCount(), [&](auto found) {
+    const InverseIndex<Offset> places(table.columnCount(), [&](auto found) {
         for (Offset place = 0; place < firstSegment; ++place)
             found(arrays.groupColumns[place], place);
         for (Index column = 0; column < table.columnCount(); ++column)
@@ -148,7 +149,7 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
         return most;
     };
     while (longest() > kMaxEntries) {
-        Cut parts = cutRows(offsets);
+        RowSegments parts = splitRows(offsets);
         addStep(std::move(parts.offsets));
         summands.resize(steps.back().rows.count());
         std::iota(summands.begin(), summands.end(), placeCount);

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "../kernels/room.h"
+#include "../kernels/scratch.h"
 #include "device_data.h"
 
 namespace espalier::osd::device {
@@ -47,8 +47,8 @@ struct ESPALIER_API TableArrays {
     std::vector<Index> groupRows = {};
     std::vector<Task> panels = {};
     std::array<std::vector<Task>, kSizeCount> products = {};
-    Index mostProductColumns = 0;  ///< of those of kSizes 0
-    SparseArrays<Real> alone = {};
+    Index maxProductColumns = 0;  ///< of those of kSizes 0
+    SparseArrays<Real> ungrouped = {};
 
     /// \param table must live as long as this, unless it is grouped
     /// \param isGrouped whether to look for rows that share their columns
@@ -106,8 +106,8 @@ TableView<Real> viewOf(const TableArrays<Real>& arrays, Place place) {
                              place(arrays.groupNumbers), place(arrays.groupRows)},
                             tasks(arrays.panels),
                             {},
-                            arrays.mostProductColumns,
-                            viewOf(arrays.alone, place)};
+                            arrays.maxProductColumns,
+                            viewOf(arrays.ungrouped, place)};
     for (std::size_t i = 0; i < arrays.products.size(); ++i)
         view.products[i] = tasks(arrays.products[i]);
     return view;

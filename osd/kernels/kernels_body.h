@@ -26,15 +26,15 @@ constexpr int kRegister = ESPALIER_REGISTER_BYTES / sizeof(Real);
 
 /// Whether a row is to be evaluated.
 template <class Real>
-bool isWanted(Index row, const Destination<Real>& to) {
+bool isInRange(Index row, const Destination<Real>& to) {
     return to.isWhole || (row >= to.first && row < to.last);
 }
 
 /// Whether any row of a panel is.
 template <class Real>
-bool isAnyWanted(const Index* rows, Index count, const Destination<Real>& to) {
+bool isAnyInRange(const Index* rows, Index count, const Destination<Real>& to) {
     for (Index lane = 0; lane < count; ++lane)
-        if (isWanted(rows[lane], to)) return true;
+        if (isInRange(rows[lane], to)) return true;
     return false;
 }
 
@@ -55,7 +55,7 @@ void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, I
         for (Index lane = 0; lane < kLanes<Real>; ++lane) store(lane, 3);
     } else {
         for (Index lane = 0; lane < count; ++lane)
-            if (isWanted(rows[lane], to)) store(lane, to.stride);
+            if (isInRange(rows[lane], to)) store(lane, to.stride);
     }
 }
 
@@ -161,7 +161,7 @@ void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStri
                        const Destination<Real>& to) {
     constexpr int each = kRegister<Real>;
     for (Index lane = 0; lane < count; ++lane) {
-        if (!isWanted(rows[lane], to)) continue;
+        if (!isInRange(rows[lane], to)) continue;
         Real* result = to.values + rows[lane] * to.stride;
         Offset c = 0;
         for (; c + each <= to.length; c += each)
@@ -216,7 +216,7 @@ void evaluatePanels(const PanelRun<Real>& run, const Destination<Real>& to) {
         if (to.length > 4 && run.columnCount <= kMaxWideColumns)
             evaluateWidePanel(weights, run.points, run.pointStride, run.columnCount,
                               run.rows + first, count, to);
-        else if (isAnyWanted(run.rows + first, count, to))
+        else if (isAnyInRange(run.rows + first, count, to))
             forComponents(to.length, [&]<int width>(Offset from) {
                 evaluatePanel<width>(run, weights, run.rows + first, count, from, to);
             });
@@ -233,7 +233,7 @@ void evaluateProducts(const ProductRun<Real>& run, const Destination<Real>& to) 
     alignas(64) Real weights[kMaxWideColumns * lanes];
     for (Index first = 0; first < run.rowCount; first += lanes) {
         const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
-        if (!isAnyWanted(run.rows + first, count, to)) {
+        if (!isAnyInRange(run.rows + first, count, to)) {
             // Nothing to do.
         } else if (isWide) {
             multiplyOut(factors, run.size, weights);
@@ -264,7 +264,7 @@ void evaluateOwnWeights(const RowRun<Real>& run, Offset from, const Destination<
     using V = typename Vector<Real, kPadding>::Type;
     const Real* points = run.points + from;
     for (Index i = 0; i < run.rowCount; ++i) {
-        if (!isWanted(run.rows[i], to)) continue;
+        if (!isInRange(run.rows[i], to)) continue;
         const Offset step = run.isShared ? 0 : run.length;
         const Real* weights = run.weights + i * step;
         const Index* columns = run.columns + Offset{i} * run.length;
@@ -289,7 +289,7 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
     for (int k = 0; k < length; ++k) weights[k] = V{} + run.weights[k];
     const Index* columns = run.columns;
     for (Index i = 0; i < run.rowCount; ++i, columns += length) {
-        if (!isWanted(run.rows[i], to)) continue;
+        if (!isInRange(run.rows[i], to)) continue;
         V sums[2] = {};
         for (int k = 0; k < length; ++k)
             sums[k % 2] += weights[k] * at<V>(points + columns[k] * run.pointStride);
@@ -300,7 +300,7 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
 /// The commonest lengths of rows of level tables have loops of their own: of surfaces 4, 6 and 9,
 /// of lattices 8 and 12. Those of 18 and 27 have more weights than there are registers.
 template <int width, class Real>
-void evaluateRowsOf(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
+void evaluateRowComponents(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     if (run.isShared) switch (run.length) {
             case 4:
                 return evaluateSharedWeights<width, 4>(run, from, to);
@@ -318,7 +318,8 @@ void evaluateRowsOf(const RowRun<Real>& run, Offset from, const Destination<Real
 
 template <class Real>
 void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
-    forComponents(to.length, [&]<int width>(Offset from) { evaluateRowsOf<width>(run, from, to); });
+    forComponents(to.length,
+                  [&]<int width>(Offset from) { evaluateRowComponents<width>(run, from, to); });
 }
 
 /// The sum of the lanes of a register, by halves. Not by way of memory, which would keep what is
@@ -435,10 +436,10 @@ void loadLanes(const RowValues<Real>& source, Offset from, const Index* rows, In
 /// Asks the memory for what the next block takes, in as many steps as the columns of this one are
 /// summed in: else the first of these would wait for all of it, which takes a third of the time.
 template <class Real>
-class Foresight {
+class Prefetcher {
 public:
-    Foresight(const Real* numbers, Offset numberCount, const Index* rows, Offset rowCount,
-              Offset steps)
+    Prefetcher(const Real* numbers, Offset numberCount, const Index* rows, Offset rowCount,
+               Offset steps)
         : numbers_(numbers),
           numbersEnd_(numbers + numberCount),
           numbersEach_(numberCount / steps + 1),
@@ -467,19 +468,19 @@ private:
 
 /// Components `from` to `from` + width − 1.
 template <int width, class Real>
-void evaluateAdjointOf(const AdjointRun<Real>& run, const RowValues<Real>& source, Offset from,
-                       Real* result, Real* sums) {
+void evaluateAdjointComponents(const AdjointRun<Real>& run, const RowValues<Real>& source,
+                               Offset from, Real* result, Real* sums) {
     constexpr int each = kRegister<Real>;
     constexpr Index lanes = kLanes<Real>, rowsAtOnce = kPanelsAtOnce * lanes;
     const bool isProduct = run.size[0] > 0;
-    const Offset numbersOfRow =
+    const Offset numbersPerRow =
         isProduct ? run.size[0] + run.size[1] + run.size[2] : run.columnCount;
     for (Offset e = 0; e < Offset{run.columnCount} * width * each; ++e) sums[e] = 0;
     alignas(64) Real values[width * rowsAtOnce];
     for (Index first = 0; first < run.rowCount; first += rowsAtOnce) {
         const Index count = run.rowCount - first < rowsAtOnce ? run.rowCount - first : rowsAtOnce;
         loadLanes<width>(source, from, run.rows + first, count, values);
-        const PanelBlock<Real> block = {run.numbers + first * numbersOfRow, values,
+        const PanelBlock<Real> block = {run.numbers + first * numbersPerRow, values,
                                         (count + lanes - 1) / lanes};
         if (!isProduct) {
             forColumns<width>(run.columnCount, [&]<int columns>(Index column) {
@@ -488,15 +489,15 @@ void evaluateAdjointOf(const AdjointRun<Real>& run, const RowValues<Real>& sourc
             continue;
         }
         const Offset next = first + count, steps = Offset{run.size[1]} * run.size[2];
-        const Offset rowsLeft = run.rowsToCome - next;
-        const Offset numbersLeft = run.numbersToCome - next * numbersOfRow;
-        Foresight<Real> foresight(
-            run.numbers + next * numbersOfRow,
-            numbersLeft < rowsAtOnce * numbersOfRow ? numbersLeft : rowsAtOnce * numbersOfRow,
+        const Offset rowsLeft = run.rowsAhead - next;
+        const Offset numbersLeft = run.numbersAhead - next * numbersPerRow;
+        Prefetcher<Real> prefetcher(
+            run.numbers + next * numbersPerRow,
+            numbersLeft < rowsAtOnce * numbersPerRow ? numbersLeft : rowsAtOnce * numbersPerRow,
             run.rows + next, rowsLeft < rowsAtOnce ? rowsLeft : rowsAtOnce, steps);
         for (Index k = 0; k < run.size[2]; ++k)
             for (Index j = 0; j < run.size[1]; ++j) {
-                foresight.step(source);
+                prefetcher.step(source);
                 forColumns<width>(run.size[0], [&]<int columns>(Index i) {
                     addProductColumns<width, columns>(block, run.size, i, j, k, sums);
                 });
@@ -512,7 +513,7 @@ template <class Real>
 void evaluateAdjoint(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* result,
                      Real* sums) {
     forComponents(source.length, [&]<int width>(Offset from) {
-        evaluateAdjointOf<width>(run, source, from, result, sums);
+        evaluateAdjointComponents<width>(run, source, from, result, sums);
     });
 }
 

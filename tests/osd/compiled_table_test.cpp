@@ -245,7 +245,8 @@ TEST(OuterProduct, IsFoundInAnyOrderOfTheColumns) {
         ASSERT_TRUE(found) << sides[0] << sides[1] << sides[2];
         EXPECT_TRUE(std::equal(sides.begin(), sides.end(), found->size.begin()));
         std::vector<double> factors(sides[0] + sides[1] + sides[2]);
-        for (const auto& row : products.rows) EXPECT_TRUE(factorsOf<double>(*found, row, factors));
+        for (const auto& row : products.rows)
+            EXPECT_TRUE(factorizeRow<double>(*found, row, factors));
     }
 }
 
@@ -264,13 +265,13 @@ TEST(OuterProduct, MayHaveEitherSign) {
     const auto found = find(products.rows);
     ASSERT_TRUE(found);
     std::vector<double> factors(11);
-    for (const auto& row : products.rows) EXPECT_TRUE(factorsOf<double>(*found, row, factors));
-    EXPECT_TRUE(factorsOf<double>({{2, 2, 1}, {0, 1, 2, 3}}, std::vector{-0.5, 0.5, 0.5, -0.5},
-                                  std::span(factors).first(5)));
+    for (const auto& row : products.rows) EXPECT_TRUE(factorizeRow<double>(*found, row, factors));
+    EXPECT_TRUE(factorizeRow<double>({{2, 2, 1}, {0, 1, 2, 3}}, std::vector{-0.5, 0.5, 0.5, -0.5},
+                                     std::span(factors).first(5)));
     // One sign alone is no product.
     auto wrong = products.rows[0];
     wrong[7] *= -1;
-    EXPECT_FALSE(factorsOf<double>(*found, wrong, factors));
+    EXPECT_FALSE(factorizeRow<double>(*found, wrong, factors));
 }
 
 TEST(OuterProduct, IsNotFoundWhereThereIsNone) {
@@ -283,7 +284,7 @@ TEST(OuterProduct, IsNotFoundWhereThereIsNone) {
     std::vector<double> factors(12);
     auto wrong = products.rows[3];
     wrong[17] *= 1 + 1e-14;
-    EXPECT_FALSE(factorsOf<double>(*found, wrong, factors));
+    EXPECT_FALSE(factorizeRow<double>(*found, wrong, factors));
     for (auto& row : products.rows) row[17] *= 1.001;
     EXPECT_FALSE(find(products.rows));
     products = randomProducts({4, 4, 4}, 10);
@@ -291,7 +292,7 @@ TEST(OuterProduct, IsNotFoundWhereThereIsNone) {
     products.rows[0][5] = 0;
     const auto others = find(products.rows);
     ASSERT_TRUE(others);
-    EXPECT_FALSE(factorsOf<double>(*others, products.rows[0], factors));
+    EXPECT_FALSE(factorizeRow<double>(*others, products.rows[0], factors));
     for (auto& row : products.rows) row[5] = 0;
     EXPECT_FALSE(find(products.rows));
     for (auto& row : products.rows) row[5] = -1;
@@ -308,9 +309,9 @@ TEST(OuterProduct, TinyRowsAreNone) {
     const OuterProduct product{{2, 2, 1}, {0, 1, 2, 3}};
     std::vector<float> factors(5);
     const std::vector<float> tiny = {1e-38F, 3e-39F, 2e-39F, 1.1e-38F};
-    EXPECT_FALSE(factorsOf<float>(product, tiny, factors));
+    EXPECT_FALSE(factorizeRow<float>(product, tiny, factors));
     const std::vector<float> one = {0.5F, 0.5F, 1e-39F, 1e-39F};
-    EXPECT_TRUE(factorsOf<float>(product, one, factors));
+    EXPECT_TRUE(factorizeRow<float>(product, one, factors));
 }
 
 TEST(Simd, TheBestIsThereAndTheBaselineAlways) {

@@ -147,7 +147,7 @@ TYPED_TEST(DeviceKernels, AddUpLongColumnsInSteps) {
 TEST(DeviceBlocks, HoldTheSharedMemoryOfTheirWarps) {
     using device::blocksOf;
     device::ProductKernel<0, 4, double> largest = {};
-    largest.mostColumns = kernels::kMaxProductColumns;
+    largest.maxColumns = kernels::kMaxProductColumns;
     for (const unsigned shared :
          {largest.sharedBytes(), device::ProductKernel<4, 3, float>{}.sharedBytes(),
           device::PanelKernel<12, double>{}.sharedBytes(), 0U}) {

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "osd/kernels/room.h"
+#include "osd/kernels/scratch.h"
 #include "sums.h"
 #include "support/tables.h"
 #include "support/test.h"

@@ -42,7 +42,7 @@ TEST(CudaCalls, BetweenBuffersOfTheDeviceAreKernelsAlone) {
     std::ptrdiff_t kinds = arrays.panels.empty() ? 0 : 1;
     for (const auto& products : arrays.products) kinds += products.empty() ? 0 : 1;
     ASSERT_GE(kinds, 2);
-    ASSERT_GT(arrays.alone.count(), 0);
+    ASSERT_GT(arrays.ungrouped.count(), 0);
     const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
     const Stream stream;
     CudaWorkspace workspace = cuda.workspace(3, stream);

@@ -44,7 +44,7 @@ inline Offset paddedLength(Offset length) {
 /// can be added without overflow.
 /// \throws std::bad_array_new_length if that is more than any memory holds
 template <class T, std::size_t alignment = 64>
-constexpr std::size_t roomOf(Offset count, Offset each = 1) {
+constexpr std::size_t scratchBytes(Offset count, Offset each = 1) {
     constexpr std::size_t kMaxBytes = std::size_t{1} << 60;
     std::size_t bytes = 0;
     if (__builtin_mul_overflow(count, each, &bytes) ||
@@ -54,14 +54,14 @@ constexpr std::size_t roomOf(Offset count, Offset each = 1) {
 }
 
 /// Memory that is handed out part by part, each aligned to 64 bytes. Not initialized.
-class Room {
+class Scratch {
 public:
-    explicit Room(std::byte* memory) : memory_(memory) {}
+    explicit Scratch(std::byte* memory) : memory_(memory) {}
 
     template <class T>
     std::span<T> take(Offset count) {
         T* const values = reinterpret_cast<T*>(memory_);
-        memory_ += roomOf<T>(count);
+        memory_ += scratchBytes<T>(count);
         return {values, static_cast<std::size_t>(count)};
     }
 
@@ -72,29 +72,29 @@ private:
 /// What each task of a parallel loop holds its numbers in: on its stack if that is not much, and
 /// else in a part of the room that it has for itself.
 template <class Real>
-class TaskNumbers {
+class TaskBuffers {
 public:
     /// So many at a time.
-    TaskNumbers(Offset taskCount, Offset count)
+    TaskBuffers(Offset taskCount, Offset count)
         : taskCount_(taskCount), count_(count <= kOnStack ? 0 : count) {}
 
     std::size_t bytes() const {
-        return roomOf<std::byte>(taskCount_, static_cast<Offset>(roomOf<Real>(count_)));
+        return scratchBytes<std::byte>(taskCount_, static_cast<Offset>(scratchBytes<Real>(count_)));
     }
 
     /// Before the tasks.
-    void takeFrom(Room& room) {
-        if (count_ > 0) values_ = room.take<std::byte>(static_cast<Offset>(bytes())).data();
+    void allocateFrom(Scratch& scratch) {
+        if (count_ > 0) values_ = scratch.take<std::byte>(static_cast<Offset>(bytes())).data();
     }
 
     /// On the stack of a task.
     class Local {
     public:
-        Local(const TaskNumbers& all, Offset task)
-            : values_(all.count_ == 0
-                          ? onStack_
-                          : reinterpret_cast<Real*>(all.values_ + static_cast<std::size_t>(task) *
-                                                                      roomOf<Real>(all.count_))) {}
+        Local(const TaskBuffers& all, Offset task)
+            : values_(all.count_ == 0 ? onStack_
+                                      : reinterpret_cast<Real*>(
+                                            all.values_ + static_cast<std::size_t>(task) *
+                                                              scratchBytes<Real>(all.count_))) {}
         Local(const Local&) = delete;
         Local& operator=(const Local&) = delete;
         Real* data() { return values_; }
