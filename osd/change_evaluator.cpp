@@ -20,7 +20,7 @@ namespace {
 
 using kernels::kLanes;
 
-/// A set of numbers below a bound, in memory of somebody else's.
+/// A set of numbers from 0 to a bound, stored as bits in memory of the caller.
 class BitSet {
 public:
     static constexpr Index kBitsPerWord = 64;
@@ -35,7 +35,7 @@ public:
     void add(Index number) { words_[number / kBitsPerWord] |= bit(number); }
     bool contains(Index number) const { return (words_[number / kBitsPerWord] & bit(number)) != 0; }
 
-    /// Calls step(number) for each of some words, ascending.
+    /// Calls step(number) for the members in words firstWord to lastWord − 1, ascending.
     template <class Step>
     void forEach(Offset firstWord, Offset lastWord, Step step) const {
         for (Offset w = firstWord; w < lastWord; ++w)
@@ -61,11 +61,11 @@ struct ChangeEvaluator<Real>::Data {
     using Run = typename CompiledRows<Real>::Run;
 
     std::shared_ptr<const Table> table;
-    InverseIndex<Index> groups;        ///< column → groups
+    InverseIndex<Index> groups;        ///< column → groups that have it
     InverseIndex<Index> ungrouped;     ///< column → rows in no group, by their place in rows.rows
-    std::vector<char> hasZeroWeights;  ///< group → whether some of its weights are 0
-    std::vector<Index> ascending;      ///< 0 to the length of the longest run
-    Index maxColumns;                  ///< of a group or a run
+    std::vector<char> hasZeroWeights;  ///< group → 1 if any of its weights is 0
+    std::vector<Index> ascending;      ///< 0, 1, … as many as the longest run has columns
+    Index maxColumns;                  ///< of any group or run
 
     explicit Data(std::shared_ptr<const Table> shared)
         : table(std::move(shared)),
@@ -108,7 +108,7 @@ struct ChangeEvaluator<Real>::Data {
             if (weights[k] != 0) found(columns[k], static_cast<Index>(run.firstRow + i));
     }
 
-    /// Whether a row of a group has a weight for column k of the group.
+    /// Returns true if row `row` of a group has a weight other than 0 for column k of the group.
     bool dependsOn(const Group& group, Index row, Index k) const {
         constexpr Index lanes = kLanes<Real>;
         const auto& size = group.size;
@@ -128,7 +128,7 @@ struct ChangeEvaluator<Real>::Data {
                                    " columns"));
     }
 
-    /// What some columns change.
+    /// The columns that changed, and the rows and groups that depend on them.
     struct Changes {
         BitSet columns;
         BitSet ungrouped;
@@ -160,8 +160,8 @@ struct ChangeEvaluator<Real>::Data {
         return {columns, rows, list.first(count)};
     }
 
-    /// The rows of a group, with −1 for those that do not depend on what has changed: the kernels
-    /// leave out what is not in their range.
+    /// Returns the row numbers of a group, with −1 for rows that do not depend on the changed
+    /// columns: kernels skip rows that are out of range. The result may point into `rows`.
     using GroupRows = std::array<Index, kMaxRowsPerGroup>;
     const Index* changedRows(Index g, const BitSet& columns, GroupRows& rows) const {
         const Group& group = groupAt(g);
@@ -175,7 +175,7 @@ struct ChangeEvaluator<Real>::Data {
         return rows.data();
     }
 
-    /// The numbers of a task: the entries of one group, or of one row.
+    /// Buffers of the tasks: each holds the source entries of one group or of one row.
     TaskBuffers<Real> taskBuffers(Offset length) const {
         const Offset tasks =
             std::max((groupCount() + kGroupsPerTask - 1) / kGroupsPerTask,
@@ -244,7 +244,7 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
                                             rowCount(),
                                             true};
     auto some = all;
-    some.isWhole = false;  // Rows are looked at, whether they are in the range.
+    some.isWhole = false;  // Kernels must check the range, which excludes rows with number −1.
     parallelFor(std::ssize(changes.groups), kGroupsPerTask, [&](Offset first, Offset last) {
         typename TaskBuffers<Real>::Local entries(numbers, first / kGroupsPerTask);
         typename Data::GroupRows rows;

@@ -17,24 +17,26 @@ template <class Real>
 struct CompiledAdjoint<Real>::Data {
     Index tableRowCount, tableColumnCount;
     kernels::Kernels<Real> kernels;
-    CompiledRows<Real> rows;       ///< the groups; no runs
-    InverseIndex<Offset> places;   ///< of each column in groupColumns
-    StencilTable<Real> ungrouped;  ///< the other rows, transposed
-    Index maxColumns = 0;          ///< of a group
+    CompiledRows<Real> rows;       ///< only the groups; no runs
+    InverseIndex<Offset> places;   ///< column → its places in groupColumns
+    StencilTable<Real> ungrouped;  ///< all other rows, transposed
+    Index maxColumns = 0;          ///< of any group
 
-    /// Whether it pays to look ahead from group `g`: not where the next one has the same numbers,
-    /// which then are in the cache. To ask for their rows alone costs more than it saves.
+    /// Returns true if the kernel should prefetch data beyond group `g`. It should not if the next
+    /// group shares the numbers of this one, which are in the cache then: prefetching only the rows
+    /// costs more than it saves.
     bool isPrefetchUseful(Offset g) const {
         return g + 1 < std::ssize(rows.groups) &&
                rows.groups[g + 1].firstNumber > rows.groups[g].firstNumber;
     }
 
-    /// The lanes of a task.
+    /// Buffers of the tasks: the partial sums of one group at a time.
     TaskBuffers<Real> taskBuffers() const {
         return {std::ssize(rows.taskStarts) - 1, 4 * Offset{maxColumns} * kernels::kLanes<Real>};
     }
 
-    /// The sums of each group for its columns: `length` numbers a place of groupColumns.
+    /// Computes the sums of each group for its columns: `length` numbers for each place of
+    /// groupColumns.
     void sumGroups(const kernels::RowValues<Real>& source, const TaskBuffers<Real>& numbers,
                    std::span<Real> sums) const {
         const auto& starts = rows.taskStarts;
@@ -61,7 +63,7 @@ CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd sim
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
     CompiledRows<Real> rows = compileRows(table);
     auto ungrouped = stencils::transposeTable(rowsOnly<Real>(table, rows.rows));
-    // Those of the rows alone, which are transposed now. Not = {}, which would keep the memory.
+    // The ungrouped rows are kept in transposed form only. Assigning {} would not free the memory.
     rows.runs = decltype(rows.runs)();
     rows.columns = decltype(rows.columns)();
     rows.weights = decltype(rows.weights)();

@@ -15,7 +15,7 @@ namespace {
 using stencils::FactoredTable;
 using stencils::StencilTable;
 
-/// Reverses the steps of an adjoint.
+/// Returns the steps in the order of evaluation. That of an adjoint is the reverse.
 template <class Real>
 std::vector<CompiledTable<Real>> inEvaluationOrder(std::vector<CompiledTable<Real>> steps) {
     return steps;
@@ -26,7 +26,7 @@ std::vector<CompiledAdjoint<Real>> inEvaluationOrder(std::vector<CompiledAdjoint
     return steps;
 }
 
-/// Compiles tables, and puts them in the order of their evaluation.
+/// Compiles the tables and returns them in the order of evaluation.
 template <class Step, class Real>
 std::vector<Step> compiled(std::span<const StencilTable<Real>> tables, Simd simd) {
     if (tables.empty()) throw Error("a chain needs at least one table");
@@ -51,11 +51,12 @@ std::vector<Step> compiled(const FactoredTable<Real>& table, Simd simd) {
     return inEvaluationOrder(std::move(steps));
 }
 
-/// Room for the values between the steps, of so many components, and for each step in its turn.
-/// Those before and after a step are held at once.
+/// The temporary memory of a chain: the intermediate values between two steps, for entries of
+/// `length` components, and the workspace of one step at a time. The source and the result of a
+/// step exist at once, so intermediate values alternate between two buffers.
 template <class Real>
 struct ChainScratch {
-    std::array<Offset, 2> held = {0, 0};  ///< numbers after every other step
+    std::array<Offset, 2> held = {0, 0};  ///< size of each of the two buffers, in numbers
     std::size_t stepBytes = 0;
 
     template <class Step>
@@ -105,13 +106,13 @@ void StepChain<Step, Real>::evaluateIn(std::byte* memory, Values<Real> source,
     const std::span<Real> held[] = {scratch.take<Real>(needed.held[0]),
                                     scratch.take<Real>(needed.held[1])};
     std::byte* const own = scratch.take<std::byte>(static_cast<Offset>(needed.stepBytes)).data();
-    // Between the tables, entries lie as the kernels want them.
+    // Intermediate values have the padded layout, which the kernels read without a copy.
     const BufferDescriptor between{0, sourceLayout.length, paddedLength(sourceLayout.length)};
     Values<Real> values = source;
     BufferDescriptor layout = sourceLayout;
     for (std::size_t i = 0; i + 1 < steps_.size(); ++i) {
         const auto next = held[i % 2].first(steps_[i].rowCount() * between.stride);
-        // Behind the components no numbers that happen to be slow: denormal ones.
+        // Clears the padding: denormal numbers in it would slow the kernels down.
         if (between.stride > between.length) std::fill(next.begin(), next.end(), Real{0});
         steps_[i].evaluateIn(own, values, layout, next, between, {0, steps_[i].rowCount()});
         values = next;

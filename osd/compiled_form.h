@@ -5,7 +5,7 @@
 
 #include "kernels/scratch.h"
 
-// The bodies of CompiledForm, for the files that instantiate it.
+// Implements CompiledForm. Include this only in sources that instantiate it.
 namespace espalier::osd {
 
 template <class Form, class Real>

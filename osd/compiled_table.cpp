@@ -11,7 +11,7 @@
 namespace espalier::osd {
 namespace {
 
-/// The numbers of a task: the entries of one group after the other.
+/// Buffers of the tasks: each holds the source entries of one group at a time.
 template <class Data>
 auto taskBuffers(const Data& data, Offset stride) {
     using Real = typename decltype(data.rows.weights)::value_type;

@@ -20,14 +20,14 @@ namespace {
 using kernels::kLanes;
 using stencils::StencilTable;
 
-/// Groups of rows that share their columns, on their way into a compiled table. Groups with the
-/// same numbers share these: the faces of a regular surface are all alike.
+/// Collects groups of rows that share their columns, for a compiled table. Groups with identical
+/// numbers share them; all faces of a regular surface are such groups, for example.
 template <class Real>
 class GroupList {
 public:
     /// Adds a group.
-    /// \param numbers of each row, row by row: weights of the columns, or factors
-    /// \param size of a product, or zeros
+    /// \param numbers the weights of the columns, or the factors, row by row
+    /// \param size the size of an outer product, or zeros
     void add(std::span<const Index> rows, std::span<const Index> columns,
              const std::array<Index, 3>& size, std::vector<Real> numbers) {
         groups_.push_back({{rows.begin(), rows.end()},
@@ -38,11 +38,11 @@ public:
         groups_.back().hash = hashOf(groups_.back());
     }
 
-    /// Puts all groups into a table that has none.
+    /// Moves all groups into a table that has none yet.
     void moveTo(CompiledRows<Real>& table) {
         std::unordered_map<std::uint64_t, Index> counts;
         for (const Group& group : groups_) ++counts[group.hash];
-        /// Numbers that are in the table, and where.
+        /// Numbers that are already in the table, and their position there.
         struct Place {
             std::array<Index, 3> size;
             std::vector<Real> numbers;
@@ -50,7 +50,8 @@ public:
         };
         std::unordered_multimap<std::uint64_t, Place> places;
         const auto placeOf = [&](Group& group) {
-            // Rows that no other group has stay in their order, for results that lie together.
+            // A group that shares its numbers with no other keeps the order of its rows, so that
+            // results that are close in memory are written together.
             if (counts[group.hash] == 1) return appendNumbers(group, table.groupNumbers);
             sortRows(group);
             const auto [begin, end] = places.equal_range(group.hash);
@@ -84,7 +85,7 @@ private:
         std::vector<Index> rows, columns;
         std::array<Index, 3> size;
         std::vector<Real> numbers;
-        std::uint64_t hash;  ///< of numbers and size, whatever the order of the rows
+        std::uint64_t hash;  ///< of numbers and size; does not depend on the order of the rows
 
         std::size_t length() const { return numbers.size() / rows.size(); }
     };
@@ -94,15 +95,15 @@ private:
             group.columns.size(), static_cast<std::uint64_t>(group.size[0]),
             static_cast<std::uint64_t>(group.size[1]), static_cast<std::uint64_t>(group.size[2])};
         std::uint64_t hash = osd::hashOf(std::span<const std::uint64_t>(kind));
-        // A sum, that no order of the rows changes.
+        // A sum does not depend on the order of the rows.
         const std::span<const Real> numbers(group.numbers);
         for (std::size_t row = 0; row < group.rows.size(); ++row)
             hash += osd::hashOf(numbers.subspan(row * group.length(), group.length()));
         return hash;
     }
 
-    /// Sorts rows by the bits of their numbers: any order will do that has no ties but of equal
-    /// rows.
+    /// Sorts the rows by the bits of their numbers. Any order would do in which only identical rows
+    /// compare equal.
     static void sortRows(Group& group) {
         const std::size_t length = group.length();
         const auto numbersOf = [&](std::size_t row) {
@@ -124,7 +125,7 @@ private:
         group.numbers = std::move(numbers);
     }
 
-    /// Appends the numbers of a group as the kernels read them, one row in each lane.
+    /// Appends the numbers of a group in the layout of the kernels, one row in each lane.
     static Offset appendNumbers(const Group& group, AlignedVector<Real>& all) {
         constexpr std::size_t lanes = kLanes<Real>;
         const std::size_t length = group.length(), start = all.size();
@@ -140,10 +141,10 @@ private:
     std::vector<Group> groups_;
 };
 
-/// Rows of a run, which one thread evaluates.
+/// Maximum number of rows in a run. One thread evaluates a run.
 constexpr std::ptrdiff_t kMaxRowsPerRun = 4096;
 
-/// Rows of the same weights that are worth a run.
+/// Minimum number of rows with the same weights that get a run of their own.
 constexpr std::ptrdiff_t kMinSharedRows = 16;
 
 template <class Real>
@@ -152,8 +153,8 @@ public:
     RunList(const StencilTable<Real>& table, CompiledRows<Real>& compiled)
         : table_(table), compiled_(compiled) {}
 
-    /// Adds rows of one length.
-    /// \param isShared whether they have the same weights
+    /// Adds rows of equal length.
+    /// \param isShared true if all of them have the same weights
     void add(std::span<const Index> rows, bool isShared) {
         const auto length = static_cast<Index>(table_.columns(rows.front()).size());
         const auto firstWeight = static_cast<Offset>(compiled_.weights.size());
@@ -184,16 +185,16 @@ private:
     CompiledRows<Real>& compiled_;
 };
 
-/// Puts rows into runs of one length, each with columns of its own: those of the same weights
-/// together, which the run then has once, as rows of one mask have; and the others.
+/// Puts rows into runs of equal length, in which each row has its own columns. Rows with identical
+/// weights, such as rows of the same mask, form runs of their own that store the weights once.
 ///
 /// \param rows some rows of `table`
-/// \param compiled a table without runs
+/// \param compiled gets the runs; it must have none yet
 /// \cost O(entries + rows log rows)
 template <class Real>
 void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
              CompiledRows<Real>& compiled) {
-    /// A row, and what those with the same weights have in common with it.
+    /// A row with the keys that it shares with rows of identical weights.
     struct Candidate {
         std::size_t length;
         std::uint64_t hash;
@@ -207,13 +208,13 @@ void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
     std::sort(candidates.begin(), candidates.end());
     RunList<Real> runs(table, compiled);
     std::vector<Index> same, others;
-    // Of each length, first those of equal weights, then the rest.
+    // For each length, first adds runs of identical weights, then one for the remaining rows.
     for (auto first = candidates.begin(); first != candidates.end();) {
         const auto last = std::find_if(first, candidates.end(), [&](const Candidate& other) {
             return other.length != first->length || other.hash != first->hash;
         });
         same.clear();
-        // All of one hash: but for one case in 2^64, of the same weights.
+        // Rows with the same hash have the same weights, except in one case of 2^64.
         for (auto each = first; each != last; ++each)
             (std::ranges::equal(table.weights(each->row), table.weights(first->row)) ? same
                                                                                      : others)
@@ -231,7 +232,7 @@ void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
     }
 }
 
-/// About so many rows are a task, which one thread evaluates.
+/// Approximate number of rows of a task. One thread evaluates a task.
 constexpr Index kRowsPerTask = 4096;
 
 template <class Real>
@@ -261,7 +262,7 @@ public:
     }
 
 private:
-    /// Adds the rows of a host and its guests, as far as they fill panels.
+    /// Adds the rows of a superset and of its subsets to groups, as far as they fill panels.
     void addSuperset(const std::vector<RowSet>& sets, std::size_t superset,
                      const std::vector<std::size_t>& subsets) {
         const std::vector<Index>& own = sets[superset].rows;
@@ -281,17 +282,19 @@ private:
             std::vector<Index> others;
             for (const Index row : sets[set].rows)
                 (product && addFactors(*product, row, factors) ? products : others).push_back(row);
-            // Panels of the guest's own columns as far as they are full.
+            // Full panels use the subset's own columns.
             const std::size_t full = others.size() / kLanes<Real> * kLanes<Real>;
             addPanels(std::span(others).first(full), table_.columns(sets[set].rows.front()));
-            // With zeros for the columns that a row lacks it may take more room than alone.
+            // The remaining rows would need zeros for missing columns, and may then take more
+            // memory than ungrouped rows.
             const std::size_t ownCount = table_.columns(sets[set].rows.front()).size();
             const bool fits =
                 shared_.size() * sizeof(Real) <= ownCount * (sizeof(Real) + sizeof(Index));
             append(fits ? left : ungrouped_, std::span(others).subspan(full));
         }
         if (product) addProducts(*product, products, factors);
-        // What is left together, with the host's columns: all of it, or full panels, or none.
+        // The remaining rows share the superset's columns: all of them, only those that fill
+        // panels, or none.
         const std::size_t full = left.size() / kLanes<Real> * kLanes<Real>;
         const std::size_t paneled = isSmaller(left)                          ? left.size()
                                     : isSmaller(std::span(left).first(full)) ? full
@@ -300,7 +303,8 @@ private:
         append(ungrouped_, std::span(left).subspan(paneled));
     }
 
-    /// Whether rows take no more room in panels of the host's columns than alone.
+    /// Returns true if rows take at most as much memory in panels with the superset's columns as
+    /// they take ungrouped.
     bool isSmaller(std::span<const Index> rows) const {
         constexpr std::size_t lanes = kLanes<Real>;
         std::size_t entries = 0;
@@ -315,7 +319,7 @@ private:
         all.insert(all.end(), more.begin(), more.end());
     }
 
-    /// The weights of a row over columns that hold its own, with zeros.
+    /// Returns the weights of a row for columns that include its own, with zeros for the others.
     std::vector<Real> spread(Index row, std::span<const Index> columns) const {
         std::vector<Real> weights(columns.size(), 0);
         const auto own = table_.columns(row);
@@ -326,7 +330,8 @@ private:
         return weights;
     }
 
-    /// Appends the factors of a row, if it is such a product.
+    /// Appends the factors of a row to `factors`. Returns false if the row is not this kind of
+    /// outer product.
     bool addFactors(const OuterProduct& product, Index row, std::vector<Real>& factors) const {
         std::array<Real, 256> found;
         const std::size_t length = product.size[0] + product.size[1] + product.size[2];
@@ -362,7 +367,7 @@ private:
         }
     }
 
-    /// Shares out the groups.
+    /// Divides the groups into tasks.
     void addTasks() {
         Index rowCount = 0;
         for (std::size_t group = 0; group < result_.groups.size(); ++group) {
@@ -376,7 +381,7 @@ private:
     const StencilTable<Real>& table_;
     CompiledRows<Real> result_;
     GroupList<Real> groups_;
-    std::span<const Index> shared_;  ///< columns of the host at hand
+    std::span<const Index> shared_;  ///< columns of the current superset
     std::vector<Index> ungrouped_;   ///< rows that are in no group
 };
 

@@ -17,11 +17,11 @@ namespace {
 
 using stencils::StencilTable;
 
-/// Entries of a segment, and places of a sum: a longer one would be at work when all others are
-/// done.
+/// Maximum number of entries of a segment, and of places of a sum. A longer one would still run
+/// when all others are done.
 constexpr Offset kMaxEntries = 1024;
 
-/// The rows of a table that lives longer.
+/// Returns the rows of a table without copying them. The table must live longer.
 template <class Real>
 SparseArrays<Real> borrowedRows(const StencilTable<Real>& table) {
     SparseArrays<Real> rows;
@@ -34,14 +34,15 @@ SparseArrays<Real> borrowedRows(const StencilTable<Real>& table) {
 template <class Real>
 SparseArrays<Real> ownRows(StencilTable<Real> table) {
     SparseArrays<Real> rows = borrowedRows(table);
-    rows.table = std::move(table);  // which leaves its arrays where they are
+    rows.table = std::move(table);  // The move leaves the arrays where they are, so the spans stay
+                                    // valid.
     return rows;
 }
 
-/// Rows cut into segments of no more than kMaxEntries entries.
+/// Rows, cut into segments of at most kMaxEntries entries.
 struct RowSegments {
-    std::vector<Offset> offsets = {0};       ///< of the segments in the entries
-    std::vector<Offset> firstSegments = {};  ///< of each row, and one behind the last
+    std::vector<Offset> offsets = {0};       ///< of the segments, in the entries
+    std::vector<Offset> firstSegments = {};  ///< of each row, and the number of segments at the end
 };
 
 RowSegments splitRows(std::span<const Offset> offsets) {
@@ -106,7 +107,7 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
             (isProduct ? products : panels).push_back({number, tile});
     }
 
-    // The columns of the rows that are in no group.
+    // The columns of the ungrouped rows.
     segments =
         ownRows(arrays.groups.empty()
                     ? stencils::transposeTable(table)
@@ -117,7 +118,7 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
     firstSegment = std::ssize(arrays.groupColumns);
     placeCount = firstSegment + segments.count();
 
-    // Of each column the places of what is to be added up.
+    // For each column, the places of the sums that add up to its result.
     const InverseIndex<Offset> places(table.columnCount(), [&](auto found) {
         for (Offset place = 0; place < firstSegment; ++place)
             found(arrays.groupColumns[place], place);

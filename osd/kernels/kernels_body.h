@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bodies of the kernels. Each kernels_*.cpp includes this once, inside its own namespace and
-// with its own processor flags. No #pragma once, and no includes.
+// The kernels. Each kernels_*.cpp includes this file once, inside its own namespace and with its
+// own processor flags. Hence there is no #pragma once, and there are no includes.
 
-/// So many numbers in a register, or in several where the processor's are shorter.
+/// A vector of `count` numbers, which takes several registers where those of the processor are
+/// shorter.
 template <class Real, int count>
 struct Vector {
     typedef Real Type __attribute__((vector_size(count * sizeof(Real)), may_alias));
 };
 
-/// Two numbers, anywhere.
+/// Two numbers that need no more alignment than one.
 template <class Real>
 struct PairOf {
     typedef Real Type
@@ -20,17 +21,17 @@ const V& at(const Real* address) {
     return *reinterpret_cast<const V*>(address);
 }
 
-/// Numbers in a register of this processor.
+/// How many numbers a register of this processor holds.
 template <class Real>
 constexpr int kRegister = ESPALIER_REGISTER_BYTES / sizeof(Real);
 
-/// Whether a row is to be evaluated.
+/// Returns true if a row is in the range to be evaluated.
 template <class Real>
 bool isInRange(Index row, const Destination<Real>& to) {
     return to.isWhole || (row >= to.first && row < to.last);
 }
 
-/// Whether any row of a panel is.
+/// Returns true if any row of a panel is in the range.
 template <class Real>
 bool isAnyInRange(const Index* rows, Index count, const Destination<Real>& to) {
     for (Index lane = 0; lane < count; ++lane)
@@ -42,7 +43,7 @@ bool isAnyInRange(const Index* rows, Index count, const Destination<Real>& to) {
 template <int width, class Real>
 void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, Index count,
                 Offset from, const Destination<Real>& to) {
-    // Two components at a time: a store costs as much as several sums.
+    // Stores two components at a time: one store costs as much as several additions.
     using Pair = typename PairOf<Real>::Type;
     const auto store = [&](Index lane, Offset stride) {
         Real* result = to.values + rows[lane] * stride + from;
@@ -59,15 +60,15 @@ void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, I
     }
 }
 
-/// Components `from` to `from` + width − 1 of one panel.
+/// Evaluates components `from` to `from` + width − 1 of one panel.
 template <int width, class Real>
 void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* rows, Index count,
                    Offset from, const Destination<Real>& to) {
     constexpr int lanes = kLanes<Real>, each = kRegister<Real>, parts = lanes / each;
     using V = typename Vector<Real, each>::Type;
     alignas(64) Real results[width][lanes];
-    // As many registers at a time as leave room for two sums a component: one sum would wait for
-    // itself.
+    // Evaluates one register of rows at a time, with two sums for each component: each addition to
+    // a single sum would have to wait for the one before.
     for (int part = 0; part < parts; ++part) {
         V even[width] = {}, odd[width] = {};
         const Real* points = run.points + from;
@@ -89,8 +90,9 @@ void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* 
     storeLanes<width>(results, rows, count, from, to);
 }
 
-/// The same of a panel of outer products: along axis 0, then what that gives along axis 1, then 2.
-/// \tparam fixed the size along axis 0, which the inner loop is unrolled for; any if 0
+/// Does the same for a panel of outer products: sums along axis 0, then sums of these along axis 1,
+/// then along axis 2.
+/// \tparam fixed the size along axis 0, for which the inner loop is unrolled; 0 for any size
 template <int width, int fixed, class Real>
 void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Index* rows,
                      Index count, Offset from, const Destination<Real>& to) {
@@ -124,20 +126,20 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
     storeLanes<width>(results, rows, count, from, to);
 }
 
-/// With more than four components and up to so many columns it pays to have components in the
-/// lanes, and to go row by row: they are read and written as they lie. Twelve poses of rows of 8
-/// entries take a third of the time; of rows of 42, no less than before.
+/// For more than four components and at most this many columns, it is faster to go row by row with
+/// components in the lanes, since components are then read and written contiguously. With twelve
+/// components, rows of 8 entries take a third of the time; rows of 42 entries gain nothing.
 constexpr Index kMaxWideColumns = 16;
 
-/// Components `from` to `from` + width − 1 of one row of a panel, width being of a register or of
-/// a few.
-/// \param weights of the first column; those of the others kLanes apart
+/// Evaluates components `from` to `from` + width − 1 of one row of a panel. `width` fills one
+/// register or a few.
+/// \param weights the weight of the first column; weights of consecutive columns are kLanes apart
 template <int width, class Real>
 void evaluateComponents(const Real* weights, const Real* points, Offset pointStride,
                         Index columnCount, Real* result) {
     using V = typename Vector<Real, width>::Type;
-    // Copied, since numbers may lie anywhere: a type of less alignment loses that as an argument of
-    // a template.
+    // Copied, since the address need not be aligned: a vector type with reduced alignment loses
+    // that attribute as a template argument.
     const auto add = [&](V& sum, Index k) {
         V own;
         __builtin_memcpy(&own, points + k * pointStride, sizeof own);
@@ -154,7 +156,7 @@ void evaluateComponents(const Real* weights, const Real* points, Offset pointStr
     __builtin_memcpy(result, &sum, sizeof sum);
 }
 
-/// A panel of few columns, row by row.
+/// Evaluates a panel of few columns row by row.
 template <class Real>
 void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStride,
                        Index columnCount, const Index* rows, Index count,
@@ -174,7 +176,7 @@ void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStri
     }
 }
 
-/// The weights of a panel of outer products of few columns.
+/// Computes the weights of a panel of outer products with few columns.
 template <class Real>
 void multiplyOut(const Real* factors, const Index (&size)[3], Real* weights) {
     constexpr int lanes = kLanes<Real>, each = kRegister<Real>;
@@ -190,7 +192,7 @@ void multiplyOut(const Real* factors, const Index (&size)[3], Real* weights) {
             }
 }
 
-/// Calls step<width>(from) for all components, up to 4 at a time.
+/// Calls step<width>(from) until all components are done, at most 4 at a time.
 template <class Step>
 void forComponents(Offset length, Step step) {
     Offset from = 0;
@@ -258,7 +260,7 @@ void storeRow(const V& sum, Index row, Offset from, const Destination<Real>& to)
     for (int c = 0; c < width; ++c) result[c] = sum[c];
 }
 
-/// Components `from` to `from` + width − 1 of each row.
+/// Evaluates components `from` to `from` + width − 1 of each row.
 template <int width, class Real>
 void evaluateOwnWeights(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     using V = typename Vector<Real, kPadding>::Type;
@@ -279,8 +281,8 @@ void evaluateOwnWeights(const RowRun<Real>& run, Offset from, const Destination<
     }
 }
 
-/// The same where all rows have the same weights, which stay in registers.
-/// \tparam length of the rows
+/// Does the same for rows that all have the same weights, which stay in registers.
+/// \tparam length number of entries of each row
 template <int width, int length, class Real>
 void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     using V = typename Vector<Real, kPadding>::Type;
@@ -297,8 +299,9 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
     }
 }
 
-/// The commonest lengths of rows of level tables have loops of their own: of surfaces 4, 6 and 9,
-/// of lattices 8 and 12. Those of 18 and 27 have more weights than there are registers.
+/// The most common row lengths of level tables have their own unrolled loops: 4, 6 and 9 on
+/// surfaces, 8 and 12 in lattices. Rows of 18 and 27 entries have more weights than there are
+/// registers.
 template <int width, class Real>
 void evaluateRowComponents(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     if (run.isShared) switch (run.length) {
@@ -322,8 +325,8 @@ void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
                   [&]<int width>(Offset from) { evaluateRowComponents<width>(run, from, to); });
 }
 
-/// The sum of the lanes of a register, by halves. Not by way of memory, which would keep what is
-/// summed there.
+/// Returns the sum of the lanes of a vector, by adding its halves. Reading the lanes through memory
+/// would force the compiler to keep the vector there while it is summed.
 template <class Real, int count>
 Real sumOf(const typename Vector<Real, count>::Type& vector) {
     if constexpr (count == 2) {
@@ -338,15 +341,16 @@ Real sumOf(const typename Vector<Real, count>::Type& vector) {
     }
 }
 
-/// So many columns at a time as leave their sums in registers.
+/// Number of columns that are summed at once: as many as leave their sums in registers.
 template <int width>
 constexpr Index kColumnsAtOnce = ESPALIER_REGISTER_BYTES == 64 || width < 4 ? 4 : 3;
 
-/// So many panels at a time as leave their numbers in the nearest cache, where the columns of an
-/// outer product read them again and again. Of rows without end, that takes twice the time.
+/// Number of panels that are summed at once: few enough for their numbers to stay in the level-1
+/// cache, since the columns of an outer product read them repeatedly. Without blocks, groups of
+/// very many rows take twice the time.
 constexpr Index kPanelsAtOnce = 16;
 
-/// Some panels of rows that share their columns.
+/// Some panels of a group, and the source values of their rows.
 template <class Real>
 struct PanelBlock {
     const Real* numbers;
@@ -354,8 +358,8 @@ struct PanelBlock {
     Index panelCount;
 };
 
-/// Adds to the sums of some columns of panels, from column `first` on.
-/// \param sums of all columns: columns × width × kRegister
+/// Adds the products of a block of panels to the sums of some columns, starting at column `first`.
+/// \param sums the sums of all columns: columns × width × kRegister
 template <int width, int columns, class Real>
 void addPanelColumns(const PanelBlock<Real>& block, Index columnCount, Index first, Real* sums) {
     constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
@@ -369,7 +373,8 @@ void addPanelColumns(const PanelBlock<Real>& block, Index columnCount, Index fir
         for (int part = 0; part < lanes; part += each) {
             V own[width];
             for (int d = 0; d < width; ++d) own[d] = at<V>(values + d * lanes + part);
-            // One loop, which is unrolled before arrays become registers.
+            // A single loop, since the compiler unrolls it before it decides which arrays go into
+            // registers.
             for (int e = 0; e < columns * width; ++e)
                 all[e] += at<V>(weights + e / width * lanes + part) * own[e % width];
         }
@@ -379,7 +384,7 @@ void addPanelColumns(const PanelBlock<Real>& block, Index columnCount, Index fir
     for (int e = 0; e < columns * width; ++e) to[e] = all[e];
 }
 
-/// The same of outer products: columns from (i, j, k) on along axis 0.
+/// Does the same for outer products: for columns along axis 0, starting at (i, j, k).
 template <int width, int columns, class Real>
 void addProductColumns(const PanelBlock<Real>& block, const Index (&size)[3], Index i, Index j,
                        Index k, Real* sums) {
@@ -415,7 +420,8 @@ void forColumns(Index count, Step step) {
     for (; first < count; ++first) step.template operator()<1>(first);
 }
 
-/// Components `from` to `from` + width − 1 of some rows, as PanelBlock has them; 0 beyond them.
+/// Loads components `from` to `from` + width − 1 of some rows in the layout of PanelBlock::values,
+/// padded with zeros to whole panels.
 template <int width, class Real>
 void loadLanes(const RowValues<Real>& source, Offset from, const Index* rows, Index rowCount,
                Real* values) {
@@ -433,8 +439,9 @@ void loadLanes(const RowValues<Real>& source, Offset from, const Index* rows, In
     for (Index lane = 0; lane < rowCount; ++lane) load(lane);
 }
 
-/// Asks the memory for what the next block takes, in as many steps as the columns of this one are
-/// summed in: else the first of these would wait for all of it, which takes a third of the time.
+/// Prefetches the data of the next block, in as many steps as the columns of the current block are
+/// summed in. Otherwise the first columns of the next block would wait for all of its data, which
+/// costs a third of the time.
 template <class Real>
 class Prefetcher {
 public:
@@ -460,13 +467,13 @@ public:
 private:
     const Real* numbers_;
     const Real* numbersEnd_;
-    Offset numbersEach_;  ///< in a step
+    Offset numbersEach_;  ///< per step
     const Index* rows_;
     const Index* rowsEnd_;
     Offset rowsEach_;
 };
 
-/// Components `from` to `from` + width − 1.
+/// Evaluates components `from` to `from` + width − 1 of a group.
 template <int width, class Real>
 void evaluateAdjointComponents(const AdjointRun<Real>& run, const RowValues<Real>& source,
                                Offset from, Real* result, Real* sums) {
