@@ -165,7 +165,7 @@ TEST(Figures, BlockBecomesABarbellWithoutBreaks) {
 // Figure 9: an arm that lifts and a hand that twists. Beyond the bend and the twist the hand's
 // lattice moves rigidly, and so does the hand; the body end of the lattice does not move, and the
 // model there stays. "It was necessary to construct the lattice about the appendage": points
-// outside are not touched (Binding.MovesWhatIsInsideAndKeepsTheRest).
+// outside are not touched (Binding.MovesPointsInsideAndKeepsPointsOutside).
 TEST(Figures, ArmLiftsAndHandTwists) {
     const double lift = 0.9, twist = pi / 2;
     shapes::ArmOptions options;
