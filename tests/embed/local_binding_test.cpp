@@ -350,7 +350,7 @@ TEST(LocalBinding, RefusesWhatItCannotBind) {
 // However far a point is, up to where no cell is nearer than another, it goes with the nearest one,
 // and is where it was at rest. On deep levels it is thousands of millions of cells away.
 TEST(LocalBinding, CarriesPointsFromFarAway) {
-    const int count = kIsSlow ? 2 : 12;
+    const int count = kIsSlow ? 2 : 4;
     std::mt19937 random(12);
     std::normal_distribution<double> along;
     for (const Lattice& lattice : {shapes::box({.cells = {10, 10, 10}}), shapes::icosahedron()}) {

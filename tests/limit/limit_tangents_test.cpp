@@ -49,7 +49,7 @@ TEST(LimitGradients, AffinePosesAreExactAtAnyTolerance) {
         for (auto& named : zoo()) lattices.push_back(std::move(named));
     for (const auto& [name, lattice] : lattices) {
         auto points = limitsOfLevel(lattice, 1);
-        points.resize(std::min<std::size_t>(points.size(), 12));
+        points.resize(std::min<std::size_t>(points.size(), 6));
         auto pose = lattice.positions;
         for (Point3& p : pose) p = toPoint(map * vec(p) + Vector3d(0.3, -0.7, 0.2));
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
