@@ -218,19 +218,19 @@ ESPALIER_C_API espalier_status espalier_validity_check(const espalier_validity* 
 typedef struct espalier_largest_step {
     double length;          ///< fraction of the way to the pose up to which all cells stay valid
     int32_t limiting_cell;  ///< a cell that could not be proved valid beyond; −1 if `length` is
-                            ///< `most`
+                            ///< `max_step`
     int32_t is_tight;  ///< 1: this cell becomes invalid right after `length`; 0: it may stay valid
 } espalier_largest_step;
 
-/// Finds the largest step from rest towards a pose, at most `most`, up to which no cell is
+/// Finds the largest step from rest towards a pose, at most `max_step`, up to which no cell is
 /// inverted.
 ///
-/// \param most upper bound of the step: above 0, at most a million; 1 is the whole way
-/// \retval ESPALIER_ERROR_INPUT as espalier_validity_check(), or `most` is out of range
+/// \param max_step upper bound of the step: above 0, at most a million; 1 is the whole way
+/// \retval ESPALIER_ERROR_INPUT as espalier_validity_check(), or `max_step` is out of range
 /// \cost O(cells): 1 to 3 µs for each cell of the level; 0.15 ms for each cell of the limit
 ESPALIER_C_API espalier_status espalier_validity_largest_step(const espalier_validity* validity,
                                                               int32_t vertex_count,
-                                                              const double* pose, double most,
+                                                              const double* pose, double max_step,
                                                               espalier_largest_step* step);
 
 #ifdef __cplusplus

@@ -226,11 +226,11 @@ espalier_status espalier_validity_check(const espalier_validity* validity, int32
 
 espalier_status espalier_validity_largest_step(const espalier_validity* validity,
                                                int32_t vertex_count, const double* pose,
-                                               double most, espalier_largest_step* step) {
+                                               double max_step, espalier_largest_step* step) {
     return c::guarded([&] {
         const auto& own = c::deref(validity, "validity");
         auto& out = c::deref(step, "step");
-        const auto found = own.check.largestStep(c::posed(own, pose, vertex_count), most);
+        const auto found = own.check.largestStep(c::posed(own, pose, vertex_count), max_step);
         out = {found.length, found.limitingCell.value_or(-1), found.isTight ? 1 : 0};
     });
 }

@@ -90,8 +90,7 @@ public:
 
     /// Returns the size in bytes of the memory that evaluateIn() needs for entries of `length`
     /// components.
-    /// \param hasPaddedSource true if the source has the layout that needs no copy (see \cost
-    ///        above)
+    /// \param hasPaddedSource true if the layout of the source needs no copy
     std::size_t workspaceBytes(Offset length, bool hasPaddedSource) const;
 
     /// Evaluates without checks, in memory of the caller that is aligned to 64 bytes.

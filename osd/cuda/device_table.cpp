@@ -144,10 +144,10 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
         steps.push_back({std::move(rows), placeCount});
     };
     const auto longest = [&] {
-        Offset most = 0;
+        Offset maximum = 0;
         for (std::size_t i = 0; i + 1 < offsets.size(); ++i)
-            most = std::max(most, offsets[i + 1] - offsets[i]);
-        return most;
+            maximum = std::max(maximum, offsets[i + 1] - offsets[i]);
+        return maximum;
     };
     while (longest() > kMaxEntries) {
         RowSegments parts = splitRows(offsets);
