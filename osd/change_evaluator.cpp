@@ -160,9 +160,10 @@ struct ChangeEvaluator<Real>::Data {
         return {columns, rows, list.first(count)};
     }
 
+    using GroupRows = std::array<Index, kMaxRowsPerGroup>;
+
     /// Returns the row numbers of a group, with −1 for rows that do not depend on the changed
     /// columns: kernels skip rows that are out of range. The result may point into `rows`.
-    using GroupRows = std::array<Index, kMaxRowsPerGroup>;
     const Index* changedRows(Index g, const BitSet& columns, GroupRows& rows) const {
         const Group& group = groupAt(g);
         const auto all = table->rowsOf(group), own = table->columnsOf(group);

@@ -56,20 +56,20 @@ std::vector<Step> compiled(const FactoredTable<Real>& table, Simd simd) {
 /// step exist at once, so intermediate values alternate between two buffers.
 template <class Real>
 struct ChainScratch {
-    std::array<Offset, 2> held = {0, 0};  ///< size of each of the two buffers, in numbers
+    std::array<Offset, 2> sizes = {0, 0};  ///< size of each of the two buffers, in numbers
     std::size_t stepBytes = 0;
 
     template <class Step>
     ChainScratch(const std::vector<Step>& steps, Offset length) {
         for (std::size_t i = 0; i < steps.size(); ++i) {
             if (i + 1 < steps.size())
-                held[i % 2] = std::max(held[i % 2], steps[i].rowCount() * paddedLength(length));
+                sizes[i % 2] = std::max(sizes[i % 2], steps[i].rowCount() * paddedLength(length));
             stepBytes = std::max(stepBytes, steps[i].workspaceBytes(length, i > 0));
         }
     }
 
     std::size_t bytes() const {
-        return scratchBytes<Real>(held[0]) + scratchBytes<Real>(held[1]) + stepBytes;
+        return scratchBytes<Real>(sizes[0]) + scratchBytes<Real>(sizes[1]) + stepBytes;
     }
 };
 
@@ -103,22 +103,23 @@ void StepChain<Step, Real>::evaluateIn(std::byte* memory, Values<Real> source,
                                        RowRange rows) const {
     const ChainScratch<Real> needed(steps_, sourceLayout.length);
     Scratch scratch(memory);
-    const std::span<Real> held[] = {scratch.take<Real>(needed.held[0]),
-                                    scratch.take<Real>(needed.held[1])};
-    std::byte* const own = scratch.take<std::byte>(static_cast<Offset>(needed.stepBytes)).data();
+    const std::span<Real> buffers[] = {scratch.take<Real>(needed.sizes[0]),
+                                       scratch.take<Real>(needed.sizes[1])};
+    std::byte* const stepMemory =
+        scratch.take<std::byte>(static_cast<Offset>(needed.stepBytes)).data();
     // Intermediate values have the padded layout, which the kernels read without a copy.
     const BufferDescriptor between{0, sourceLayout.length, paddedLength(sourceLayout.length)};
     Values<Real> values = source;
     BufferDescriptor layout = sourceLayout;
     for (std::size_t i = 0; i + 1 < steps_.size(); ++i) {
-        const auto next = held[i % 2].first(steps_[i].rowCount() * between.stride);
+        const auto next = buffers[i % 2].first(steps_[i].rowCount() * between.stride);
         // Clears the padding: denormal numbers in it would slow the kernels down.
         if (between.stride > between.length) std::fill(next.begin(), next.end(), Real{0});
-        steps_[i].evaluateIn(own, values, layout, next, between, {0, steps_[i].rowCount()});
+        steps_[i].evaluateIn(stepMemory, values, layout, next, between, {0, steps_[i].rowCount()});
         values = next;
         layout = between;
     }
-    steps_.back().evaluateIn(own, values, layout, destination, destinationLayout, rows);
+    steps_.back().evaluateIn(stepMemory, values, layout, destination, destinationLayout, rows);
 }
 
 #define ESPALIER_INSTANTIATE(Step, Real)                            \

@@ -9,7 +9,7 @@
 namespace espalier::osd {
 namespace {
 
-/// How many rows are sampled. That sums agree by chance in all of them is practically impossible.
+/// How many rows are sampled: enough that sums do not agree in all of them by chance.
 constexpr std::size_t kSamples = 6;
 
 /// The logarithms of the absolute weights of one column in the sampled rows. Coordinate 0 is a
@@ -121,12 +121,13 @@ template <class Real>
 std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Real>> rows) {
     // Skips rows with weights that are nearly 0, whose logarithms have no accuracy.
     std::vector<std::span<const Real>> samples;
-    constexpr Real kLeast = std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
+    constexpr Real kMinWeight =
+        std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
     for (const auto& weights : rows)
         if (std::all_of(weights.begin(), weights.end(),
-                        [](Real weight) { return std::abs(weight) >= kLeast; }))
+                        [](Real weight) { return std::abs(weight) >= kMinWeight; }))
             samples.push_back(weights);
-    // Splines have fewer columns than this. For more, the search would take long and find nothing.
+    // No spline has more columns than this: the search would take long and find nothing.
     if (samples.empty() || samples[0].size() < 4 || samples[0].size() > kernels::kMaxProductColumns)
         return std::nullopt;
     std::vector<Logarithms> points(samples[0].size(), Logarithms{});
@@ -198,7 +199,8 @@ bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
                     atLargest = {i, j, k};
                 }
             }
-    // Weights that are tiny beside others have fewer digits, or are rounded to 0.
+    // Tiny weights have fewer digits, or are rounded to 0: they may be off by kTiny, which must be
+    // far below the largest weight.
     constexpr long double kTiny = std::numeric_limits<Real>::min();
     if (largest * std::numeric_limits<Real>::epsilon() < kTiny) return false;
     std::size_t place = 0;

@@ -126,8 +126,8 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
     storeLanes<width>(results, rows, count, from, to);
 }
 
-/// For more than four components and at most this many columns, it is faster to go row by row with
-/// components in the lanes, since components are then read and written contiguously. With twelve
+/// Panels with at most this many columns are evaluated row by row, with components in the lanes, if
+/// there are more than four components: these are then read and written contiguously. With twelve
 /// components, rows of 8 entries take a third of the time; rows of 42 entries gain nothing.
 constexpr Index kMaxWideColumns = 16;
 

@@ -612,16 +612,16 @@ static void test_validity(void) {
 }
 
 static void try_limit_stencils(int32_t level, int32_t count, int32_t cell, double u,
-                               int32_t derivatives, double tolerance, int32_t room) {
+                               int32_t derivatives, double tolerance, int32_t table_count) {
     espalier_table* tables[10] = {NULL};
     const double uvw[3] = {u, 0.5, 0.5};
     espalier_limit_stencil_options options = espalier_default_limit_stencil_options();
     options.derivatives = derivatives;
     options.tolerance = tolerance;
     const int made = record(espalier_table_create_limit_stencils(refiner, level, count, &cell, uvw,
-                                                                 &options, room, tables));
+                                                                 &options, table_count, tables));
     for (int t = 0; t < 10; ++t) {
-        CHECK((tables[t] != NULL) == (made && t < room));
+        CHECK((tables[t] != NULL) == (made && t < table_count));
         espalier_table_destroy(tables[t]);
     }
 }

@@ -111,8 +111,8 @@ TYPED_TEST(CompiledTableTest, Surfaces) {
 }
 
 // The rows of all regular faces have the same weights, which are stored once, however the vertices
-// are numbered and the faces and their corners are ordered. Sizes are relative to CSR, which has two
-// numbers for each entry.
+// are numbered and the faces and their corners are ordered. Sizes are relative to CSR, which has
+// two numbers for each entry.
 TYPED_TEST(CompiledTableTest, RegularFacesShareTheirNumbers) {
     constexpr Index kSide = 24;
     std::mt19937 random(2);

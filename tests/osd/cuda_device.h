@@ -9,7 +9,7 @@
 namespace espalier::test {
 
 /// Returns why tests on a device cannot run here; empty if they can.
-inline std::string whyNoCuda() {
+inline std::string cudaSkipReason() {
     if (osd::cudaDeviceCount() > 0) return {};
     try {
         const osd::CudaBuffer<float> buffer(1);
@@ -40,7 +40,7 @@ private:
 class CudaTest : public ::testing::Test {
 protected:
     void SetUp() override {
-        if (const std::string reason = whyNoCuda(); !reason.empty()) GTEST_SKIP() << reason;
+        if (const std::string reason = cudaSkipReason(); !reason.empty()) GTEST_SKIP() << reason;
     }
 };
 

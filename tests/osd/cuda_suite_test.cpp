@@ -27,7 +27,7 @@ private:
 /// A CudaEvaluator, with source and destination both on the device or both on the host.
 template <bool isGrouped, bool isAdjoint, bool isOnDevice>
 struct Cuda {
-    static std::string skipReason() { return test::whyNoCuda(); }
+    static std::string skipReason() { return test::cudaSkipReason(); }
 
     template <class Real>
     class Of {
