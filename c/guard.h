@@ -50,16 +50,16 @@ espalier_status result(Result* out, const char* name, const Make& make) noexcept
     });
 }
 
-/// Returns an array of `count` entities with `each` values per entity.
+/// Returns an array of `count` entities with `perEntity` values per entity.
 /// \throws Error if `count` is negative or exceeds any memory, or if the array is null and not
 ///         empty
 template <class T>
-std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t each = 1) {
-    const std::int64_t maxCount = PTRDIFF_MAX / static_cast<std::int64_t>(sizeof(T)) / each;
+std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t perEntity = 1) {
+    const std::int64_t maxCount = PTRDIFF_MAX / static_cast<std::int64_t>(sizeof(T)) / perEntity;
     if (count < 0 || count > maxCount)
         throw Error(concat(name, ": the count is ", count, "; expected 0 to ", maxCount));
     if (count > 0) deref(values, name);
-    return {values, static_cast<std::size_t>(count * each)};
+    return {values, static_cast<std::size_t>(count * perEntity)};
 }
 
 /// Copies an array of positions.

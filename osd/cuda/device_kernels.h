@@ -537,7 +537,7 @@ struct AdjointProductKernel {
 private:
     /// How many rows ahead to prefetch. The warps of a group run side by side and read the same
     /// factors, so without early prefetches few bytes would be in flight.
-    static constexpr Index kAhead = 4 * kWarp;
+    static constexpr Index kRowsAhead = 4 * kWarp;
 
     template <class Warp>
     ESPALIER_DEVICE void prefetch(Warp& warp, const Group& group, Index row, Index length) const {
@@ -566,7 +566,8 @@ private:
         warp.each([&](int lane) {
             Sums own = {};
             for (Index r = lane; r < group.rowCount; r += kWarp) {
-                if (r + kAhead < group.rowCount) prefetch(warp, group, r + kAhead, n + m + l);
+                if (r + kRowsAhead < group.rowCount)
+                    prefetch(warp, group, r + kRowsAhead, n + m + l);
                 const Real* values =
                     e.source + table.rows[group.firstRow + r] * e.sourceStride + from;
                 const Real* factor = numberOf(table, group, r, n + m + l, 0);

@@ -64,15 +64,16 @@ void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, I
 template <int width, class Real>
 void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* rows, Index count,
                    Offset from, const Destination<Real>& to) {
-    constexpr int lanes = kLanes<Real>, each = kRegister<Real>, parts = lanes / each;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int lanes = kLanes<Real>, registerSize = kRegister<Real>,
+                  parts = lanes / registerSize;
+    using V = typename Vector<Real, registerSize>::Type;
     alignas(64) Real results[width][lanes];
     // Evaluates one register of rows at a time, with two sums for each component: each addition to
     // a single sum would have to wait for the one before.
     for (int part = 0; part < parts; ++part) {
         V even[width] = {}, odd[width] = {};
         const Real* points = run.points + from;
-        const Real* own = weights + part * each;
+        const Real* own = weights + part * registerSize;
         Index k = 0;
         for (; k + 1 < run.columnCount; k += 2) {
             const V& first = at<V>(own);
@@ -85,7 +86,7 @@ void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* 
         if (k < run.columnCount)
             for (int c = 0; c < width; ++c) even[c] += at<V>(own) * points[c];
         for (int c = 0; c < width; ++c)
-            *reinterpret_cast<V*>(results[c] + part * each) = even[c] + odd[c];
+            *reinterpret_cast<V*>(results[c] + part * registerSize) = even[c] + odd[c];
     }
     storeLanes<width>(results, rows, count, from, to);
 }
@@ -96,12 +97,13 @@ void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* 
 template <int width, int fixed, class Real>
 void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Index* rows,
                      Index count, Offset from, const Destination<Real>& to) {
-    constexpr int lanes = kLanes<Real>, each = kRegister<Real>, parts = lanes / each;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int lanes = kLanes<Real>, registerSize = kRegister<Real>,
+                  parts = lanes / registerSize;
+    using V = typename Vector<Real, registerSize>::Type;
     const Index n = fixed > 0 ? fixed : run.size[0], m = run.size[1], l = run.size[2];
     alignas(64) Real results[width][lanes];
     for (int part = 0; part < parts; ++part) {
-        const Real* a = factors + part * each;
+        const Real* a = factors + part * registerSize;
         const Real* b = a + n * lanes;
         const Real* c = b + m * lanes;
         const Real* points = run.points + from;
@@ -121,7 +123,8 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
             const V& factor = at<V>(c + k * lanes);
             for (int d = 0; d < width; ++d) all[d] += factor * plane[d];
         }
-        for (int d = 0; d < width; ++d) *reinterpret_cast<V*>(results[d] + part * each) = all[d];
+        for (int d = 0; d < width; ++d)
+            *reinterpret_cast<V*>(results[d] + part * registerSize) = all[d];
     }
     storeLanes<width>(results, rows, count, from, to);
 }
@@ -161,14 +164,14 @@ template <class Real>
 void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStride,
                        Index columnCount, const Index* rows, Index count,
                        const Destination<Real>& to) {
-    constexpr int each = kRegister<Real>;
+    constexpr int registerSize = kRegister<Real>;
     for (Index lane = 0; lane < count; ++lane) {
         if (!isInRange(rows[lane], to)) continue;
         Real* result = to.values + rows[lane] * to.stride;
         Offset c = 0;
-        for (; c + each <= to.length; c += each)
-            evaluateComponents<each>(weights + lane, points + c, pointStride, columnCount,
-                                     result + c);
+        for (; c + registerSize <= to.length; c += registerSize)
+            evaluateComponents<registerSize>(weights + lane, points + c, pointStride, columnCount,
+                                             result + c);
         for (; c + 4 <= to.length; c += 4)
             evaluateComponents<4>(weights + lane, points + c, pointStride, columnCount, result + c);
         for (; c < to.length; ++c)
@@ -179,12 +182,12 @@ void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStri
 /// Computes the weights of a panel of outer products with few columns.
 template <class Real>
 void multiplyOut(const Real* factors, const Index (&size)[3], Real* weights) {
-    constexpr int lanes = kLanes<Real>, each = kRegister<Real>;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int lanes = kLanes<Real>, registerSize = kRegister<Real>;
+    using V = typename Vector<Real, registerSize>::Type;
     const Real *a = factors, *b = a + size[0] * lanes, *c = b + size[1] * lanes;
     for (Index k = 0; k < size[2]; ++k)
         for (Index j = 0; j < size[1]; ++j)
-            for (int part = 0; part < lanes; part += each) {
+            for (int part = 0; part < lanes; part += registerSize) {
                 const V plane = at<V>(c + k * lanes + part) * at<V>(b + j * lanes + part);
                 Real* to = weights + (k * size[1] + j) * size[0] * lanes + part;
                 for (Index i = 0; i < size[0]; ++i)
@@ -362,15 +365,15 @@ struct PanelBlock {
 /// \param sums the sums of all columns: columns × width × kRegister
 template <int width, int columns, class Real>
 void addPanelColumns(const PanelBlock<Real>& block, Index columnCount, Index first, Real* sums) {
-    constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int registerSize = kRegister<Real>, lanes = kLanes<Real>;
+    using V = typename Vector<Real, registerSize>::Type;
     V* const to = reinterpret_cast<V*>(sums) + Offset{first} * width;
     V all[columns * width];
     for (int e = 0; e < columns * width; ++e) all[e] = to[e];
     const Real* weights = block.numbers + Offset{first} * lanes;
     const Real* values = block.values;
     for (Index panel = 0; panel < block.panelCount; ++panel) {
-        for (int part = 0; part < lanes; part += each) {
+        for (int part = 0; part < lanes; part += registerSize) {
             V own[width];
             for (int d = 0; d < width; ++d) own[d] = at<V>(values + d * lanes + part);
             // A single loop, since the compiler unrolls it before it decides which arrays go into
@@ -388,8 +391,8 @@ void addPanelColumns(const PanelBlock<Real>& block, Index columnCount, Index fir
 template <int width, int columns, class Real>
 void addProductColumns(const PanelBlock<Real>& block, const Index (&size)[3], Index i, Index j,
                        Index k, Real* sums) {
-    constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int registerSize = kRegister<Real>, lanes = kLanes<Real>;
+    using V = typename Vector<Real, registerSize>::Type;
     const Index n = size[0], m = size[1], l = size[2];
     V* const to = reinterpret_cast<V*>(sums) + Offset{(k * m + j) * n + i} * width;
     V all[columns * width];
@@ -397,7 +400,7 @@ void addProductColumns(const PanelBlock<Real>& block, const Index (&size)[3], In
     const Real* factors = block.numbers;
     const Real* values = block.values;
     for (Index panel = 0; panel < block.panelCount; ++panel) {
-        for (int part = 0; part < lanes; part += each) {
+        for (int part = 0; part < lanes; part += registerSize) {
             const Real* own = factors + part;
             const V line = at<V>(own + (n + j) * lanes) * at<V>(own + (n + m + k) * lanes);
             V scaled[width];
@@ -449,17 +452,18 @@ public:
                Offset steps)
         : numbers_(numbers),
           numbersEnd_(numbers + numberCount),
-          numbersEach_(numberCount / steps + 1),
+          numbersPerStep_(numberCount / steps + 1),
           rows_(rows),
           rowsEnd_(rows + rowCount),
-          rowsEach_(rowCount / steps + 1) {}
+          rowsPerStep_(rowCount / steps + 1) {}
 
     void step(const RowValues<Real>& source) {
         constexpr Offset line = 64 / sizeof(Real);
         const Real* const numbersUpTo =
-            numbersEnd_ - numbers_ < numbersEach_ ? numbersEnd_ : numbers_ + numbersEach_;
+            numbersEnd_ - numbers_ < numbersPerStep_ ? numbersEnd_ : numbers_ + numbersPerStep_;
         for (; numbers_ < numbersUpTo; numbers_ += line) __builtin_prefetch(numbers_);
-        const Index* const rowsUpTo = rowsEnd_ - rows_ < rowsEach_ ? rowsEnd_ : rows_ + rowsEach_;
+        const Index* const rowsUpTo =
+            rowsEnd_ - rows_ < rowsPerStep_ ? rowsEnd_ : rows_ + rowsPerStep_;
         for (; rows_ < rowsUpTo; ++rows_)
             __builtin_prefetch(source.values + *rows_ * source.stride);
     }
@@ -467,22 +471,22 @@ public:
 private:
     const Real* numbers_;
     const Real* numbersEnd_;
-    Offset numbersEach_;  ///< per step
+    Offset numbersPerStep_;
     const Index* rows_;
     const Index* rowsEnd_;
-    Offset rowsEach_;
+    Offset rowsPerStep_;
 };
 
 /// Evaluates components `from` to `from` + width − 1 of a group.
 template <int width, class Real>
 void evaluateAdjointComponents(const AdjointRun<Real>& run, const RowValues<Real>& source,
                                Offset from, Real* result, Real* sums) {
-    constexpr int each = kRegister<Real>;
+    constexpr int registerSize = kRegister<Real>;
     constexpr Index lanes = kLanes<Real>, rowsAtOnce = kPanelsAtOnce * lanes;
     const bool isProduct = run.size[0] > 0;
     const Offset numbersPerRow =
         isProduct ? run.size[0] + run.size[1] + run.size[2] : run.columnCount;
-    for (Offset e = 0; e < Offset{run.columnCount} * width * each; ++e) sums[e] = 0;
+    for (Offset e = 0; e < Offset{run.columnCount} * width * registerSize; ++e) sums[e] = 0;
     alignas(64) Real values[width * rowsAtOnce];
     for (Index first = 0; first < run.rowCount; first += rowsAtOnce) {
         const Index count = run.rowCount - first < rowsAtOnce ? run.rowCount - first : rowsAtOnce;
@@ -511,9 +515,9 @@ void evaluateAdjointComponents(const AdjointRun<Real>& run, const RowValues<Real
             }
     }
     for (Index column = 0; column < run.columnCount; ++column)
-        for (int d = 0; d < width; ++d, sums += each)
+        for (int d = 0; d < width; ++d, sums += registerSize)
             result[column * source.length + from + d] =
-                sumOf<Real, each>(at<typename Vector<Real, each>::Type>(sums));
+                sumOf<Real, registerSize>(at<typename Vector<Real, registerSize>::Type>(sums));
 }
 
 template <class Real>

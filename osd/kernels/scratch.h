@@ -38,15 +38,15 @@ inline Offset paddedLength(Offset length) {
     return (length + kernels::kPadding - 1) / kernels::kPadding * kernels::kPadding;
 }
 
-/// Returns the number of bytes that Scratch::take() uses for `count` · `each` values, rounded up to
-/// a multiple of `alignment`. The result is small enough that a few of them add up without
+/// Returns the number of bytes that Scratch::take() uses for `count` · `length` values, rounded up
+/// to a multiple of `alignment`. The result is small enough that a few of them add up without
 /// overflow.
 /// \throws std::bad_array_new_length if no memory could hold that many values
 template <class T, std::size_t alignment = 64>
-constexpr std::size_t scratchBytes(Offset count, Offset each = 1) {
+constexpr std::size_t scratchBytes(Offset count, Offset length = 1) {
     constexpr std::size_t kMaxBytes = std::size_t{1} << 60;
     std::size_t bytes = 0;
-    if (__builtin_mul_overflow(count, each, &bytes) ||
+    if (__builtin_mul_overflow(count, length, &bytes) ||
         __builtin_mul_overflow(bytes, sizeof(T), &bytes) || bytes > kMaxBytes)
         throw std::bad_array_new_length();
     return (bytes + alignment - 1) / alignment * alignment;
