@@ -30,8 +30,6 @@
 namespace espalier {
 namespace {
 
-constexpr auto kRules = stencils::Rules::Siggraph96;
-
 struct Scene {
     int level;
     std::vector<Point3> points;
@@ -39,8 +37,7 @@ struct Scene {
     far::TopologyRefiner base{lattice.complex};
 
     embed::Binding bind() const {
-        return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
-            .binding;
+        return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
     }
 };
 
@@ -59,8 +56,7 @@ struct Refined {
 
     Refined() {
         refiner.refineUniform(scene.level);
-        positions =
-            stencils::refinePositions(refiner, scene.level, kRules, scene.lattice.positions);
+        positions = stencils::refinePositions(refiner, scene.level, scene.lattice.positions);
     }
     const far::CellComplex& complex() const { return refiner.level(scene.level).complex; }
 };

@@ -24,8 +24,6 @@
 namespace espalier {
 namespace {
 
-using stencils::Rules;
-
 /// A value a vertex that tells vertices apart.
 std::vector<double> valuesOf(Index count) {
     std::vector<double> values(3 * static_cast<std::size_t>(count));
@@ -90,7 +88,7 @@ void carry(benchmark::State& state, const far::TopologyRefiner& refiner, int lev
         evaluator.evaluate(source, layout, result, layout, {0, evaluator.rowCount()});
         benchmark::ClobberMemory();
     }
-    const auto expected = stencils::refineValues(refiner, level, Rules::Siggraph96, values, 3);
+    const auto expected = stencils::refineValues(refiner, level, values, 3);
     // Sums in single precision, level upon level.
     if (!std::equal(expected.begin(), expected.end(), result.begin(), result.end(),
                     [](double x, float y) { return std::abs(x - static_cast<double>(y)) < 1e-5; }))
@@ -151,7 +149,7 @@ bool areSame(const std::vector<Xyz>& theirs, const std::vector<double>& ours) {
 
 std::vector<double> ourValues(const bench::Mesh& mesh, int level) {
     const auto refiner = refined(far::buildMesh(mesh.vertexCount, mesh.loops), level);
-    return stencils::refineValues(refiner, level, Rules::Siggraph96, valuesOf(mesh.vertexCount), 3);
+    return stencils::refineValues(refiner, level, valuesOf(mesh.vertexCount), 3);
 }
 
 void refineOpenSubdiv(benchmark::State& state, const bench::Mesh& mesh, int level) {

@@ -18,8 +18,6 @@
 namespace espalier {
 namespace {
 
-constexpr auto kRules = stencils::Rules::Siggraph96;
-
 /// A box of cellCount³ cells with the points of a surface in it.
 struct Scene {
     std::vector<Point3> points;
@@ -32,8 +30,7 @@ struct Scene {
           base(lattice.complex) {}
 
     embed::Binding bind(int level) const {
-        return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
-            .binding;
+        return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
     }
 };
 

@@ -19,7 +19,6 @@
 namespace espalier {
 namespace {
 
-constexpr auto kRules = stencils::Rules::Siggraph96;
 constexpr int kPointCount = 200'000;
 
 struct Scene {
@@ -30,10 +29,8 @@ struct Scene {
     /// D; of the limit if the level is 0.
     embed::Binding bind(int level) const {
         if (level > 0)
-            return embed::bindPoints({base, lattice.positions, kRules}, points, {.level = level})
-                .binding;
-        return limit::withoutGradients(limit::bindLimit({base, lattice.positions, kRules}, points))
-            .binding;
+            return embed::bindPoints({base, lattice.positions}, points, {.level = level}).binding;
+        return limit::withoutGradients(limit::bindLimit({base, lattice.positions}, points)).binding;
     }
 
     /// The vertices where no two go the same way: by sines of places.

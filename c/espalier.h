@@ -311,7 +311,8 @@ typedef struct espalier_refiner espalier_refiner;
 /// Makes a refiner, which has level 0 only, from the current cells and marks of the lattice.
 ///
 /// \param options null for the defaults
-/// \retval ESPALIER_ERROR_INPUT a mark is impossible: smooth where the topology makes a corner
+/// \retval ESPALIER_ERROR_INPUT a mark is impossible: smooth where the topology makes a corner; or
+///         smooth triangles with the rules of MLCA
 ESPALIER_C_API espalier_status espalier_refiner_create(const espalier_lattice* lattice,
                                                        const espalier_refine_options* options,
                                                        espalier_refiner** refiner);

@@ -7,7 +7,6 @@
 #include <espalier/limit/vertex_ring.h>
 #include <espalier/shapes/lattice.h>
 #include <espalier/stencils/composition.h>
-#include <espalier/stencils/masks.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -167,7 +166,7 @@ SortedJson reportLevel(const far::Level& level, const std::vector<Point3>& posit
 /// `siggraph96` their midpoint has a negative weight, and the refined lattice may leave the convex
 /// hull of the lattice near them (MacCracken & Joy 1996, section 2.2, n = 2).
 SortedJson reportLattice(const std::string& path, const Lattice& lattice,
-                         const far::TopologyRefiner& refiner, stencils::Rules rules) {
+                         const far::TopologyRefiner& refiner) {
     Point3 least = lattice.positions.front(), most = least;
     for (const Point3& position : lattice.positions)
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -180,7 +179,7 @@ SortedJson reportLattice(const std::string& path, const Lattice& lattice,
     for (const VertexIntegers& integers : lattice.integers) attributes.push_back(integers.name);
     SortedJson levels = SortedJson::array();
     for (int level = 0; level <= refiner.maxLevel(); ++level) {
-        const auto positions = stencils::refinePositions(refiner, level, rules, lattice.positions);
+        const auto positions = stencils::refinePositions(refiner, level, lattice.positions);
         levels.push_back(reportLevel(refiner.level(level), positions, level == 0));
     }
     const auto edgesOfTwoFaces = levels[0]["interior_edge_valences"].value("2", 0);
@@ -227,12 +226,12 @@ Offset cornersAt(const far::CellComplex& complex, Index vertex) {
 }
 
 Smoothness smoothnessOf(const Entity& entity, const far::Level& level, Index vertex,
-                        const far::RefinerOptions& options, stencils::Rules rules) {
+                        const far::RefinerOptions& options) {
     constexpr std::size_t kMaxEigenvalues = 6;
     Smoothness result{entity, level.strata.of({0, vertex}), ringPointsAt(level.complex, vertex)};
     if (result.ringPoints > kMaxRingPoints || cornersAt(level.complex, vertex) > kMaxRingPoints)
         return result;
-    const auto ring = limit::ringOf(level, options, rules, vertex);
+    const auto ring = limit::ringOf(level, options, vertex);
     auto values = limit::eigenvalues(ring);
     values.erase(values.begin());
     values.resize(std::min(values.size(), kMaxEigenvalues));
@@ -247,8 +246,7 @@ Smoothness smoothnessOf(const Entity& entity, const far::Level& level, Index ver
 /// One for each vertex and each edge of level 0 whose ring is not regular, in their order. An edge
 /// is judged by the ring of its new point: those of the further ones on it are the same.
 /// \cost O(n³) in the points of a ring, for each of up to kMaxRingPoints points
-std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
-                                         stencils::Rules rules) {
+std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice) {
     far::TopologyRefiner refiner(lattice.level(0), lattice.options());
     refiner.refineUniform(1);
     const far::Level& level = refiner.level(1);
@@ -265,7 +263,7 @@ std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
     parallelFor(std::ssize(irregular), 1, [&](Offset first, Offset last) {
         for (Offset i = first; i < last; ++i) {
             const auto& [entity, vertex] = irregular[i];
-            result[i] = smoothnessOf(entity, level, vertex, refiner.options(), rules);
+            result[i] = smoothnessOf(entity, level, vertex, refiner.options());
         }
     });
     return result;
@@ -340,7 +338,7 @@ void printText(const SortedJson& report, const InfoOptions& options) {
         attributes += (attributes.empty() ? "" : ", ") + printable(name.get<std::string>());
     fmt::print("attributes  {}\n", attributes.empty() ? "none" : attributes);
     const auto edgesOfTwoFaces = report["interior_edges_of_two_faces"].get<Index>();
-    if (edgesOfTwoFaces > 0 && options.common.rules == stencils::Rules::Siggraph96)
+    if (edgesOfTwoFaces > 0 && options.common.rules == far::Rules::Siggraph96)
         fmt::print(
             "note        {} interior edges have two faces: their midpoint has a negative "
             "weight, and the region may leave the convex hull there\n",
@@ -381,13 +379,12 @@ void runInfo(const InfoOptions& options) {
     Stages stages(options.common.quiet);
     const auto [lattice, refiner] = readAndRefine(options, FileKind::Lattice, stages);
     SortedJson report = stages.run("measuring", [&, &lattice = lattice, &refiner = refiner] {
-        return reportLattice(options.lattice, lattice, refiner, options.common.rules);
+        return reportLattice(options.lattice, lattice, refiner);
     });
     std::vector<Smoothness> smoothness;
     if (options.smoothness)
-        smoothness = stages.run("finding eigenvalues", [&, &refiner = refiner] {
-            return reportSmoothness(refiner, options.common.rules);
-        });
+        smoothness = stages.run("finding eigenvalues",
+                                [&, &refiner = refiner] { return reportSmoothness(refiner); });
     if (options.json) {
         if (options.smoothness) report["smoothness"] = toJson(smoothness);
         // Only ASCII, since the names in it come from outside; a byte that is not UTF-8 is U+FFFD.

@@ -33,15 +33,15 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options, RulesFor ru
     addChoice<far::SharpEdges>(
         command, "--sharp-edges", options.sharpEdges, far::kSharpEdgesWords,
         "Sharp are boundary edges in one cell, or those between vertices of at most two cells");
-    std::vector<Word<stencils::Rules>> rules;
-    for (const auto& word : stencils::kRulesWords)
-        if ((word.choice != stencils::Rules::Mlca || rulesFor != RulesFor::OpenSubdiv) &&
-            (word.choice != stencils::Rules::Rats || rulesFor == RulesFor::Anything))
+    std::vector<Word<far::Rules>> rules;
+    for (const auto& word : far::kRulesWords)
+        if ((word.choice != far::Rules::Mlca || rulesFor != RulesFor::OpenSubdiv) &&
+            (word.choice != far::Rules::Rats || rulesFor == RulesFor::Anything))
             rules.push_back(word);
     std::string help = "Catmull-Clark, in two editions for the edges inside a lattice";
     if (rulesFor != RulesFor::OpenSubdiv) help += "; multilinear cell averaging";
     if (rulesFor == RulesFor::Anything) help += "; or RATS splines, for curves and meshes";
-    addChoice<stencils::Rules>(command, "--rules", options.rules, rules, help);
+    addChoice<far::Rules>(command, "--rules", options.rules, rules, help);
 }
 
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {

@@ -48,9 +48,8 @@ void runRefine(const RefineOptions& options) {
     const far::TopologyRefiner refiner = stages.run("refining", [&] {
         return refineLattice(options.lattice, base, options.common, options.level);
     });
-    const Lattice refined = stages.run("placing", [&] {
-        return stencils::refinedLattice(refiner, options.level, options.common.rules, base);
-    });
+    const Lattice refined = stages.run(
+        "placing", [&] { return stencils::refinedLattice(refiner, options.level, base); });
     stages.run("writing", [&] { io::writeRefinable(options.output, refined); });
     if (!options.common.quiet)
         fmt::print("{}: level {}, {} vertices, {} {}\n", printable(options.output), options.level,

@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 
 #include <array>
 #include <string>

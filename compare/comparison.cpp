@@ -383,10 +383,11 @@ std::string Comparison::noteOn(const Agreement& agreement) const {
     return note;
 }
 
-Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> positions) const {
-    if (rules == stencils::Rules::Rats || rules == stencils::Rules::Mlca)
+Agreement Comparison::compareAll(std::span<const Point3> positions) const {
+    const far::Rules rules = data_->ours.rules();
+    if (rules == far::Rules::Rats || rules == far::Rules::Mlca)
         throw Error(std::string("OpenSubdiv has no rules of ") +
-                    (rules == stencils::Rules::Rats ? "RATS" : "MLCA") + " to compare with");
+                    (rules == far::Rules::Rats ? "RATS" : "MLCA") + " to compare with");
     if (vertices(data_->maxLevel()).empty())
         throw Error(
             "OpenSubdiv leaves out every face, since each has a vertex on the boundary: there is "
@@ -395,7 +396,7 @@ Agreement Comparison::compareAll(stencils::Rules rules, std::span<const Point3> 
     for (int level = 1; level <= data_->maxLevel(); ++level) {
         checkMemory();
         const StencilTable<double> table =
-            stencils::buildStencils(data_->ours, level, rules, vertices(level));
+            stencils::buildStencils(data_->ours, level, vertices(level));
         checkMemory();
         agreement.levels.push_back(compare(level, table));
         checkMemory();

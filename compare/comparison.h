@@ -54,7 +54,7 @@ public:
     /// \param positions of the base vertices, for the picture
     /// \throws Error if under Boundary::Open no face is left to compare, and for Rules::Mlca and
     ///         Rules::Rats, which OpenSubdiv does not have
-    Agreement compareAll(stencils::Rules rules, std::span<const Point3> positions) const;
+    Agreement compareAll(std::span<const Point3> positions) const;
 
     /// How many non-manifold vertices this release of OpenSubdiv misjudges: releases before 3.6.1
     /// take some for creases that do not form one (pull request 1338). They were marked as corners

@@ -60,11 +60,9 @@ void requireForTable(const far::TopologyRefiner& refiner, std::span<const Surfac
         if (vertices.empty()) continue;
         const auto rowCount = static_cast<double>(vertices.size());
         if (++countedLevels <= 2)
-            rowLength =
-                static_cast<double>(
-                    stencils::buildStencils(refiner, level, stencils::Rules::Siggraph96, vertices)
-                        .entryCount()) /
-                rowCount;
+            rowLength = static_cast<double>(
+                            stencils::buildStencils(refiner, level, vertices).entryCount()) /
+                        rowCount;
         entryCount += rowLength * rowCount;
     }
     // OpenSubdiv's factory gathers a source, a destination and a weight for each entry, and copies

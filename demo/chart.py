@@ -5,7 +5,7 @@ import numpy as np
 
 from images import blank, disc, put_ink, put_text
 
-#: What values fall by from a level to the next, in an approximation of second order.
+#: The factor between the errors of one level and the next, for an approximation of second order.
 FALL = 4
 PALE, GUIDE = (0.88, 0.89, 0.91), (0.62, 0.64, 0.68)
 

@@ -141,7 +141,7 @@ class Figure:
         return np.stack([fields[m] for m in self.materials], axis=1)
 
 
-#: What the materials are painted with, where it is not their own colour.
+#: Materials that are painted with the colour of another material.
 PAINT = {"button": "hat", "eye": "shoe", "band": "shirt"}
 
 

@@ -111,15 +111,16 @@ FIGURES = [
         "bases", "Before lattices of arbitrary topology",
         "MacCracken & Joy 1996, section 1, on Sederberg & Parry and on Griessmair & Purgathofer",
         f"A block in a box lattice of {' × '.join(map(str, CELLS))} cells, whose two middle layers "
-        "are lifted. Bézier: each vertex moves all of the block, and none moves it much. B-spline: "
-        f"a vertex moves what is near. Subdivision, at level {LEVEL}, moves this block as the "
-        "B-spline does, to {distance} of a cell; but its region is the whole box, where that of "
-        "the B-spline ends a cell before.",
+        "are lifted. Bézier: each vertex moves the whole block, but none moves it much. B-spline: "
+        f"each vertex moves only the points near it. Subdivision, at level {LEVEL}, moves this "
+        "block as the B-spline does, to within {distance} of a cell. Its region is the whole box; "
+        "the region of the B-spline ends one cell earlier.",
         draw_bases),
     Figure(
         "convergence", "Subdivision becomes the B-spline", "MacCracken & Joy 1996, section 4",
-        "The largest distance between the points of the block as `--basis bspline` moves them and "
-        "as `--boundary open -n` does, in cells of the lattice. The line falls by four a level: "
-        "the approximation that the paper calls arbitrarily close is of second order.",
+        "The largest distance between the points of the block moved with `--basis bspline` and "
+        "with `--boundary open -n`, in cells of the lattice; lower is closer. It falls by a "
+        "factor of four with each level. So the approximation that the paper calls arbitrarily "
+        "close is of second order.",
         draw_convergence),
 ]

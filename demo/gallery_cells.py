@@ -171,22 +171,22 @@ def add_apart(drawing, points, corners, own, line, apart=1.5):
 FIGURES = [
     Figure(
         "cell-types", "Type-3, type-4 and type-5 cells", "MacCracken & Joy 1996, Figure 2",
-        "What becomes of a vertex where n edges of a cell meet: a type-n cell, with 2n faces of "
-        "four sides, two vertices of valence n (red: the old vertex and the new cell point) and 2n "
-        "of valence 3 (blue). Above, in the solid that was refined; below, the cell alone. The "
-        "paper prints 2n − 2 for the blue ones; count them.",
+        "A vertex where n edges of a cell meet becomes a type-n cell in the next level. It has "
+        "2n four-sided faces, two vertices of valence n (red: the old vertex and the new cell "
+        "point) and 2n vertices of valence 3 (blue). Above: in the refined solid. Below: the "
+        "cell alone. The paper prints 2n − 2 for the blue vertices, which is a misprint.",
         draw_types),
     Figure(
         "type-4", "Type-4 cells, level by level", "MacCracken & Joy 1996, Figure 3",
-        "An octahedron refined four times. Each type-4 cell leaves two of its kind, so that their "
-        "number doubles with each level, along the lines from the middle to the six corners, while "
-        "the number of all cells grows eightfold: nearly all are hexahedra soon.",
+        "An octahedron refined four times. Each type-4 cell leaves two of its kind, along the "
+        "lines from the middle to the six corners. So their number doubles with each level, "
+        "while the number of all cells grows eightfold: soon nearly all are hexahedra.",
         draw_repeated),
     Figure(
         "partition", "A type-4 cell as tetrahedra", "MacCracken & Joy 1996, Figure 6",
-        "How a point is placed in a type-n cell: the cell is cut into 4n tetrahedra around the "
-        "average of its vertices, two for each face. Edges of the cell are green, those of the "
-        "partition blue, as in the paper. A face is cut from its vertex or edge point to its face "
-        "or cell point, so that both cells at a face cut it alike.",
+        "To place a point in a type-n cell, the cell is cut into 4n tetrahedra around the "
+        "average of its vertices, two for each face. Edges of the cell are green and edges of "
+        "the tetrahedra blue, as in the paper. Each face is cut from its vertex or edge point to "
+        "its face or cell point, so that the two cells at a face cut it in the same way.",
         draw_partition),
 ]

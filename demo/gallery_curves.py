@@ -79,9 +79,9 @@ def add_kinds(drawing, mesh, radius):
 FIGURES = [
     Figure(
         "curves", "Curves", "Joy & MacCracken, CSE-96-1, section 2",
-        "A control polygon and its refinements: open, as in the report, where the first and the "
-        "last vertex have no vertex point and the curve shrinks; with its ends kept, which is the "
-        "program's default; and closed. Edge points are the midpoints of the edges; a vertex point "
-        "is a quarter of each neighbouring edge point and half the vertex.",
+        "A control polygon and its refinements in three versions. Open, as in the report: the "
+        "first and the last vertex have no vertex point, and the curve shrinks. With its ends kept: "
+        "the program's default. Closed: without ends. An edge point is the midpoint of its edge. A "
+        "vertex point is half the vertex plus a quarter of each neighbouring edge point.",
         draw_curves),
 ]

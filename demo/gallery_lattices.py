@@ -98,16 +98,16 @@ FIGURES = [
     Figure(
         "strata", "Lattices and their strata",
         "MacCracken & Joy 1996, Figure 5",
-        "A box and a cylinder, and the first two levels of each, with the paper's colours: corners "
-        "yellow, sharp edges red, edges on the boundary green, edges inside blue. An eighth of the "
-        "cells is left out of the refined lattices, so that the inside is seen. The box stays the "
-        "box that it was; the cylinder becomes round along its length and stays flat at its ends.",
+        "A box and a cylinder, and their first two levels. Colours are the paper's: corners "
+        "yellow, sharp edges red, other boundary edges green, inner edges blue. An eighth of the "
+        "cells is left out of the refined lattices to show the inside. The box keeps its shape. "
+        "The cylinder becomes round along its length and stays flat at its ends.",
         draw_strata),
     Figure(
         "open", "Without boundary control",
         "MacCracken & Joy 1996, Figures 1 and 4",
-        "The same two lattices refined by the rules for the inside alone: each level loses the "
-        "outermost layer of what the last one had, and the region shrinks away from the lattice. "
-        "It is why boundary control is the default.",
+        "The same two lattices, refined as if all cells were inside (`--boundary open`). Each "
+        "level loses the outermost layer of the level before, and the region shrinks away from "
+        "the lattice. Therefore boundary control is the default.",
         draw_open),
 ]

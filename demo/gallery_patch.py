@@ -56,7 +56,7 @@ def draw_patch(program):
     second = Drawing().add_edges(net.points, net.edges, GHOST, 0.8 * line)
     second.add_edges(fine.points, fine.edges, DARK, 0.8 * line)
     kinds = kinds_of(places)
-    # What the caption says.
+    # The numbers of the caption.
     assert [np.count_nonzero(kinds == kind) for kind in "FEV"] == [9, 12, 4]
     for kind, _, colour in KINDS:
         second.add_points(fine.points[kinds == kind], colour, 5.2 * line)
@@ -122,9 +122,9 @@ FIGURES = [
     Figure(
         "patch", "A bicubic patch and its quarters",
         "Joy, bicubic uniform B-spline surface refinement",
-        "A net of 4 × 4 points defines one patch of a uniform bicubic B-spline. Refined once, "
+        "A net of 4 × 4 points defines one patch of a uniform bicubic B-spline. Refined once "
         "without boundary control, it has 25 points: 9 face points, 12 edge points and 4 vertex "
-        "points. Each 4 × 4 of them define a quarter of the patch, and all four share the nine in "
-        "the middle.",
+        "points. Each 4 × 4 of these points define a quarter of the patch. All four quarters "
+        "share the nine points in the middle.",
         draw_patch),
 ]

@@ -132,8 +132,8 @@ FIGURES = [
     Figure(
         "polyhedra", "Four solids become smooth",
         "Zaini Azlan & Misro 2021, Tables 1 and 2",
-        "Catmull-Clark on four polyhedra, three times. The counts are those of the files that the "
-        "program wrote; they agree with the paper's Table 2 but for the cube's third iteration, "
-        "which has 384 faces (284 is a misprint).",
+        "Four polyhedra, refined three times by Catmull-Clark. The numbers of vertices and faces "
+        "are counted in the files that the program wrote. They agree with the paper's Table 2, "
+        "except for the cube's third iteration: it has 384 faces (284 is a misprint).",
         draw_table),
 ]

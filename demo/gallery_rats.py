@@ -246,8 +246,8 @@ FIGURES = [
     Figure(
         "rats-points", "Old points and new points", "Savva & Clapworthy, Figures 1 to 3",
         "One step of RATS and one of Catmull-Clark without boundary control, on the same net of "
-        "n × m points: (2n − 1)(2m − 1) new points, and (2n − 3)(2m − 3). RATS keeps the corners "
-        "and reaches the border.",
+        "n × m points. RATS makes (2n − 1)(2m − 1) new points, keeps the corners and reaches the "
+        "border. Catmull-Clark makes (2n − 3)(2m − 3).",
         draw_points),
     Figure(
         "rats-types", "The ten types of RATS points", "Savva & Clapworthy, Figure 6",
@@ -258,15 +258,16 @@ FIGURES = [
     Figure(
         "rats-surfaces", "A RATS surface and a Catmull-Clark surface",
         "Savva & Clapworthy, Figures 4 and 5",
-        "Both of the first net, at level 3. RATS has patches at the border besides (orange), where "
-        "Catmull-Clark stops. Away from the border RATS is a Catmull-Clark surface too, but that "
-        "of the V<sub>γ</sub> points of its first step: flatter than that of the old points, which "
-        "the paper's conclusion might be read as.",
+        "Both surfaces of the first net, at level 3. RATS also has patches at the border "
+        "(orange), where Catmull-Clark has none. Away from the border the RATS surface is a "
+        "Catmull-Clark surface too: the surface of the V<sub>γ</sub> points of its first step. "
+        "It is flatter than the Catmull-Clark surface of the old points, although the paper's "
+        "conclusion can be read as if both were the same.",
         draw_surfaces),
     Figure(
         "rats-arbitrary", "RATS on meshes of arbitrary topology", "Savva & Clapworthy, Figure 7",
         "Two meshes with borders, and their RATS surfaces at level 3. The lines leave out the "
-        "E<sub>δ</sub> and F<sub>γ</sub> points of the last step, which are means of others; the "
-        "paper advises it for wireframes.",
+        "E<sub>δ</sub> and F<sub>γ</sub> points of the last step, which are means of other "
+        "points. The paper recommends this for wireframes.",
         draw_arbitrary),
 ]

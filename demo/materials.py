@@ -23,7 +23,7 @@ def without_islands(quads, material):
     neighbours = opposites(quads).reshape(-1, 4) // 4
     for _ in range(3):
         around = np.sort(material[neighbours], axis=1)
-        # Of four sorted values, three are equal just if the middle two equal an outer one.
+        # Three of four sorted values are equal if the middle two equal an outer one, and only then.
         same = (around[:, 1] == around[:, 2]) & ((around[:, 0] == around[:, 1])
                                                  | (around[:, 2] == around[:, 3]))
         material = np.where(same, around[:, 1], material)

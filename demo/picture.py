@@ -274,7 +274,7 @@ def ground_shadow(model, up, cells=256, darkness=0.42):
     half = 0.75 * max(np.ptp(points[:, a]), np.ptp(points[:, b]))
     edges = np.linspace(-half, half, cells + 1)
     density = np.zeros((cells, cells))
-    # What is near the ground casts a darker and crisper shadow than the rest.
+    # Parts near the ground cast a darker and sharper shadow than other parts.
     for low, high, blur, share in ((0.0, 0.08, 4, 0.65), (0.0, 0.35, 12, 0.45)):
         chosen = (height >= floor + low * tall) & (height <= floor + high * tall)
         count, _, _ = np.histogram2d(points[chosen, a] - centre[0], points[chosen, b] - centre[1],

@@ -94,7 +94,7 @@ void checkFinite(std::span<const Point3> points) {
 
 }  // namespace
 
-std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base, stencils::Rules rules,
+std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base,
                                         std::span<const Index> faces, Continuity continuity) {
     if (base.dimension() != 3 || base.maxLevel() != 0)
         throw Error("faces are held of a lattice that has not been refined");
@@ -106,7 +106,7 @@ std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base, stenci
     // still depends on its own entity alone. From the second one on, those there depend on the same
     // vertices.
     constexpr int kLevel = 2;
-    stencils::Levels levels(base, rules);
+    stencils::Levels levels(base);
     auto isHeld = closureOf(base.level(0).complex, faces);
     for (int k = 1; k <= kLevel; ++k) {
         const auto cells = cellsAt(levels.finestLevel().complex, isHeld[0]);
@@ -134,8 +134,8 @@ std::vector<Index> verticesHoldingPoints(const RestLattice& lattice, std::span<c
     const LengthUnit unit(lattice.positions);
     const std::vector<Point3> restInUnits = unit.toUnits(lattice.positions);
     const std::vector<Point3> inUnits = unit.toUnits(points);
-    const LevelSearch search({lattice.base, restInUnits, lattice.rules}, options.level,
-                             options.embedding, LevelSearch::Scope::Parts);
+    const LevelSearch search({lattice.base, restInUnits}, options.level, options.embedding,
+                             LevelSearch::Scope::Parts);
     const std::vector<Index> order = alongCurve(inUnits);
     constexpr Offset kGroupSize = 1 << 11;
     std::vector<std::vector<Index>> columns((std::ssize(points) + kGroupSize - 1) / kGroupSize);

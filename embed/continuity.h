@@ -6,7 +6,6 @@
 #include <espalier/base/word.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
@@ -48,7 +47,6 @@ inline constexpr Word<Continuity> kContinuityWords[] = {
 /// \cost O(base + the cells around the faces, twice refined)
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3
 ESPALIER_API std::vector<Index> verticesHoldingFaces(const far::TopologyRefiner& base,
-                                                     stencils::Rules rules,
                                                      std::span<const Index> faces,
                                                      Continuity continuity);
 

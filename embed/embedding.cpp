@@ -146,11 +146,10 @@ stencils::StencilTable<double> multiplied(const stencils::FactoredTable<double>&
 }  // namespace
 
 stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner& refiner, int level,
-                                                   stencils::Rules rules,
                                                    const Embedding& embedding) {
     return factoredTable(refiner.level(level).complex, embedding,
                          [&](std::span<const Index> vertices) {
-                             return stencils::buildStencils(refiner, level, rules, vertices);
+                             return stencils::buildStencils(refiner, level, vertices);
                          });
 }
 
@@ -184,13 +183,10 @@ bool hasLongRows(const far::TopologyRefiner& refiner) {
 }  // namespace
 
 stencils::StencilTable<double> buildDeformationTable(const far::TopologyRefiner& refiner, int level,
-                                                     stencils::Rules rules,
                                                      const Embedding& embedding) {
     if (hasLongRows(refiner))
-        return multipliedFromPoints(refiner, stencils::buildLevelTables(refiner, level, rules),
-                                    embedding);
-    return multiplied(buildFactoredTable(refiner, level, rules, embedding), refiner, level,
-                      embedding);
+        return multipliedFromPoints(refiner, stencils::buildLevelTables(refiner, level), embedding);
+    return multiplied(buildFactoredTable(refiner, level, embedding), refiner, level, embedding);
 }
 
 stencils::StencilTable<double> buildDeformationTable(const stencils::Levels& levels,

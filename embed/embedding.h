@@ -7,7 +7,6 @@
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/factored_table.h>
 #include <espalier/stencils/levels.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/row_order.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -36,7 +35,6 @@ inline constexpr int kMaxLevelOfPoints = 20;
 struct RestLattice {
     const far::TopologyRefiner& base;   ///< a lattice at level 0
     std::span<const Point3> positions;  ///< of its vertices
-    stencils::Rules rules = stencils::Rules::Siggraph96;
 };
 
 struct EmbeddingOptions {
@@ -107,8 +105,7 @@ ESPALIER_API stencils::RowOrder orderByBaseCell(const Embedding& embedding,
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries), in parallel
 ESPALIER_API stencils::StencilTable<double> buildDeformationTable(
-    const far::TopologyRefiner& refiner, int level, stencils::Rules rules,
-    const Embedding& embedding);
+    const far::TopologyRefiner& refiner, int level, const Embedding& embedding);
 
 /// The same in the finest of some levels.
 ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const stencils::Levels& levels,
@@ -119,7 +116,7 @@ ESPALIER_API stencils::StencilTable<double> buildDeformationTable(const stencils
 /// \param embedding in level `level` of `refiner`
 /// \cost O(products of entries of S_level), in parallel
 ESPALIER_API stencils::FactoredTable<double> buildFactoredTable(const far::TopologyRefiner& refiner,
-                                                                int level, stencils::Rules rules,
+                                                                int level,
                                                                 const Embedding& embedding);
 
 /// The same in the finest of some levels.

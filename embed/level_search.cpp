@@ -29,9 +29,9 @@ WholeLevel::WholeLevel(const RestLattice& lattice, int level, double tolerance) 
     refiner.refineUniform(level);
     complex = refiner.level(level).complex;
     locator = std::make_unique<PointLocator>(
-        complex, stencils::refinePositions(refiner, level, lattice.rules, lattice.positions),
+        complex, stencils::refinePositions(refiner, level, lattice.positions),
         CellSolver::scaleOf(lattice.positions, tolerance));
-    stencilTable = stencils::buildStencils(refiner, level, lattice.rules);
+    stencilTable = stencils::buildStencils(refiner, level);
     const stencils::BaseEntities origins = stencils::baseEntities(refiner, level).back();
     baseCells.assign(origins.of(3).begin(), origins.of(3).end());
     baseCellCount = origins.count();

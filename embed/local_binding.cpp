@@ -121,7 +121,7 @@ BindingResultOf<Table> bind(const RestLattice& lattice, std::span<const Point3> 
     const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
     const far::CellComplex& complex = lattice.base.level(0).complex;
     auto search = std::make_shared<const LevelSearch>(
-        RestLattice{lattice.base, inUnits, lattice.rules}, options.level, options.embedding,
+        RestLattice{lattice.base, inUnits}, options.level, options.embedding,
         scopeFor(complex, options.level, std::ssize(points)));
     if constexpr (std::is_same_v<Table, stencils::StencilTable<double>>)
         if (stencils::compositionAbove(complex) == stencils::Composition::FromRows)

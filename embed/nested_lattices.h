@@ -5,7 +5,6 @@
 #include <espalier/base/point.h>
 #include <espalier/embed/local_binding.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>

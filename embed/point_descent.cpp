@@ -116,9 +116,8 @@ Candidates PointDescent::baseCandidates(std::span<const Point3> points, Sought s
 
 Descent PointDescent::begin(std::span<const Point3> points, Sought sought) const {
     const std::span<const Point3> positions = lattice_.positions;
-    Descent descent{{lattice_.base, lattice_.rules, {positions.begin(), positions.end()}},
-                    baseCandidates(points, sought),
-                    margin_};
+    Descent descent{stencils::Levels(lattice_.base, {positions.begin(), positions.end()}),
+                    baseCandidates(points, sought), margin_};
     descent.candidates.filter([&](std::size_t i, Index) {
         return isLasting(lattice_.base.level(0), descent.candidates.cells[i]);
     });

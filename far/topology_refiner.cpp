@@ -11,15 +11,55 @@
 
 namespace espalier::far {
 
+namespace {
+
+/// Checks that the rules of RATS, which know no other sharpness, can refine a level.
+void checkNotSemiSharp(const Level& level) {
+    if (!level.strata.hasSemiSharp()) return;
+    for (int dimension = 0; dimension <= 1; ++dimension)
+        for (Index index = 0; index < level.complex.count(dimension); ++index) {
+            const float sharpness = level.strata.sharpness({dimension, index});
+            if (sharpness == kSmooth || sharpness == kInfinitelySharp) continue;
+            std::string name = concat("vertex ", index);
+            if (dimension == 1) {
+                const auto ends = level.complex.relation(1, 0)[index];
+                const auto [low, high] = std::minmax(ends.front(), ends.back());
+                name = concat("edge (", low, ", ", high, ")");
+            }
+            throw TopologyError(TopologyCause::BadMark, {dimension, index},
+                                name +
+                                    " is semi-sharp; the rules of RATS know what is smooth "
+                                    "and what is infinitely sharp only");
+        }
+}
+
+/// Checks that the rules can refine a level.
+void checkRules(const Level& level, const RefinerOptions& options) {
+    const bool isRats = options.rules == Rules::Rats;
+    if (isRats && level.complex.dimension() == kMaxDimension)
+        throw Error("the rules of RATS are for curves and meshes, not for lattices");
+    if (isRats && options.boundary == Boundary::Open)
+        throw Error("the rules of RATS reach the border; there are none without boundary control");
+    if (isRats || options.rules == Rules::Mlca)
+        if (options.triangles == TriangleSubdivision::Smooth)
+            throw Error(
+                concat("the rules of ", isRats ? "RATS" : "MLCA", " have no smooth triangles"));
+    if (isRats) checkNotSemiSharp(level);
+}
+
+}  // namespace
+
 TopologyRefiner::TopologyRefiner(CellComplex base, const RefinerOptions& options)
     : options_(options) {
     Strata strata = classify(base, options.boundary, options.sharpEdges, options.marks);
     std::vector<Index> holes = readHoles(base, options.marks);
     levels_.push_back({std::move(base), std::move(strata), std::move(holes)});
+    checkRules(levels_.front(), options_);
 }
 
 TopologyRefiner::TopologyRefiner(Level first, const RefinerOptions& options) : options_(options) {
     levels_.push_back(std::move(first));
+    checkRules(levels_.front(), options_);
 }
 
 namespace {

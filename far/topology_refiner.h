@@ -25,6 +25,20 @@
 // has the dimension dim b − dim a.
 namespace espalier::far {
 
+/// The rules of refinement. The first two are Catmull-Clark's, and differ in the edge rule of
+/// volumes only, and there only where other than four faces meet in an interior edge. On grids the
+/// third is the same again.
+enum class Rules {
+    Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
+    Cse96,       ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
+    Mlca,        ///< split, then average: see stencils/mlca.h    Bajaj, Schaefer, Warren & Xu 2002
+    Rats         ///< of curves and meshes: see stencils/rats.h   Savva & Clapworthy, section 2.2
+};
+inline constexpr Word<Rules> kRulesWords[] = {{"siggraph96", Rules::Siggraph96},
+                                              {"cse96", Rules::Cse96},
+                                              {"mlca", Rules::Mlca},
+                                              {"rats", Rules::Rats}};
+
 /// The weights of a triangle at a smooth edge of a surface.
 enum class TriangleSubdivision {
     Catmark,  ///< those of every face
@@ -35,6 +49,7 @@ inline constexpr Word<TriangleSubdivision> kTriangleSubdivisionWords[] = {
 
 /// How a complex is refined; decided once, at level 0.
 struct RefinerOptions {
+    Rules rules = Rules::Siggraph96;
     Boundary boundary = Boundary::Sharp;
     SharpEdges sharpEdges = SharpEdges::SingleCell;
     Creasing creasing = Creasing::Uniform;
@@ -59,7 +74,10 @@ struct Level {
 /// Const calls are safe from any number of threads.
 class ESPALIER_API TopologyRefiner {
 public:
-    /// \throws TopologyError for marks that do not fit `base`
+    /// \throws TopologyError for marks that do not fit `base`; under Rules::Rats (BadMark) for an
+    ///         edge or a vertex that is semi-sharp
+    /// \throws Error under Rules::Mlca and Rules::Rats for TriangleSubdivision::Smooth; under
+    ///         Rules::Rats for a lattice and for Boundary::Open, as it reaches the border
     explicit TopologyRefiner(CellComplex base, const RefinerOptions& options = {});
 
     /// A chain that goes on from a level of another one: level 0 of this is `first`.
@@ -100,6 +118,7 @@ public:
     bool isUniform() const { return !chosen_; }
 
     int dimension() const { return level(0).complex.dimension(); }
+    Rules rules() const { return options_.rules; }
     Boundary boundary() const { return options_.boundary; }
     const RefinerOptions& options() const { return options_; }
 

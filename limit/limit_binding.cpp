@@ -219,13 +219,13 @@ embed::BindingResultOf<LimitTable> bindLimit(const embed::RestLattice& lattice,
                                              std::span<const Point3> points,
                                              const LimitOptions& options) {
     checkLimitTolerance(options.tolerance);
-    checkLimitRules(lattice.rules);
+    checkLimitRules(lattice.base.rules());
     embed::checkRest(lattice, 1);
     checkSides(lattice.base.level(0).complex);
     const embed::LengthUnit unit(lattice.positions);
     const std::vector<Point3> inUnits = unit.toUnits(lattice.positions);
-    auto binder = std::make_shared<const LimitBinder>(
-        embed::RestLattice{lattice.base, inUnits, lattice.rules}, unit, options);
+    auto binder = std::make_shared<const LimitBinder>(embed::RestLattice{lattice.base, inUnits},
+                                                      unit, options);
     // As in a deep level: most points at irregular features share no cells with others.
     constexpr Offset kGroupSize = 1 << 12;
     auto model = embed::bindGroups<LimitTable>(

@@ -49,17 +49,15 @@ std::vector<Index> cellsOf(const std::vector<LimitPart>& parts) {
 
 }  // namespace
 
-LimitParts::LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, int level) {
+LimitParts::LimitParts(const far::TopologyRefiner& base, int level) {
     if (base.dimension() != 3)
         throw Error("only lattices have a limit volume, not a complex of dimension " +
                     std::to_string(base.dimension()));
     if (level < 1 || level > kMaxLevelOfParts)
         throw Error("the limit was asked for with features refined to level " +
                     std::to_string(level) + "; expected 1 to " + std::to_string(kMaxLevelOfParts));
-    checkLimitRules(rules);
-    stencils::checkRules(base, rules);
     auto refined = std::make_shared<Refined>(
-        Refined{{far::TopologyRefiner(base.level(0), base.options()), rules}});
+        Refined{stencils::Levels(far::TopologyRefiner(base.level(0), base.options()))});
     stencils::Levels& levels = refined->levels;
     std::vector<LimitPart> left;
     for (Index cell = 0; cell < base.level(0).complex.count(3); ++cell)

@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 
 #include <array>
 #include <memory>
@@ -53,11 +52,11 @@ public:
     /// \param base a lattice; its level 0 is refined anew, locally
     /// \param level how far irregular features are refined, 1 to kMaxLevelOfParts: what is blended
     ///        around them halves in width with each
-    /// \throws Error for what is no lattice, a level out of range, and under Rules::Rats;
+    /// \throws Error for what is no lattice, a level out of range;
     ///         TopologyError and MemoryError as TopologyRefiner::refineUniform()
     /// \cost O(parts): at a feature that is a surface, such as an open boundary, 4 times as many as
     ///       on the level before, at an edge twice as many, at a vertex as many
-    LimitParts(const far::TopologyRefiner& base, stencils::Rules rules, int level);
+    LimitParts(const far::TopologyRefiner& base, int level);
 
     const far::CellComplex& base() const;
 

@@ -46,7 +46,7 @@ std::vector<embed::VertexWeight> slope(const far::CellComplex& complex,
 
 stencils::StencilTable<double> blendedRows(const stencils::Levels& levels, int level,
                                            std::span<const Index> vertices) {
-    auto limits = buildLimitMasks(levels.refiner(), level, levels.rules(), vertices);
+    auto limits = buildLimitMasks(levels.refiner(), level, vertices);
     if (levels.refiner().boundary() != far::Boundary::Open) return limits;
     return stencils::buildTable(limits.rowCount(), limits.columnCount(),
                                 [&](Index row, stencils::RowAccumulator& accumulator) {
@@ -190,8 +190,7 @@ stencils::StencilTable<double> PlaceRows::tangents() const {
         corners.push_back(nearestCorner(i));
     }
     stencils::StencilTable<double> atCorners;
-    if (!corners.empty())
-        atCorners = buildTangentTable(levels_.refiner(), levelNumber_, levels_.rules(), corners);
+    if (!corners.empty()) atCorners = buildTangentTable(levels_.refiner(), levelNumber_, corners);
     return stencils::buildTable(
         static_cast<Index>(3 * places_.size()), level_.complex.count(0),
         [&](Index row, stencils::RowAccumulator& accumulator) {

@@ -122,12 +122,11 @@ stencils::StencilTable<double> rowsOf(const Walk& walk, std::size_t level, const
 /// A chunk of locations: their rows over the vertices of their level, a block for each derivative.
 stencils::StencilTable<double> rowsOf(const far::Level& level,
                                       const far::RefinerOptions& refinerOptions,
-                                      stencils::Rules rules,
                                       std::span<const LimitLocation> locations,
                                       std::vector<Walker> walkers,
                                       const std::vector<Orders>& orders, double tolerance) {
     const std::size_t first = walkers.front().location, count = walkers.size();
-    Walk walk{{far::TopologyRefiner(level, refinerOptions), rules}};
+    Walk walk{stencils::Levels(far::TopologyRefiner(level, refinerOptions))};
     for (;;) {
         settle(walk, walkers, tolerance);
         if (walkers.empty()) break;
@@ -217,14 +216,12 @@ LimitStencils blocksOf(const stencils::StencilTable<double>& table, std::size_t 
 }  // namespace
 
 LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                 stencils::Rules rules, std::span<const LimitLocation> locations,
+                                 std::span<const LimitLocation> locations,
                                  const LimitStencilOptions& options) {
     const far::Level& here = refiner.level(level);
     if (here.complex.dimension() != 3)
         throw Error("places in the limit are of lattices; vertices have limits on any complex");
     checkOptions(options);
-    checkLimitRules(rules);
-    stencils::checkRules(refiner, rules);
     const std::vector<Orders> orders = ordersUpTo(options.derivatives);
     // Chunks share the cells that they refine; each has some of the work of a level to itself.
     constexpr Offset kGrain = 1 << 13;
@@ -234,8 +231,8 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
         std::vector<Walker> walkers;
         for (Offset i = first; i < last; ++i)
             walkers.push_back(walkerAt(here.complex, i, locations[i]));
-        chunks[first / kGrain] = rowsOf(here, refiner.options(), rules, locations,
-                                        std::move(walkers), orders, options.tolerance);
+        chunks[first / kGrain] = rowsOf(here, refiner.options(), locations, std::move(walkers),
+                                        orders, options.tolerance);
     });
     const auto rows = stencils::buildTable(
         static_cast<Index>(count * std::ssize(orders)), here.complex.count(0),
@@ -248,13 +245,13 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
                 accumulator.add(table.columns(source)[e], table.weights(source)[e]);
         });
     const stencils::CompactTable compact = stencils::compactColumns(rows);
-    return blocksOf(stencils::multiply(compact.table, stencils::buildStencils(refiner, level, rules,
-                                                                              compact.columns)),
-                    orders.size());
+    return blocksOf(
+        stencils::multiply(compact.table, stencils::buildStencils(refiner, level, compact.columns)),
+        orders.size());
 }
 
 LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                 stencils::Rules rules, const LimitStencilOptions& options) {
+                                 const LimitStencilOptions& options) {
     checkOptions(options);
     LimitStencils result;
     if (options.derivatives > 0) {
@@ -277,7 +274,7 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
                 break;
             }
         }
-        const auto found = buildLimitStencils(refiner, level, rules, locations, options);
+        const auto found = buildLimitStencils(refiner, level, locations, options);
         const auto spread = [&](const stencils::StencilTable<double>& table) {
             return stencils::buildTable(
                 here.complex.count(0), table.columnCount(),
@@ -292,7 +289,7 @@ LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
         for (std::size_t i = 0; options.derivatives > 1 && i < 6; ++i)
             result.second[i] = spread(found.second[i]);
     }
-    result.position = buildVertexLimits(refiner, level, rules);
+    result.position = buildVertexLimits(refiner, level);
     return result;
 }
 

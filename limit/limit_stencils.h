@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/far/topology_refiner.h>
 #include <espalier/limit/limit_binding.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <array>
@@ -44,12 +43,11 @@ struct LimitStencils {
 /// \param locations in that level
 /// \throws Error for a level that is not there, a cell that is not there or no hexahedron, a place
 ///         outside of [0, 1]³, on what shrinks away under Boundary::Open, options that are out of
-///         range; under Rules::Rats
+///         range
 /// \cost O(entries); near irregular features also some 0.2 ms for each level of refinement there.
 ///       In parallel
 /// \cite MacCracken & Joy 1996, section 2.2; CSE-96-1, section 5; Joy, bicubic refinement
 ESPALIER_API LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                              stencils::Rules rules,
                                               std::span<const LimitLocation> locations,
                                               const LimitStencilOptions& options = {});
 
@@ -58,7 +56,6 @@ ESPALIER_API LimitStencils buildLimitStencils(const far::TopologyRefiner& refine
 /// number that the vertex is a corner of; rows of a vertex in none are empty, and so are all of an
 /// open vertex.
 ESPALIER_API LimitStencils buildLimitStencils(const far::TopologyRefiner& refiner, int level,
-                                              stencils::Rules rules,
                                               const LimitStencilOptions& options = {});
 
 }  // namespace espalier::limit

@@ -120,12 +120,11 @@ MatrixXd directionsOf(const VertexRing& ring, const EdgePlaces& places) {
 }  // namespace
 
 stencils::StencilTable<double> buildTangentTable(const far::TopologyRefiner& refiner, int level,
-                                                 stencils::Rules rules,
                                                  std::span<const CellCorner> corners) {
     const far::Level& here = refiner.level(level);
     std::vector<Index> vertices;
     for (const CellCorner& corner : corners) vertices.push_back(corner.vertex);
-    const stencils::ShapeGroups groups = stencils::groupByShape(refiner, here, rules, vertices);
+    const stencils::ShapeGroups groups = stencils::groupByShape(refiner, here, vertices);
 
     // Each ring that there is, with the edges that are asked for there.
     std::vector<std::map<EdgePlaces, MatrixXd>> directions(groups.firsts.size());
@@ -135,7 +134,7 @@ stencils::StencilTable<double> buildTangentTable(const far::TopologyRefiner& ref
     for (const CellCorner& corner : corners) directionsAt(corner);
     parallelFor(std::ssize(groups.firsts), 1, [&](Offset first, Offset last) {
         for (auto group = static_cast<std::size_t>(first); std::cmp_less(group, last); ++group) {
-            const VertexRing ring = ringOf(here, refiner.options(), rules, groups.firsts[group]);
+            const VertexRing ring = ringOf(here, refiner.options(), groups.firsts[group]);
             for (auto& [places, columns] : directions[group])
                 columns = ring.start.transpose() * directionsOf(ring, places);
         }

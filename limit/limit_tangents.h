@@ -2,7 +2,6 @@
 #pragma once
 
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
@@ -31,7 +30,6 @@ struct CellCorner {
 ///       in it. In parallel
 /// \cite Halstead, Kass, DeRose 1993 (limits by eigenvectors); Reif 1995 (when tangents exist)
 stencils::StencilTable<double> buildTangentTable(const far::TopologyRefiner& refiner, int level,
-                                                 stencils::Rules rules,
                                                  std::span<const CellCorner> corners);
 
 }  // namespace espalier::limit

@@ -3,7 +3,6 @@
 
 #include <espalier/base/api.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
@@ -12,7 +11,7 @@ namespace espalier::limit {
 
 /// Checks that limits are known under some rules.
 /// \throws Error under Rules::Rats
-ESPALIER_API void checkLimitRules(stencils::Rules rules);
+ESPALIER_API void checkLimitRules(far::Rules rules);
 
 /// L: row i holds the weights of the limit of vertices[i] over the vertices of the same level,
 /// those of the entities that contain it: 27 at most in a regular lattice. Rows sum to 1. A vertex
@@ -27,17 +26,16 @@ ESPALIER_API void checkLimitRules(stencils::Rules rules);
 /// \cite Halstead, Kass, DeRose 1993 (surfaces); regular: the values (1, 4, 1)/6 of the uniform
 ///       cubic B-spline at its knots
 ESPALIER_API stencils::StencilTable<double> buildLimitMasks(const far::TopologyRefiner& refiner,
-                                                            int level, stencils::Rules rules,
+                                                            int level,
                                                             std::span<const Index> vertices);
 
 /// L · S_level: the limits of the vertices of a level, or of some of them, over the base vertices.
 /// \throws Error as above
 /// \cost as buildStencils(), and as above
 ESPALIER_API stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner,
-                                                              int level, stencils::Rules rules,
+                                                              int level,
                                                               std::span<const Index> vertices);
-ESPALIER_API stencils::StencilTable<double> buildVertexLimits(
-    const far::TopologyRefiner& refiner, int level,
-    stencils::Rules rules = stencils::Rules::Siggraph96);
+ESPALIER_API stencils::StencilTable<double> buildVertexLimits(const far::TopologyRefiner& refiner,
+                                                              int level);
 
 }  // namespace espalier::limit

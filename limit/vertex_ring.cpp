@@ -90,9 +90,8 @@ std::vector<Index> verticesAround(const far::CellComplex& complex, Index vertex)
     return vertices;
 }
 
-VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
-                  stencils::Rules rules, Index vertex) {
-    if (rules == stencils::Rules::Rats)
+VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options, Index vertex) {
+    if (options.rules == far::Rules::Rats)
         throw Error("the limits of RATS are not known by vertices' rings");
     const bool looksFurther =
         options.creasing == far::Creasing::Chaikin && level.strata.hasSemiSharp();
@@ -103,7 +102,7 @@ VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
     const int dimension = level.complex.dimension();
     if (level.complex.relation(0, dimension)[vertex].empty()) return loneRing(vertex);
 
-    Chain chain{{far::TopologyRefiner(star.level, options), rules}, star.vertex};
+    Chain chain{stencils::Levels(far::TopologyRefiner(star.level, options)), star.vertex};
     std::vector<Entity> entities;
     do {
         entities = entitiesAt(chain.level().complex, chain.vertex);

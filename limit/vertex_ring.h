@@ -3,7 +3,6 @@
 
 #include <espalier/base/api.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -51,7 +50,7 @@ ESPALIER_API std::vector<Index> verticesAround(const far::CellComplex& complex, 
 ///         not there; and for one on the open boundary, which does not stay
 /// \cost O(entries of the ring's matrices)
 ESPALIER_API VertexRing ringOf(const far::Level& level, const far::RefinerOptions& options,
-                               stencils::Rules rules, Index vertex);
+                               Index vertex);
 
 /// The weights of the ring in the limit of the vertex: ℓ with ℓM = ℓ, of sum 1, which the row of
 /// the vertex in Mᵏ goes to.

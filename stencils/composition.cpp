@@ -111,16 +111,15 @@ StencilTable<double> compose(const far::TopologyRefiner& refiner, int level,
 
 }  // namespace
 
-StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules,
+StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level,
                                    std::span<const Index> vertices) {
     checkVertices(refiner, level, vertices);
-    checkRules(refiner, rules);
     if (level == 0) return selectionTable(refiner.level(0).complex.count(0), vertices);
     const std::vector<BaseEntities> origins = baseEntities(refiner, level - 1);
     const auto rowsOf = [&](int k, std::span<const Index> demanded) {
-        return buildLevelTable(refiner, k, rules, demanded);
+        return buildLevelTable(refiner, k, demanded);
     };
-    if (RepeatedRows::areIn(refiner, level, rules)) {
+    if (RepeatedRows::areIn(refiner, level)) {
         const RepeatedRows rows(refiner, level, origins, vertices);
         const bool isAll = rows.firsts().size() == vertices.size();
         auto firstRows = compose(refiner, level, origins, rows.firsts(), rowsOf);
@@ -153,25 +152,22 @@ StencilTable<double> composeStencils(const far::TopologyRefiner& refiner,
                    });
 }
 
-StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level, Rules rules) {
+StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level) {
     std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
-    return buildStencils(refiner, level, rules, all);
+    return buildStencils(refiner, level, all);
 }
 
-std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& refiner, int level,
-                                                   Rules rules) {
+std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& refiner, int level) {
     refiner.level(level);  // Throws if it is not there.
-    checkRules(refiner, rules);
     std::vector<StencilTable<double>> tables;
-    for (int k = 1; k <= level; ++k) tables.push_back(buildLevelTable(refiner, k, rules));
+    for (int k = 1; k <= level; ++k) tables.push_back(buildLevelTable(refiner, k));
     return tables;
 }
 
-std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level, Rules rules,
+std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
                                  std::span<const double> values, int components) {
     refiner.level(level);  // Throws if it is not there.
-    checkRules(refiner, rules);
     const Index baseCount = refiner.level(0).complex.count(0);
     if (components < 1 ||
         values.size() != static_cast<std::size_t>(baseCount) * static_cast<std::size_t>(components))
@@ -180,7 +176,7 @@ std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
                     " vertices");
     std::vector<double> result(values.begin(), values.end());
     for (int k = 1; k <= level; ++k)
-        result = product(buildLevelTable(refiner, k, rules), result, components);
+        result = product(buildLevelTable(refiner, k), result, components);
     return result;
 }
 
@@ -208,9 +204,9 @@ std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
     return toPositions(product(table, toValues(positions), 3));
 }
 
-std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level, Rules rules,
+std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,
                                     std::span<const Point3> positions) {
-    return toPositions(refineValues(refiner, level, rules, toValues(positions), 3));
+    return toPositions(refineValues(refiner, level, toValues(positions), 3));
 }
 
 }  // namespace espalier::stencils

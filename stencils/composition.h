@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/row_order.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -13,7 +12,7 @@
 
 // stencils/: topology to sparse weights.
 //
-// In: a far::TopologyRefiner and Rules. Out: tables of weights, as sparse matrices.
+// In: a far::TopologyRefiner. Out: tables of weights, as sparse matrices.
 //
 // Types: Mask, the weights of one point (masks.h; mlca.h and rats.h hold other rules);
 // StencilTable, a matrix in compressed sparse rows; FactoredTable, a product that is left in two
@@ -26,13 +25,6 @@
 // to 1.
 namespace espalier::stencils {
 
-/// Checks that `rules` can refine what `refiner` holds. Everything below does so too.
-///
-/// \throws Error under Rules::Mlca and Rules::Rats for TriangleSubdivision::Smooth; under
-///         Rules::Rats for a lattice, for Boundary::Open, and, as far::TopologyError (BadMark), for
-///         an edge or a vertex that is semi-sharp
-ESPALIER_API void checkRules(const far::TopologyRefiner& refiner, Rules rules);
-
 /// Checks that a level has the given vertices.
 ///
 /// \throws Error for a vertex that the level does not have, and for a level that is not there
@@ -43,17 +35,15 @@ ESPALIER_API void checkVertices(const far::TopologyRefiner& refiner, int level,
 /// before. 8 to 27 entries a row in regular lattices. Rows sum to 1.
 ///
 /// \param level 1 to refiner.maxLevel()
-/// \throws Error as checkRules()
 /// \cost O(entries), in parallel; does not depend on positions
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3; Savva & Clapworthy, section 2.2 (Rules::Rats);
 ///       Bajaj, Schaefer, Warren & Xu 2002 (Rules::Mlca)
-ESPALIER_API StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
-                                                  Rules rules = Rules::Siggraph96);
+ESPALIER_API StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level);
 
 /// Builds the rows of R_level for the given vertices of the level: row i is that of vertices[i].
 /// \throws Error for a vertex that the level does not have
 ESPALIER_API StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
-                                                  Rules rules, std::span<const Index> vertices);
+                                                  std::span<const Index> vertices);
 
 /// R_1 to R_level, in this order, for values that are carried level by level, pose after pose:
 /// apply the first to values on the base, and each to what the one before gave.
@@ -65,8 +55,7 @@ ESPALIER_API StencilTable<double> buildLevelTable(const far::TopologyRefiner& re
 ///
 /// \cost O(entries), in parallel: as much as refineValues() for one pose
 ESPALIER_API std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& refiner,
-                                                                int level,
-                                                                Rules rules = Rules::Siggraph96);
+                                                                int level);
 
 /// Composes the level tables into S_level = R_level … R_1: row i holds the weights of level-`level`
 /// vertex i over the base vertices. At most 64 entries a row in regular lattices. Rows sum to 1.
@@ -77,8 +66,7 @@ ESPALIER_API std::vector<StencilTable<double>> buildLevelTables(const far::Topol
 ///
 /// \cost O(products of entries), in parallel; memory for S_level and S_(level−1) at once
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3
-ESPALIER_API StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level,
-                                                Rules rules = Rules::Siggraph96);
+ESPALIER_API StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level);
 
 /// Builds the rows of S_level for the given vertices of the level: row i is that of vertices[i].
 /// Of each level, only the rows that these depend on are made.
@@ -86,7 +74,7 @@ ESPALIER_API StencilTable<double> buildStencils(const far::TopologyRefiner& refi
 /// \param vertices in any order, repeats allowed
 /// \throws Error for a vertex that the level does not have
 ESPALIER_API StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int level,
-                                                Rules rules, std::span<const Index> vertices);
+                                                std::span<const Index> vertices);
 
 /// The same from level tables at hand, of whole levels or of those of
 /// far::TopologyRefiner::refineAround().
@@ -123,8 +111,7 @@ ESPALIER_API CompactTable compactColumns(StencilTable<double> table);
 /// \cost O(entries of the level tables), most of it to make them: see buildLevelTables() for many
 ///       poses. Holds one of them at a time
 ESPALIER_API std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
-                                              Rules rules, std::span<const double> values,
-                                              int components);
+                                              std::span<const double> values, int components);
 
 /// One step of that for positions, with its table at hand: R_k times positions of level k − 1.
 ESPALIER_API std::vector<Point3> applyLevelTable(const StencilTable<double>& table,
@@ -132,6 +119,6 @@ ESPALIER_API std::vector<Point3> applyLevelTable(const StencilTable<double>& tab
 
 /// All steps for positions.
 ESPALIER_API std::vector<Point3> refinePositions(const far::TopologyRefiner& refiner, int level,
-                                                 Rules rules, std::span<const Point3> positions);
+                                                 std::span<const Point3> positions);
 
 }  // namespace espalier::stencils

@@ -2,6 +2,7 @@
 #include <espalier/base/error.h>
 #include <espalier/far/strata.h>
 #include <espalier/stencils/composition.h>
+#include <espalier/stencils/masks.h>
 #include <espalier/stencils/mlca.h>
 #include <espalier/stencils/rats.h>
 #include <espalier/stencils/table_builder.h>
@@ -17,6 +18,7 @@ namespace espalier::stencils {
 namespace {
 
 using far::CellComplex;
+using far::Rules;
 
 /// The sub-complex that a rule averages over: that of a stratum, less the edges that fade.
 struct Neighbourhood {
@@ -44,11 +46,11 @@ struct Neighbourhood {
     }
 };
 
-Mask maskOf(const Neighbourhood& around, Rules rules, far::TriangleSubdivision triangles) {
+Mask maskOf(const Neighbourhood& around, const far::RefinerOptions& options) {
     const Entity& entity = around.entity;
     const int stratum = around.stratum;
     const bool isSurfaceEdge = entity.dimension == 1 && stratum == 2;
-    if (isSurfaceEdge && triangles == far::TriangleSubdivision::Smooth) {
+    if (isSurfaceEdge && options.triangles == far::TriangleSubdivision::Smooth) {
         int triangleCount = 0;
         around.forEach(2, [&](const Entity& face) {
             triangleCount += around.level.complex.boundary(2)[face.index].size() == 3;
@@ -57,7 +59,7 @@ Mask maskOf(const Neighbourhood& around, Rules rules, far::TriangleSubdivision t
     }
     // n of the rules: faces at an edge of the volume, edges at a vertex of the surface.
     const bool needsValence = entity.dimension == stratum - 2;
-    return refinementMask(rules, entity.dimension, stratum,
+    return refinementMask(options.rules, entity.dimension, stratum,
                           needsValence ? around.count(entity.dimension + 1) : 0);
 }
 
@@ -120,14 +122,14 @@ void addSubCells(const Neighbourhood& around, double scale, RowAccumulator& row)
 
 /// Adds the row of a new point of Catmull-Clark or MLCA: the rule of its stratum, and where that
 /// fades the rule of the next.
-void addBlendedRow(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+void addBlendedRow(const far::TopologyRefiner& refiner, const far::Level& level,
                    const Entity& entity, RowAccumulator& row) {
     const far::RefinerOptions& options = refiner.options();
     const auto addRule = [&](const Neighbourhood& around, double scale) {
-        if (rules == Rules::Mlca)
+        if (options.rules == Rules::Mlca)
             addSubCells(around, scale, row);
         else
-            addMask(around, maskOf(around, rules, options.triangles), scale, row);
+            addMask(around, maskOf(around, options), scale, row);
     };
     const auto fading = far::fadingOf(level.complex, level.strata, options.creasing, entity);
     addRule({level, entity, level.strata.of(entity)}, fading ? fading->weight : 1);
@@ -136,32 +138,26 @@ void addBlendedRow(const far::TopologyRefiner& refiner, const far::Level& level,
 
 }  // namespace
 
-void checkRules(const far::TopologyRefiner& refiner, Rules rules) {
-    if (rules == Rules::Mlca) checkMlca(refiner);
-    if (rules == Rules::Rats) checkRats(refiner);
-}
-
-StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules,
+StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level,
                                      std::span<const Index> vertices) {
     const VertexParents parents(refiner, level);
     checkVertices(refiner, level, vertices);
-    checkRules(refiner, rules);
     const far::Level& parent = refiner.level(level - 1);
     return buildTable(static_cast<Index>(vertices.size()), parent.complex.count(0),
                       [&](Index row, RowAccumulator& accumulator) {
                           const Index vertex = vertices[row];
                           const Entity entity = parents(vertex);
-                          if (rules == Rules::Rats)
+                          if (refiner.rules() == Rules::Rats)
                               addRatsRow(parent, entity, accumulator);
                           else
-                              addBlendedRow(refiner, parent, rules, entity, accumulator);
+                              addBlendedRow(refiner, parent, entity, accumulator);
                       });
 }
 
-StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level, Rules rules) {
+StencilTable<double> buildLevelTable(const far::TopologyRefiner& refiner, int level) {
     std::vector<Index> all(refiner.level(level).complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
-    return buildLevelTable(refiner, level, rules, all);
+    return buildLevelTable(refiner, level, all);
 }
 
 }  // namespace espalier::stencils

@@ -4,7 +4,6 @@
 #include <espalier/base/api.h>
 #include <espalier/base/point.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/stencil_table.h>
 
 #include <span>
@@ -18,10 +17,9 @@ class ESPALIER_API Levels {
 public:
     /// \param refiner with level 0 alone
     /// \param positions of the vertices of level 0; without positions, no level has them
-    Levels(far::TopologyRefiner refiner, Rules rules, std::vector<Point3> positions = {});
+    explicit Levels(far::TopologyRefiner refiner, std::vector<Point3> positions = {});
 
     const far::TopologyRefiner& refiner() const { return refiner_; }
-    Rules rules() const { return rules_; }
 
     int finest() const { return refiner_.maxLevel(); }
     const far::Level& finestLevel() const { return refiner_.level(finest()); }
@@ -42,7 +40,6 @@ public:
 
 private:
     far::TopologyRefiner refiner_;
-    Rules rules_;
     std::vector<StencilTable<double>> tables_;
     std::vector<std::vector<Point3>> positions_;  ///< one set a level
 };

@@ -3,25 +3,11 @@
 
 #include <espalier/base/api.h>
 #include <espalier/base/index.h>
-#include <espalier/base/word.h>
+#include <espalier/far/topology_refiner.h>
 
 #include <array>
 
 namespace espalier::stencils {
-
-/// The rules of refinement. The first two are Catmull-Clark's, and differ in the edge rule of
-/// volumes only, and there only where other than four faces meet in an interior edge. On grids the
-/// third is the same again.
-enum class Rules {
-    Siggraph96,  ///< edge (C̄ + 2Ā + (n − 3)M)/n   MacCracken & Joy 1996, section 2.2
-    Cse96,       ///< edge (C̄ + 2Ā + M)/4           Joy & MacCracken CSE-96-1, section 6
-    Mlca,        ///< split, then average: see mlca.h    Bajaj, Schaefer, Warren & Xu 2002
-    Rats         ///< of curves and meshes: see rats.h   Savva & Clapworthy, section 2.2
-};
-inline constexpr Word<Rules> kRulesWords[] = {{"siggraph96", Rules::Siggraph96},
-                                              {"cse96", Rules::Cse96},
-                                              {"mlca", Rules::Mlca},
-                                              {"rats", Rules::Rats}};
 
 /// The new point of an entity as an affine combination of averages: entry j is the weight of the
 /// average of the centroids of the incident entities of dimension j (itself, where j is its own
@@ -56,7 +42,7 @@ using Mask = std::array<double, kMaxDimension + 1>;
 ///        number of its edges on the surface; at least 1; not used otherwise
 /// \cite MacCracken & Joy 1996, sections 2.2 and 3; Joy, bicubic refinement, "face", "edge" and
 ///       "vertex" points (stratum 2); CSE-96-1, section 2 (stratum 1)
-ESPALIER_API Mask refinementMask(Rules rules, int dimension, int stratum, Index valence);
+ESPALIER_API Mask refinementMask(far::Rules rules, int dimension, int stratum, Index valence);
 
 /// The rule of an edge on stratum 2 under TriangleSubdivision::Smooth: M (1 − 2w) + 2w Ā, where w
 /// is the mean of 0.47 for each triangle and 1/4 for each other face at the edge.

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
 #include <espalier/stencils/mlca.h>
 
 namespace espalier::stencils {
@@ -21,11 +20,6 @@ std::vector<Entity> mlcaSubCell(const far::CellComplex& complex, Entity whole, s
                 parts.push_back({dimension, part});
     if (whole.dimension > 0) parts.push_back(whole);
     return parts;
-}
-
-void checkMlca(const far::TopologyRefiner& refiner) {
-    if (refiner.options().triangles == far::TriangleSubdivision::Smooth)
-        throw Error("the rules of MLCA have no smooth triangles");
 }
 
 }  // namespace espalier::stencils

@@ -52,9 +52,4 @@ namespace espalier::stencils {
 ESPALIER_API std::vector<Entity> mlcaSubCell(const far::CellComplex& complex, Entity whole,
                                              std::size_t corner);
 
-/// Checks that the rules of MLCA say how to refine what a refiner holds.
-///
-/// \throws Error under TriangleSubdivision::Smooth, which is about a mask that MLCA does not have
-ESPALIER_API void checkMlca(const far::TopologyRefiner& refiner);
-
 }  // namespace espalier::stencils

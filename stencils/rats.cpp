@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <espalier/base/error.h>
-#include <espalier/far/topology_error.h>
 #include <espalier/stencils/rats.h>
 
 #include <algorithm>
-#include <string>
 
 namespace espalier::stencils {
 
@@ -61,25 +58,6 @@ RatsPoint facePoint(const Level& level, const Entity& face) {
     return hasPart(level, face, 1, kBorderStratum) ? RatsPoint::FBeta : RatsPoint::FGamma;
 }
 
-void checkNotSemiSharp(const Level& level) {
-    if (!level.strata.hasSemiSharp()) return;
-    for (int dimension = 0; dimension <= 1; ++dimension)
-        for (Index index = 0; index < level.complex.count(dimension); ++index) {
-            const float sharpness = level.strata.sharpness({dimension, index});
-            if (sharpness == far::kSmooth || sharpness == far::kInfinitelySharp) continue;
-            std::string name = "vertex " + std::to_string(index);
-            if (dimension == 1) {
-                const auto ends = level.complex.relation(1, 0)[index];
-                const auto [low, high] = std::minmax(ends.front(), ends.back());
-                name = "edge (" + std::to_string(low) + ", " + std::to_string(high) + ")";
-            }
-            throw far::TopologyError(far::TopologyCause::BadMark, {dimension, index},
-                                     name +
-                                         " is semi-sharp; the rules of RATS know what is smooth "
-                                         "and what is infinitely sharp only");
-        }
-}
-
 }  // namespace
 
 RatsPoint ratsPoint(const Level& level, Entity entity) {
@@ -109,16 +87,6 @@ std::vector<Entity> ratsSources(const Level& level, Entity entity) {
         default:
             return {entity};
     }
-}
-
-void checkRats(const far::TopologyRefiner& refiner) {
-    if (refiner.dimension() == kMaxDimension)
-        throw Error("the rules of RATS are for curves and meshes, not for lattices");
-    if (refiner.boundary() == far::Boundary::Open)
-        throw Error("the rules of RATS reach the border; there are none without boundary control");
-    if (refiner.options().triangles == far::TriangleSubdivision::Smooth)
-        throw Error("the rules of RATS have no smooth triangles");
-    checkNotSemiSharp(refiner.level(0));
 }
 
 }  // namespace espalier::stencils

@@ -53,11 +53,4 @@ ESPALIER_API RatsPoint ratsPoint(const far::Level& level, Entity entity);
 /// \cite Savva & Clapworthy, Eq 4 to 19; section 3 (F_γ and E_δ are means of new vertex points)
 ESPALIER_API std::vector<Entity> ratsSources(const far::Level& level, Entity entity);
 
-/// Checks that the rules of RATS say how to refine what a refiner holds.
-///
-/// \throws Error for a lattice, under Boundary::Open (RATS reaches the border), and under
-///         TriangleSubdivision::Smooth; far::TopologyError (BadMark) naming the first vertex or
-///         edge that is semi-sharp
-ESPALIER_API void checkRats(const far::TopologyRefiner& refiner);
-
 }  // namespace espalier::stencils

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <espalier/base/api.h>
+#include <espalier/far/topology_refiner.h>
 #include <espalier/shapes/lattice.h>
-#include <espalier/stencils/masks.h>
 
 namespace espalier::stencils {
 
@@ -14,7 +14,7 @@ namespace espalier::stencils {
 /// \param level one that the refiner has
 /// \throws Error as levelLattice() and refineValues()
 /// \cost as refineValues(), for the positions and for each attribute
-ESPALIER_API Lattice refinedLattice(const far::TopologyRefiner& refiner, int level, Rules rules,
+ESPALIER_API Lattice refinedLattice(const far::TopologyRefiner& refiner, int level,
                                     const Lattice& base);
 
 }  // namespace espalier::stencils

@@ -9,11 +9,11 @@
 
 namespace espalier::stencils {
 
-bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level, Rules rules) {
+bool RepeatedRows::areIn(const far::TopologyRefiner& refiner, int level) {
     // On level 1 nothing is inside an entity but its own point. Rows are matched by their place
     // among those of an entity: none may be missing.
     return level >= 2 && refiner.isUniform() &&
-           Surroundings::decideRows(refiner.level(0), refiner.boundary(), rules);
+           Surroundings::decideRows(refiner.level(0), refiner.options());
 }
 
 RepeatedRows::RepeatedRows(const far::TopologyRefiner& refiner, int level,

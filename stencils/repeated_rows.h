@@ -3,7 +3,6 @@
 
 #include <espalier/base/array.h>
 #include <espalier/far/topology_refiner.h>
-#include <espalier/stencils/masks.h>
 #include <espalier/stencils/row_order.h>
 #include <espalier/stencils/stencil_table.h>
 
@@ -20,7 +19,7 @@ namespace espalier::stencils {
 class RepeatedRows {
 public:
     /// Whether shapes decide the rows of S_level.
-    static bool areIn(const far::TopologyRefiner& refiner, int level, Rules rules);
+    static bool areIn(const far::TopologyRefiner& refiner, int level);
 
     /// \param origins of the levels 0 to `level` − 1
     /// \param vertices of the level: whose rows are asked for

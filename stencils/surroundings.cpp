@@ -24,10 +24,12 @@ Surroundings::Surroundings(const far::Level& level)
                               d >= 2 ? &complex.boundary(d) : nullptr});
 }
 
-bool Surroundings::decideRows(const far::Level& level, far::Boundary boundary, Rules rules) {
-    const bool seesShapesOnly =
-        rules == Rules::Mlca ? level.complex.dimension() < kMaxDimension : rules != Rules::Rats;
-    return seesShapesOnly && boundary != far::Boundary::Open && !level.strata.hasSemiSharp();
+bool Surroundings::decideRows(const far::Level& level, const far::RefinerOptions& options) {
+    const bool seesShapesOnly = options.rules == far::Rules::Mlca
+                                    ? level.complex.dimension() < kMaxDimension
+                                    : options.rules != far::Rules::Rats;
+    return seesShapesOnly && options.boundary != far::Boundary::Open &&
+           !level.strata.hasSemiSharp();
 }
 
 Index Surroundings::shapeOf(const Entity& entity) {
@@ -89,10 +91,10 @@ void Surroundings::describe(int dimension, Index index) {
         description_.push_back(near.has(parts[i]) ? signs[i] * (near.placeOf(parts[i]) + 1) : 0);
 }
 
-ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level,
                          std::span<const Index> vertices) {
     std::optional<Surroundings> surroundings;
-    if (vertices.size() > 1 && Surroundings::decideRows(level, refiner.boundary(), rules))
+    if (vertices.size() > 1 && Surroundings::decideRows(level, refiner.options()))
         surroundings.emplace(level);
     ShapeGroups groups;
     std::map<Index, std::size_t> groupOfShape;

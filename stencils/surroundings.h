@@ -3,7 +3,6 @@
 
 #include <espalier/far/topology_refiner.h>
 #include <espalier/stencils/index_set.h>
-#include <espalier/stencils/masks.h>
 
 #include <array>
 #include <map>
@@ -33,7 +32,7 @@ public:
     /// Whether rows inside entities follow from shapes, under these rules. RATS looks one vertex
     /// further, and MLCA at all parts of the cells around, of which a shape names those alone that
     /// touch the entity.
-    static bool decideRows(const far::Level& level, far::Boundary boundary, Rules rules);
+    static bool decideRows(const far::Level& level, const far::RefinerOptions& options);
 
     /// The number of the shape around an entity; they count from 0 as they are first met. Once very
     /// many are known, new ones are no longer remembered, and have another number each time.
@@ -76,7 +75,7 @@ struct ShapeGroups {
 
 /// Where shapes do not decide rows, each vertex is a group of its own.
 /// \param vertices of `level`, a level of `refiner`; repeats are allowed
-ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level, Rules rules,
+ShapeGroups groupByShape(const far::TopologyRefiner& refiner, const far::Level& level,
                          std::span<const Index> vertices);
 
 }  // namespace espalier::stencils

@@ -16,7 +16,7 @@ namespace {
 /// Compares a shape at levels 1 to `level`.
 Agreement agreementOf(const Lattice& shape, int level) {
     const TopologyRefiner refiner = refined(shape, level);
-    return Comparison(refiner).compareAll(stencils::Rules::Siggraph96, shape.positions);
+    return Comparison(refiner).compareAll(shape.positions);
 }
 
 void expectAgreement(const std::string& name, const Lattice& shape, int level) {
@@ -116,8 +116,8 @@ TEST(Comparison, CatchesPlantedErrors) {
          {zoo().front(), NamedLattice{"mesh", meshZoo().front().lattice}}) {
         const TopologyRefiner refiner = refined(lattice, 2);
         const Comparison comparison(refiner);
-        const StencilTable<double> table = stencils::buildStencils(
-            refiner, 2, stencils::Rules::Siggraph96, comparison.vertices(2));
+        const StencilTable<double> table =
+            stencils::buildStencils(refiner, 2, comparison.vertices(2));
         ASSERT_TRUE(comparison.compare(2, table).isWithin({})) << name;
 
         const LevelAgreement weight = comparison.compare(2, withWeight(table, 17, 1e-9));
@@ -137,9 +137,8 @@ TEST(Comparison, RefusesTablesOfAnotherShape) {
     const TopologyRefiner refiner = refined(lattice, 2);
     const Comparison comparison(refiner);
     // Level 1 for level 2; and all vertices, inside too.
-    for (const auto& table :
-         {stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96, comparison.vertices(1)),
-          stencils::buildStencils(refiner, 2)})
+    for (const auto& table : {stencils::buildStencils(refiner, 1, comparison.vertices(1)),
+                              stencils::buildStencils(refiner, 2)})
         EXPECT_THROW(comparison.compare(2, table), Error);
     EXPECT_THROW(comparison.openSubdivPoints(1, std::vector<Point3>(7)), Error);
     EXPECT_THROW(comparison.vertices(3), Error);
@@ -149,8 +148,7 @@ TEST(Comparison, RefusesTablesOfAnotherShape) {
 TEST(Comparison, NotANumberIsADifference) {
     const TopologyRefiner refiner = refined(shapes::box(), 1);
     const Comparison comparison(refiner);
-    const StencilTable<double> table =
-        stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96, comparison.vertices(1));
+    const StencilTable<double> table = stencils::buildStencils(refiner, 1, comparison.vertices(1));
     EXPECT_FALSE(comparison.compare(1, withWeight(table, 5, kNan)).isWithin({}));
 }
 
@@ -171,7 +169,7 @@ TEST(Comparison, IsOfTheLevelsOfThen) {
     EXPECT_THROW(comparison.openSubdivPoints(2, box.positions), Error);
     EXPECT_THROW(comparison.openSubdivTable(2), Error);
     EXPECT_THROW(comparison.openSubdivTable(0), Error);
-    EXPECT_EQ(comparison.compareAll(stencils::Rules::Siggraph96, box.positions).levels.size(), 1u);
+    EXPECT_EQ(comparison.compareAll(box.positions).levels.size(), 1u);
 }
 
 TEST(Comparison, EveryFigureIsHeldAgainstItsBound) {
@@ -229,8 +227,7 @@ TEST(KnownDifferences, NonManifoldCreasesAreThoseOfRelease361) {
         count += isMisjudged;
         if (OPENSUBDIV_VERSION_NUMBER < 30601) {
             EXPECT_EQ(comparison.correctedCorners() > 0, isMisjudged) << name;
-            const std::string note =
-                comparison.compareAll(stencils::Rules::Siggraph96, mesh.positions).note;
+            const std::string note = comparison.compareAll(mesh.positions).note;
             EXPECT_EQ(note.find("3.6.1") != std::string::npos, isMisjudged) << note;
         } else {
             EXPECT_EQ(comparison.correctedCorners(), 0) << name;

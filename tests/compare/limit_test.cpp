@@ -112,8 +112,7 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
     for (const Index vertex : surface.vertices)
         values.push_back({Eigen::Vector3d(pose[vertex].data())});
     const Limits limits = limitsOf(*theirs.refiner, values);
-    const auto ours =
-        times(limit::buildVertexLimits(refiner, 0, Rules::Siggraph96, surface.vertices), pose);
+    const auto ours = times(limit::buildVertexLimits(refiner, 0, surface.vertices), pose);
     const auto positions = asMatrix(pose);
     for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
         const Index vertex = surface.vertices[i];
@@ -122,7 +121,7 @@ void expectSameLimits(const std::string& name, const Lattice& shape, int& smooth
         EXPECT_LT((ours.row(Eigen::Index(i)).transpose() - limits.points[i].point).norm(), 1e-12)
             << name << " vertex " << vertex;
         if (stratum == 0) continue;
-        const auto ring = limit::ringOf(level, refiner.options(), Rules::Siggraph96, vertex);
+        const auto ring = limit::ringOf(level, refiner.options(), vertex);
         if (stratum == 1) {
             // On each of its sides a crease has a plane; along it there is one tangent.
             EXPECT_LT(creaseAt(level, ring, positions).cross(limits.first[i].point).norm(), 1e-12)

@@ -116,7 +116,7 @@ std::size_t at(int index) {
     return static_cast<std::size_t>(index);
 }
 
-/// Their vertex of the last level for each of ours.
+/// For each of our vertices of the last level, theirs.
 std::vector<int> matchVertices(
     const Far::TopologyRefiner& theirs,
     const far::TopologyRefiner& ours) {
@@ -314,8 +314,8 @@ std::vector<double> refineOurs(
     const far::TopologyRefiner& refiner) {
     const std::vector<double> base(positions.begin(),
                                    positions.end());
-    const auto points = stencils::refineValues(
-        refiner, level, stencils::Rules::Siggraph96, base, 3);
+    const auto points =
+        stencils::refineValues(refiner, level, base, 3);
     return points;
 }
 

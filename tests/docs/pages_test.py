@@ -5,11 +5,15 @@ lead somewhere."""
 
 import pathlib
 import re
+import sys
 import tempfile
 import textwrap
 import unittest
 
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs"
+sys.path.insert(0, str(DOCS.parent / "bench"))
+
+import ratios  # noqa: E402
 
 # <!-- code: a.cpp b.py -->: whose code a page shows from here on, by extensions.
 SOURCES = re.compile(r"<!-- code: (.*?) -->")
@@ -102,6 +106,11 @@ class Pages(unittest.TestCase):
             blocks = list(blocks_in((DOCS / name).read_text(encoding="utf-8")))
             self.assertGreater(sum(bool(block[3]) for block in blocks), 8, name)
 
+    def test_the_plot_of_performance_shows_the_numbers_of_its_tables(self):
+        page = (DOCS / "performance.md").read_text(encoding="utf-8")
+        self.assertEqual((DOCS / "figures/performance-ratios.svg").read_text(encoding="utf-8"),
+                         ratios.figure(page), "run bench/ratios.py")
+        self.assertGreater(ratios.figure(page).count("<circle"), 20)
 
     def test_the_life_of_a_deform_names_functions_that_exist(self):
         text = (DOCS / "life-of-a-deform.md").read_text(encoding="utf-8")

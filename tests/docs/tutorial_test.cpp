@@ -75,9 +75,7 @@ TEST(Tutorial, FromALatticeToAPose) {
     EXPECT_EQ(cells, 16 * 8 * 8);
     EXPECT_EQ(corners, 8);
 
-    const auto rules = stencils::Rules::Siggraph96;
-    const auto table =
-        stencils::buildStencils(refiner, 2, rules);
+    const auto table = stencils::buildStencils(refiner, 2);
     const Index rows = table.rowCount();
     const auto weights = table.weights(rows - 1);
     EXPECT_EQ(rows, complex.count(0));
@@ -90,8 +88,8 @@ TEST(Tutorial, FromALatticeToAPose) {
     const test::TemporaryFolder folder;
     const std::filesystem::path file =
         folder.path() / "level-2.vtu";
-    const auto positions = stencils::refinePositions(
-        refiner, 2, rules, rest.positions);
+    const auto positions =
+        stencils::refinePositions(refiner, 2, rest.positions);
     io::writeLattice(file, levelLattice(refiner, 2, positions));
     EXPECT_EQ(io::readLattice(file).positions, positions);
 
@@ -99,8 +97,8 @@ TEST(Tutorial, FromALatticeToAPose) {
 
     const far::TopologyRefiner base(rest.complex,
                                     {.marks = rest.marks});
-    const auto bound = embed::bindPoints(
-        {base, rest.positions, rules}, points, {.level = 3});
+    const auto bound = embed::bindPoints({base, rest.positions},
+                                         points, {.level = 3});
     const auto& deformation = bound.binding.table;  // D
     const auto outside =
         bound.count(embed::PointStatus::Outside);
@@ -117,7 +115,7 @@ TEST(Tutorial, FromALatticeToAPose) {
     EXPECT_GT(moved[300][0], points[300][0] + 1);
     EXPECT_EQ(moved[301], points[301]);
 
-    // What happens for each pose, in an animation.
+    // For each pose of an animation.
     const osd::CompiledTable<double> compiled(deformation);
     const auto xyz = osd::BufferDescriptor::packed(3);
     const std::span<const double> from(pose[0].data(),
@@ -167,7 +165,7 @@ TEST(Tutorial, FromALatticeToAPose) {
 
     const solve::ValidityCheck check(complex, positions);
     const auto posed =
-        stencils::refinePositions(refiner, 2, rules, fitted);
+        stencils::refinePositions(refiner, 2, fitted);
     const solve::PoseValidity validity = check.check(posed);
     const bool folds = !validity.inverted.empty();
     const solve::LargestStep step =

@@ -73,8 +73,8 @@ class Tutorial(unittest.TestCase):
         self.assertGreater(moved[300, 0], points[300, 0] + 1)
         self.assertTrue(np.array_equal(moved[301], points[301]))
 
-        # Some poses at once, or one after the other in single
-        # precision and in memory that is there.
+        # Several poses at once; or one pose in single precision,
+        # into an existing array.
         several = binding.deform(np.stack([rest.positions, pose]))
         result = np.empty((302, 3), np.float32)
         binding.deform(pose.astype(np.float32), out=result)

@@ -41,10 +41,10 @@ TEST(Continuity, OfASideOfABoxIsALayerOrTwo) {
     const TopologyRefiner base(box.complex);
     const auto side = facesWhere(box, [](const Point3& p) { return p[0] == 0; });
     ASSERT_EQ(side.size(), 9U);
-    EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, side, Continuity::C0),
+    EXPECT_EQ(verticesHoldingFaces(base, side, Continuity::C0),
               verticesWhere(box, [](const Point3& p) { return p[0] == 0; }));
     for (const auto continuity : {Continuity::C1, Continuity::C2})
-        EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, side, continuity),
+        EXPECT_EQ(verticesHoldingFaces(base, side, continuity),
                   verticesWhere(box, [](const Point3& p) { return p[0] <= 1; }));
 }
 
@@ -56,7 +56,7 @@ TEST(Continuity, OfAPlaneInsideABoxIsThreeLayers) {
     const auto plane = facesWhere(box, [](const Point3& p) { return p[0] == 3; });
     ASSERT_EQ(plane.size(), 4U);
     for (const auto continuity : {Continuity::C0, Continuity::C1, Continuity::C2})
-        EXPECT_EQ(verticesHoldingFaces(base, Rules::Siggraph96, plane, continuity),
+        EXPECT_EQ(verticesHoldingFaces(base, plane, continuity),
                   verticesWhere(box, [](const Point3& p) { return p[0] >= 2 && p[0] <= 4; }));
 }
 
@@ -64,11 +64,10 @@ TEST(Continuity, OfAPlaneInsideABoxIsThreeLayers) {
 struct FacesOnLevel {
     TopologyRefiner refiner;
     int level;
-    Rules rules;
     ByEntity<std::uint8_t> isHeld;
 
-    FacesOnLevel(const TopologyRefiner& base, int levels, Rules by, const std::vector<Index>& faces)
-        : refiner(base), level(levels), rules(by) {
+    FacesOnLevel(const TopologyRefiner& base, int levels, const std::vector<Index>& faces)
+        : refiner(base), level(levels) {
         refiner.refineUniform(levels);
         const CellComplex& complex = base.level(0).complex;
         for (int d = 0; d <= 3; ++d) isHeld[d].resize(complex.count(d));
@@ -95,7 +94,7 @@ struct FacesOnLevel {
         return result;
     }
     StencilTable<double> rows(const std::set<Index>& vertices) const {
-        return stencils::buildStencils(refiner, level, rules,
+        return stencils::buildStencils(refiner, level,
                                        std::vector<Index>(vertices.begin(), vertices.end()));
     }
     std::vector<Index> columns(const std::set<Index>& vertices) const {
@@ -132,18 +131,19 @@ std::vector<std::vector<Index>> partsOf(const CellComplex& complex) {
 TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
     for (const auto& [name, lattice] : zoo())
         for (const auto boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
-            const TopologyRefiner base(lattice.complex,
-                                       {.boundary = boundary, .marks = lattice.marks});
             for (const auto& faces : partsOf(lattice.complex))
                 for (const int level : {2, 3})
                     for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
+                        const TopologyRefiner base(
+                            lattice.complex,
+                            {.rules = rules, .boundary = boundary, .marks = lattice.marks});
                         if (level == 3 && lattice.complex.count(3) > 12) continue;
                         SCOPED_TRACE(name + ", level " + std::to_string(level));
-                        const FacesOnLevel whole(base, level, rules, faces);
-                        EXPECT_EQ(verticesHoldingFaces(base, rules, faces, Continuity::C0),
+                        const FacesOnLevel whole(base, level, faces);
+                        EXPECT_EQ(verticesHoldingFaces(base, faces, Continuity::C0),
                                   whole.columns(whole.held()));
                         for (const auto continuity : {Continuity::C1, Continuity::C2})
-                            EXPECT_EQ(verticesHoldingFaces(base, rules, faces, continuity),
+                            EXPECT_EQ(verticesHoldingFaces(base, faces, continuity),
                                       whole.columns(whole.around(whole.held())));
                     }
         }
@@ -155,14 +155,15 @@ TEST(Continuity, DependsOnTheSameVerticesAtEveryLevel) {
 TEST(Continuity, WhatMovesBesideLeavesTheSecondDerivatives) {
     for (const auto& [name, lattice] : zoo()) {
         if (lattice.complex.count(3) > 12) continue;
-        const TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
         for (const auto& faces : partsOf(lattice.complex))
             for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
+                const TopologyRefiner base(lattice.complex,
+                                           {.rules = rules, .marks = lattice.marks});
                 SCOPED_TRACE(name);
-                const auto frozen = verticesHoldingFaces(base, rules, faces, Continuity::C1);
+                const auto frozen = verticesHoldingFaces(base, faces, Continuity::C1);
                 double before = 0;
                 for (const int level : {2, 3}) {
-                    const FacesOnLevel whole(base, level, rules, faces);
+                    const FacesOnLevel whole(base, level, faces);
                     const auto table = whole.rows(whole.around(whole.around(whole.held())));
                     double farthest = 0;
                     for (Index row = 0; row < table.rowCount(); ++row) {
@@ -347,9 +348,7 @@ TEST(Continuity, DoesNotDependOnThreads) {
 TEST(Continuity, RefusesWhatCannotBeHeld) {
     Held held;
     const auto hold = [&](const TopologyRefiner& base, std::vector<Index> faces) {
-        return [&base, faces] {
-            verticesHoldingFaces(base, Rules::Siggraph96, faces, Continuity::C0);
-        };
+        return [&base, faces] { verticesHoldingFaces(base, faces, Continuity::C0); };
     };
     EXPECT_THAT(hold(held.base, {}), ThrowsMessage<Error>(HasSubstr("there are no faces to hold")));
     EXPECT_THAT(hold(held.base, {0, 9999}),

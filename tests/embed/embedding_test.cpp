@@ -183,14 +183,14 @@ TEST(Embedding, ToleranceReachesAllRoundTheRegion) {
 TEST(Embedding, OpenLattice) {
     const Lattice box = shapes::box({.cells = {4, 4, 4}, .max = {4, 4, 4}});
     TopologyRefiner refiner = test::refined(box.complex, 2, {.boundary = Boundary::Open});
-    const auto positions = stencils::refinePositions(refiner, 2, Rules::Siggraph96, box.positions);
+    const auto positions = stencils::refinePositions(refiner, 2, box.positions);
     // Level 1 reaches from 1/2 to 7/2, level 2 from 3/4 to 13/4.
     const std::vector<Point3> points = {{0.8, 2, 3.2}, {0.7, 2, 2}, {2, 2, 3.3}};
     const Embedding embedding = embedPoints(refiner.level(2).complex, positions, points);
     EXPECT_EQ(embedding.points[0].status, PointStatus::Inside);
     EXPECT_EQ(embedding.points[1].status, PointStatus::Outside);
     EXPECT_EQ(embedding.points[2].status, PointStatus::Outside);
-    const auto table = buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
+    const auto table = buildDeformationTable(refiner, 2, embedding);
     EXPECT_LT((times(table, box.positions).row(0).transpose() - vec(points[0])).norm(), 4e-12);
 }
 
@@ -385,8 +385,7 @@ TEST(Embedding, NeedsARefinedLattice) {
     // An embedding belongs to one level.
     TopologyRefiner finer = refined.refiner;
     finer.refineUniform(2);
-    EXPECT_THROW(buildDeformationTable(finer, 2, Rules::Siggraph96, refined.embed({{0, 0, 0}})),
-                 Error);
+    EXPECT_THROW(buildDeformationTable(finer, 2, refined.embed({{0, 0, 0}})), Error);
 }
 
 // Cells folded over by one vertex far away: points come back, or are said not to.

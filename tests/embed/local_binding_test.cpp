@@ -46,14 +46,14 @@ struct WholeLevelBinding {
     StencilTable<double> table;
 
     WholeLevelBinding(const TopologyRefiner& base, std::span<const Point3> rest, int level,
-                      Rules rules, std::span<const Point3> points, EmbeddingOptions options)
+                      std::span<const Point3> points, EmbeddingOptions options)
         : refiner(base) {
         refiner.refineUniform(level);
-        positions = stencils::refinePositions(refiner, level, rules, rest);
+        positions = stencils::refinePositions(refiner, level, rest);
         // It counts in the size of its own level.
         options.tolerance *= diagonal(rest) / diagonal(positions);
         embedding = embedPoints(refiner.level(level).complex, positions, points, options);
-        table = buildDeformationTable(refiner, level, rules, embedding);
+        table = buildDeformationTable(refiner, level, embedding);
     }
 };
 
@@ -101,15 +101,15 @@ StencilTable<double> productOf(const stencils::FactoredTable<double>& table) {
 }
 
 void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base,
-                            std::span<const Point3> rest, int level, Rules rules,
-                            std::size_t pointCount, unsigned seed) {
-    const auto points = somePoints(rest, WholeLevelBinding(base, rest, level, rules, {}, {}), level,
-                                   pointCount, seed);
+                            std::span<const Point3> rest, int level, std::size_t pointCount,
+                            unsigned seed) {
+    const auto points =
+        somePoints(rest, WholeLevelBinding(base, rest, level, {}, {}), level, pointCount, seed);
     for (const OutsidePolicy outside : {OutsidePolicy::Keep, OutsidePolicy::Nearest}) {
         const EmbeddingOptions options{.outside = outside};
-        const WholeLevelBinding whole(base, rest, level, rules, points, options);
+        const WholeLevelBinding whole(base, rest, level, points, options);
         const BindingResult bound =
-            bindPoints({base, rest, rules}, points, {.level = level, .embedding = options});
+            bindPoints({base, rest}, points, {.level = level, .embedding = options});
         ASSERT_EQ(bound.statuses.size(), points.size());
         for (std::size_t i = 0; i < points.size(); ++i)
             EXPECT_EQ(bound.statuses[i], whole.embedding.points[i].status)
@@ -117,7 +117,7 @@ void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base
         EXPECT_EQ(bound.largestResidual, whole.embedding.largestResidual()) << name;
         EXPECT_TRUE(bound.binding.table == whole.table) << name << ", level " << level;
         const auto factored =
-            bindFactored({base, rest, rules}, points, {.level = level, .embedding = options});
+            bindFactored({base, rest}, points, {.level = level, .embedding = options});
         EXPECT_EQ(factored.statuses, bound.statuses) << name;
         EXPECT_EQ(factored.binding.kept, bound.binding.kept) << name;
         EXPECT_TRUE(productOf(factored.binding.table) == bound.binding.table)
@@ -128,10 +128,11 @@ void expectSameAsWholeLevel(const std::string& name, const TopologyRefiner& base
 TEST(LocalBinding, IsThatOfTheWholeLevelToTheLastBit) {
     for (const auto& [name, lattice] : zoo()) {
         for (const Boundary boundary : {Boundary::Sharp, Boundary::EdgeOnly, Boundary::Open}) {
-            const TopologyRefiner base(lattice.complex,
-                                       {.boundary = boundary, .marks = lattice.marks});
             const auto rest = bent(lattice.positions, 0.02);
             for (const int level : {1, 2, 3}) {
+                const TopologyRefiner base(lattice.complex, {.rules = kLatticeRules[level - 1],
+                                                             .boundary = boundary,
+                                                             .marks = lattice.marks});
                 // Larger ones, and more modes, say no more there, and take long.
                 if (level == 3 && (lattice.complex.count(3) > 4 || boundary == Boundary::EdgeOnly))
                     continue;
@@ -141,8 +142,7 @@ TEST(LocalBinding, IsThatOfTheWholeLevelToTheLastBit) {
                     ASSERT_EQ(boundary, Boundary::Open) << name;
                     continue;
                 }
-                expectSameAsWholeLevel(name, base, rest, level, kLatticeRules[level - 1], 40,
-                                       unsigned(level));
+                expectSameAsWholeLevel(name, base, rest, level, 40, unsigned(level));
             }
         }
     }
@@ -151,9 +151,11 @@ TEST(LocalBinding, IsThatOfTheWholeLevelToTheLastBit) {
 TEST(LocalBinding, HeedsMarksThatFadeInEveryMode) {
     for (unsigned seed = 0; seed < (kIsSlow ? 2 : 16); ++seed) {
         const Lattice lattice = randomLattice(seed);
-        const TopologyRefiner base(lattice.complex, refinerOptions(lattice, {}));
+        far::RefinerOptions options = refinerOptions(lattice);
+        if (seed % 2 != 0) options.rules = Rules::Mlca;
+        const TopologyRefiner base(lattice.complex, options);
         expectSameAsWholeLevel("seed " + std::to_string(seed), base, bent(lattice.positions, 0.01),
-                               3, seed % 2 == 0 ? Rules::Siggraph96 : Rules::Mlca, 60, seed);
+                               3, 60, seed);
     }
 }
 
@@ -173,7 +175,7 @@ TEST(LocalBinding, FindsWhatIsExtrapolatedOutOfItsHull) {
     const TopologyRefiner base(complex,
                                {.creasing = far::Creasing::Chaikin, .marks = lattice.marks});
     constexpr int kLevel = 1;
-    const WholeLevelBinding whole(base, lattice.positions, kLevel, Rules::Siggraph96, {}, {});
+    const WholeLevelBinding whole(base, lattice.positions, kLevel, {}, {});
     Eigen::AlignedBox3d box;
     for (const Point3& position : lattice.positions) box.extend(vec(position));
     std::vector<Point3> points;
@@ -194,15 +196,15 @@ TEST(LocalBinding, GroupsGiveWhatOneWould) {
     whole.refineUniform(4);
     constexpr std::size_t kPoints = 17'000;
     ASSERT_GT(whole.level(4).complex.count(3), Index(kPoints)) << "else the whole level is taken";
-    expectSameAsWholeLevel("cylinder", base, lattice.positions, 4, Rules::Siggraph96, kPoints, 1);
+    expectSameAsWholeLevel("cylinder", base, lattice.positions, 4, kPoints, 1);
 }
 
 // Where there are points for every cell, the whole level is taken.
 TEST(LocalBinding, ManyPointsInFewCells) {
     if (kIsSlow) GTEST_SKIP() << "takes minutes here; run without sanitizers";
     const Lattice lattice = shapes::star();
-    expectSameAsWholeLevel("star", TopologyRefiner(lattice.complex), lattice.positions, 2,
-                           Rules::Siggraph96, 17'000, 4);
+    expectSameAsWholeLevel("star", TopologyRefiner(lattice.complex), lattice.positions, 2, 17'000,
+                           4);
 }
 
 TEST(LocalBinding, TellsOfEachPointOnce) {
@@ -222,7 +224,7 @@ TEST(LocalBinding, DoesNotDependOnTheNumberOfThreads) {
     if (kIsSlow) GTEST_SKIP() << "takes minutes here; run without sanitizers";
     const Lattice lattice = shapes::torus();
     const TopologyRefiner base(lattice.complex);
-    const WholeLevelBinding whole(base, lattice.positions, 1, Rules::Siggraph96, {}, {});
+    const WholeLevelBinding whole(base, lattice.positions, 1, {}, {});
     // In level 4 there are more cells than that.
     const auto points = somePoints(lattice.positions, whole, 1, 17'000, 2);
     const auto bind = [&] {
@@ -274,10 +276,9 @@ TEST(LocalBinding, LatticesOfExtremeSize) {
             const EmbeddingOptions options{.outside = outside};
             TopologyRefiner whole(base);
             whole.refineUniform(2);
-            const PointLocator locator(
-                whole.level(2).complex,
-                stencils::refinePositions(whole, 2, stencils::Rules::Siggraph96, rest),
-                CellSolver::scaleOf(rest, options.tolerance));
+            const PointLocator locator(whole.level(2).complex,
+                                       stencils::refinePositions(whole, 2, rest),
+                                       CellSolver::scaleOf(rest, options.tolerance));
             const auto bound = bindPoints({base, rest}, points, {.level = 2, .embedding = options});
             for (std::size_t i = 0; i < points.size(); ++i)
                 EXPECT_EQ(bound.statuses[i],
@@ -295,10 +296,10 @@ TEST(LocalBinding, FarFromTheOrigin) {
     // Not bent, or the bounds of what a cell becomes would leave more than rounding takes.
     auto rest = lattice.positions;
     for (Point3& position : rest) position[0] = 1e9 + position[0] / 3;
-    const WholeLevelBinding whole(base, rest, 2, Rules::Siggraph96, {}, {.tolerance = 0});
+    const WholeLevelBinding whole(base, rest, 2, {}, {.tolerance = 0});
     // On the vertices of the level, where boxes are at their tightest.
     const EmbeddingOptions options{.tolerance = 0};
-    const WholeLevelBinding expected(base, rest, 2, Rules::Siggraph96, whole.positions, options);
+    const WholeLevelBinding expected(base, rest, 2, whole.positions, options);
     // More cells than points, so that parts are refined.
     for (std::size_t first = 0; first < whole.positions.size(); first += 100) {
         const auto some =
@@ -383,16 +384,15 @@ TEST(LocalBinding, CellsOfManySides) {
     const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
     TopologyRefiner whole = base;
     whole.refineUniform(2);
-    const auto positions =
-        stencils::refinePositions(whole, 2, Rules::Siggraph96, lattice.positions);
+    const auto positions = stencils::refinePositions(whole, 2, lattice.positions);
     std::vector<Point3> points;
     for (std::size_t i = 0; i < positions.size(); i += 400) points.push_back(positions[i]);
     const Embedding embedding = embedPoints(whole.level(2).complex, positions, points);
-    const auto table = buildDeformationTable(whole, 2, stencils::Rules::Siggraph96, embedding);
+    const auto table = buildDeformationTable(whole, 2, embedding);
     const auto model = bindPoints({base, lattice.positions}, points, {.level = 2});
     EXPECT_TRUE(model.binding.table == table);
     const auto product = stencils::multiply(buildEmbeddingTable(whole.level(2).complex, embedding),
-                                            stencils::buildStencils(whole, 2, Rules::Siggraph96));
+                                            stencils::buildStencils(whole, 2));
     const Eigen::MatrixXd difference =
         Eigen::MatrixXd(stencils::SparseView<double>(table).matrix()) -
         Eigen::MatrixXd(stencils::SparseView<double>(product).matrix());

@@ -32,7 +32,6 @@
 namespace espalier {
 namespace {
 
-using stencils::Rules;
 using stencils::StencilTable;
 using test::failEachAllocation;
 
@@ -142,16 +141,14 @@ TEST_F(CoreMemory, ARefinerHasTheLevelsThatWereComplete) {
 
 TEST_F(CoreMemory, Tables) {
     const auto refiner = refined(2);
-    failEachAllocation([&] { return stencils::buildLevelTables(refiner, 2, Rules::Cse96); });
-    failEachAllocation([&] { return stencils::buildStencils(refiner, 1, Rules::Siggraph96); });
-    const auto table = stencils::buildStencils(refiner, 1, Rules::Siggraph96);
+    failEachAllocation([&] { return stencils::buildLevelTables(refiner, 2); });
+    failEachAllocation([&] { return stencils::buildStencils(refiner, 1); });
+    const auto table = stencils::buildStencils(refiner, 1);
     failEachAllocation([&] { return stencils::transposeTable(table); });
     failEachAllocation([&] { return stencils::convertTable<float>(table); });
     failEachAllocation([&] { return stencils::convertTable<float>(StencilTable<double>(table)); });
     failEachAllocation([&] { return stencils::selectRows(table, std::vector<Index>{3, 1}); });
-    failEachAllocation([&] {
-        return stencils::refinePositions(refiner, 2, Rules::Siggraph96, lattice.positions);
-    });
+    failEachAllocation([&] { return stencils::refinePositions(refiner, 2, lattice.positions); });
 }
 
 TEST_F(CoreMemory, Binding) {
@@ -165,12 +162,11 @@ TEST_F(CoreMemory, Binding) {
         return bound.statuses;
     });
     const auto refiner = refined(1);
-    const auto positions =
-        stencils::refinePositions(refiner, 1, Rules::Siggraph96, lattice.positions);
+    const auto positions = stencils::refinePositions(refiner, 1, lattice.positions);
     failEachAllocation([&] {
         const auto embedding = embed::embedPoints(refiner.level(1).complex, positions, points,
                                                   {.outside = embed::OutsidePolicy::Nearest});
-        return embed::buildDeformationTable(refiner, 1, Rules::Siggraph96, embedding);
+        return embed::buildDeformationTable(refiner, 1, embedding);
     });
 }
 
@@ -235,7 +231,7 @@ TEST_F(CoreMemory, Solvers) {
                 .displacements;
         });
     const auto refiner = refined(1);
-    const auto rest = stencils::refinePositions(refiner, 1, Rules::Siggraph96, lattice.positions);
+    const auto rest = stencils::refinePositions(refiner, 1, lattice.positions);
     auto pose = rest;
     pose[0][2] += 1.5;
     failEachAllocation([&] {

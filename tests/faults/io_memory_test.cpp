@@ -131,7 +131,7 @@ TEST_F(IoMemory, AllThatAProgramDoes) {
         const auto bound =
             embed::bindPoints({refiner, rest.positions}, model->positions(), {.level = 1});
         refiner.refineUniform(1);
-        const auto table = stencils::buildStencils(refiner, 1, stencils::Rules::Siggraph96);
+        const auto table = stencils::buildStencils(refiner, 1);
         io::writeMatrix(folder / "S.npy", table);
         model->write(folder / "moved.obj", osd::evaluateBinding(bound.binding, rest.positions));
         return bound.binding;

@@ -69,7 +69,7 @@ TEST(ParallelMemory, RefiningAndTables) {
         [&] {
             TopologyRefiner refiner(lattice.complex);
             refiner.refineUniform(2);
-            const auto table = stencils::buildStencils(refiner, 2, stencils::Rules::Siggraph96);
+            const auto table = stencils::buildStencils(refiner, 2);
             return std::tuple(table, osd::CompiledTable<double>(table).byteCount());
         },
         15);

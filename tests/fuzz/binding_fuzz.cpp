@@ -85,11 +85,12 @@ std::string formatted(double number) {
 /// That points wherever they lie, in cells however they lie, are bound where they are, or get a
 /// status that says that they are not.
 ///
-/// \param bind bind(refiner, rest, rules, points, options): a BindingResult
+/// \param bind bind(refiner, rest, points, options): a BindingResult
 template <class Bind>
 void runBinding(Input input, std::size_t maxPoints, Bind bind) {
-    const far::TopologyRefiner refiner(takeComplex(input));
-    const auto rules = static_cast<stencils::Rules>(input.choice(2));
+    const far::CellComplex complex = takeComplex(input);
+    const auto rules = static_cast<far::Rules>(input.choice(2));
+    const far::TopologyRefiner refiner(complex, {.rules = rules});
     embed::EmbeddingOptions options;
     options.outside = static_cast<embed::OutsidePolicy>(input.choice(3));
     if (input.flag()) options.tolerance = input.take<float>();
@@ -102,7 +103,7 @@ void runBinding(Input input, std::size_t maxPoints, Bind bind) {
     std::vector<Point3> points;
     while (input.left() > 0 && points.size() < maxPoints) points.push_back(ofPoints.take());
 
-    const auto bound = resultOf([&] { return bind(refiner, rest, rules, points, options); });
+    const auto bound = resultOf([&] { return bind(refiner, rest, points, options); });
     if (!bound) return;
     double size = 0;
     for (const Point3& vertex : rest) size = std::max(size, lengthOf(vertex));
@@ -137,12 +138,11 @@ void runBinding(Input input, std::size_t maxPoints, Bind bind) {
 /// Points bound to level 1.
 const Target kEmbedding("embedding", [](std::string_view bytes) {
     constexpr std::size_t kMaxPoints = 4;
-    runBinding(Input(bytes), kMaxPoints,
-               [](const auto& refiner, const auto& rest, auto rules, const auto& points,
-                  const auto& options) {
-                   return embed::bindPoints({refiner, rest, rules}, points,
-                                            {.level = 1, .embedding = options});
-               });
+    runBinding(
+        Input(bytes), kMaxPoints,
+        [](const auto& refiner, const auto& rest, const auto& points, const auto& options) {
+            return embed::bindPoints({refiner, rest}, points, {.level = 1, .embedding = options});
+        });
 });
 
 /// The same to the limit, of one point, and not too closely: in a lattice without volume it is
@@ -150,10 +150,9 @@ const Target kEmbedding("embedding", [](std::string_view bytes) {
 const Target kLimit("limit", [](std::string_view bytes) {
     constexpr std::size_t kMaxPoints = 1;
     runBinding(Input(bytes), kMaxPoints,
-               [](const auto& refiner, const auto& rest, auto rules, const auto& points,
-                  const auto& options) {
+               [](const auto& refiner, const auto& rest, const auto& points, const auto& options) {
                    auto bound = limit::bindLimit(
-                       {refiner, rest, rules}, points,
+                       {refiner, rest}, points,
                        {.embedding = options, .tolerance = 1e-3, .gradients = true});
                    for (const auto& table : bound.binding.table.gradients)
                        for (const double weight : table.weights())

@@ -72,6 +72,7 @@ double takeSharpness(Input& input) {
 
 far::RefinerOptions takeOptions(Input& input) {
     far::RefinerOptions options;
+    options.rules = static_cast<far::Rules>(input.choice(4));
     options.boundary = static_cast<far::Boundary>(input.choice(3));
     options.sharpEdges = static_cast<far::SharpEdges>(input.choice(2));
     options.creasing = static_cast<far::Creasing>(input.choice(2));
@@ -87,9 +88,8 @@ far::RefinerOptions takeOptions(Input& input) {
     return options;
 }
 
-void requireWeights(const far::TopologyRefiner& refiner, stencils::Rules rules) {
-    if (!resultOf([&] { return stencils::checkRules(refiner, rules), true; })) return;
-    const auto table = stencils::buildStencils(refiner, refiner.maxLevel(), rules);
+void requireWeights(const far::TopologyRefiner& refiner) {
+    const auto table = stencils::buildStencils(refiner, refiner.maxLevel());
     for (Index row = 0; row < table.rowCount(); ++row) {
         double sum = 0;
         for (const double weight : table.weights(row)) sum += weight;
@@ -102,7 +102,6 @@ void requireWeights(const far::TopologyRefiner& refiner, stencils::Rules rules) 
 void runTopology(Input input) {
     const int dimension = 1 + input.choice(3);
     const bool isBuilt = input.flag();
-    const auto rules = static_cast<stencils::Rules>(input.choice(4));
     const far::RefinerOptions options = takeOptions(input);
     const auto complex = resultOf(
         [&] { return isBuilt ? buildFrom(input, dimension) : assembleFrom(input, dimension); });
@@ -119,7 +118,7 @@ void runTopology(Input input) {
         far::validate(child);
         if (child.count(0) > kEnough) break;
     }
-    requireWeights(*refiner, rules);
+    requireWeights(*refiner);
 }
 
 const Target kTopology("topology", [](std::string_view bytes) { runTopology(Input(bytes)); });

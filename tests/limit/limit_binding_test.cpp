@@ -25,10 +25,9 @@ using Eigen::Vector3d;
 using Bound = embed::BindingResultOf<LimitTable>;
 
 Bound bound(const Lattice& lattice, const std::vector<Point3>& points,
-            const LimitOptions& options = {}, stencils::Rules rules = stencils::Rules::Siggraph96) {
-    return bindLimit(
-        {TopologyRefiner(lattice.complex, refinerOptions(lattice)), lattice.positions, rules},
-        points, options);
+            const LimitOptions& options = {}) {
+    return bindLimit({TopologyRefiner(lattice.complex, refinerOptions(lattice)), lattice.positions},
+                     points, options);
 }
 
 /// Vertices of a level in the limit, at a pose.
@@ -385,7 +384,8 @@ TEST(LimitBinding, RefusesWhatItCannotBind) {
     EXPECT_THROW(bound(lattice, {}, {.tolerance = 0}), Error);
     EXPECT_THROW(bound(lattice, {}, {.tolerance = 0.2}), Error);
     EXPECT_THROW(bound(lattice, {}, {.tolerance = kNan}), Error);
-    EXPECT_THROW(bound(lattice, {}, {}, stencils::Rules::Rats), Error);
+    const TopologyRefiner rats(gridMesh(2, 2), {.rules = Rules::Rats});
+    EXPECT_REFUSED(Error, "RATS", bindLimit({rats, std::vector<Point3>(9)}, {}));
     TopologyRefiner refined(lattice.complex);
     refined.refineUniform(1);
     EXPECT_THROW(bindLimit({refined, lattice.positions}, {}), Error);

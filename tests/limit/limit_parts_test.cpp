@@ -37,7 +37,7 @@ TEST(LimitParts, PatchesAreWhatPointsAreBoundTo) {
         for (const Boundary boundary : {Boundary::Sharp, Boundary::EdgeOnly}) {
             const TopologyRefiner base(lattice.complex,
                                        refinerOptions(lattice, {.boundary = boundary}));
-            const LimitParts parts(base, Rules::Siggraph96, 2);
+            const LimitParts parts(base, 2);
             const auto pose = shaken(lattice.positions, 7, 0.2);
             const LimitPositions atRest = parts.place(lattice.positions), posed = parts.place(pose);
             std::vector<Point3> points, expected;
@@ -65,7 +65,7 @@ TEST(LimitParts, EachCellDescendsIntoParts) {
     for (const auto& [name, lattice] : zoo()) {
         const TopologyRefiner base(lattice.complex, {.marks = lattice.marks});
         for (const int level : {1, 3}) {
-            const LimitParts parts(base, Rules::Siggraph96, level);
+            const LimitParts parts(base, level);
             std::set<std::pair<int, Index>> seen;
             // The cells of the last level that each base cell descends into: a patch is a
             // hexahedron, which becomes 8 with each level, a blend is one of them.
@@ -96,7 +96,7 @@ TEST(LimitParts, EachCellDescendsIntoParts) {
 TEST(LimitParts, OnlyFeaturesAreRefined) {
     const TopologyRefiner box(shapes::box({.cells = {3, 2, 1}}).complex);
     for (const int level : {1, 4}) {
-        const LimitParts parts(box, Rules::Siggraph96, level);
+        const LimitParts parts(box, level);
         EXPECT_EQ(parts.patchCount(), 6);
         EXPECT_EQ(parts.parts().size(), 6);
     }
@@ -104,7 +104,7 @@ TEST(LimitParts, OnlyFeaturesAreRefined) {
     // along the middle of each prism 3.
     const TopologyRefiner fan(shapes::cylinder({.sectors = 5, .layers = 1}).complex);
     for (const int level : {2, 3, 4}) {
-        const LimitParts parts(fan, Rules::Siggraph96, level);
+        const LimitParts parts(fan, level);
         EXPECT_EQ(parts.parts().size() - parts.patchCount(), std::size_t{20} << level);
     }
 }
@@ -113,7 +113,7 @@ TEST(LimitParts, OnlyFeaturesAreRefined) {
 TEST(LimitParts, WhatShrinksAwayIsNoPart) {
     const Lattice lattice = shapes::box({.cells = {3, 3, 3}, .max = {3, 3, 3}});
     const TopologyRefiner base(lattice.complex, {.boundary = Boundary::Open});
-    const LimitParts parts(base, Rules::Siggraph96, 3);
+    const LimitParts parts(base, 3);
     ASSERT_GE(parts.patchCount(), 1);
     EXPECT_EQ(parts.parts()[0].baseCell, 13);
     const BezierPatch middle = parts.bezierPatch(0, parts.place(lattice.positions));
@@ -121,19 +121,17 @@ TEST(LimitParts, WhatShrinksAwayIsNoPart) {
         // Linear precision, of sums of 64 numbers of size 1.
         EXPECT_LE((valueAt(middle, {t, t / 2, 0}) - Vector3d(1 + t, 1 + t / 2, 1)).norm(), 1e-14);
     const TopologyRefiner single(shapes::box().complex, {.boundary = Boundary::Open});
-    EXPECT_THROW(LimitParts(single, Rules::Siggraph96, 3), far::TopologyError);
+    EXPECT_THROW(LimitParts(single, 3), far::TopologyError);
 }
 
 TEST(LimitParts, RefusesWhatHasNoLimitVolume) {
     const TopologyRefiner box(shapes::box().complex);
     for (const int level : {0, 16})
-        EXPECT_REFUSED(Error, "expected 1 to 15", LimitParts(box, Rules::Siggraph96, level));
-    EXPECT_REFUSED(Error, "RATS", LimitParts(box, Rules::Rats, 1));
+        EXPECT_REFUSED(Error, "expected 1 to 15", LimitParts(box, level));
     const TopologyRefiner mesh(gridMesh(2, 2));
-    EXPECT_REFUSED(Error, "dimension 2", LimitParts(mesh, Rules::Siggraph96, 1));
+    EXPECT_REFUSED(Error, "dimension 2", LimitParts(mesh, 1));
     const std::vector<Point3> few(7);
-    EXPECT_REFUSED(Error, "got 7 positions for 8 vertices",
-                   LimitParts(box, Rules::Siggraph96, 1).place(few));
+    EXPECT_REFUSED(Error, "got 7 positions for 8 vertices", LimitParts(box, 1).place(few));
 }
 
 }  // namespace

@@ -79,9 +79,8 @@ TEST(LimitStencils, BoxIsTheSpline) {
         for (int level = 0; level <= 1; ++level) {
             const auto& complex = refiner.level(level).complex;
             // Where the corners are in the parameters of the whole box: their Greville points.
-            const auto corners = level == 0 ? positions
-                                            : stencils::refinePositions(
-                                                  refiner, level, Rules::Siggraph96, positions);
+            const auto corners =
+                level == 0 ? positions : stencils::refinePositions(refiner, level, positions);
             std::vector<LimitLocation> locations;
             for (int i = 0; i < 40; ++i) {
                 const auto cell = Index(random() % unsigned(complex.count(3)));
@@ -89,8 +88,7 @@ TEST(LimitStencils, BoxIsTheSpline) {
                 if (i % 4 == 0) location.uvw = {0, 0.5, double(i % 8 == 0)};
                 locations.push_back(location);
             }
-            const auto stencils = buildLimitStencils(refiner, level, Rules::Siggraph96, locations,
-                                                     {.derivatives = 2});
+            const auto stencils = buildLimitStencils(refiner, level, locations, {.derivatives = 2});
             for (std::size_t i = 0; i < locations.size(); ++i) {
                 const auto v = *far::hexahedronVertices(complex, CellId(locations[i].cell));
                 const auto at = [&](std::size_t corner) { return corners[std::size_t(v[corner])]; };
@@ -169,7 +167,7 @@ TEST(LimitStencils, CellsAgreeOnTheirFaces) {
             }
             if (both.size() == 2) locations.insert(locations.end(), both.begin(), both.end());
         }
-        const auto stencils = buildLimitStencils(refiner, 1, Rules::Siggraph96, locations);
+        const auto stencils = buildLimitStencils(refiner, 1, locations);
         const auto positions = times(stencils.position, lattice.positions);
         for (Eigen::Index i = 0; i + 1 < positions.rows(); i += 2)
             // The tolerance, of lattices of a size of up to 6.
@@ -191,10 +189,8 @@ TEST(LimitStencils, VerticesAreWhereTheirCellsHaveThem) {
             }
         if (locations.empty()) continue;  // Cells of an icosahedron are of type 5.
         const auto places =
-            times(buildLimitStencils(refiner, 1, Rules::Siggraph96, locations).position,
-                  lattice.positions);
-        const auto limits =
-            times(buildVertexLimits(refiner, 1, Rules::Siggraph96, vertices), lattice.positions);
+            times(buildLimitStencils(refiner, 1, locations).position, lattice.positions);
+        const auto limits = times(buildVertexLimits(refiner, 1, vertices), lattice.positions);
         EXPECT_LT(largestDistance(places, limits), 1e-12) << name;
     }
 }
@@ -202,7 +198,7 @@ TEST(LimitStencils, VerticesAreWhereTheirCellsHaveThem) {
 TEST(LimitStencils, RowsOfVertices) {
     const auto lattice = shapes::bipyramid({.sides = 5});
     TopologyRefiner refiner = test::refined(lattice.complex, 1);
-    const auto stencils = buildLimitStencils(refiner, 1, Rules::Siggraph96, {.derivatives = 1});
+    const auto stencils = buildLimitStencils(refiner, 1, {.derivatives = 1});
     EXPECT_TRUE(stencils.position == buildVertexLimits(refiner, 1));
     EXPECT_EQ(stencils.second[0].rowCount(), 0);
     const auto& complex = refiner.level(1).complex;
@@ -223,9 +219,8 @@ TEST(LimitStencils, RowsOfVertices) {
 
 TEST(LimitStencils, SaysWhatIsWrong) {
     const TopologyRefiner refiner(test::grid({2, 1, 1}));
-    const auto build = [&](LimitLocation location, LimitStencilOptions options = {},
-                           Rules rules = Rules::Siggraph96) {
-        return buildLimitStencils(refiner, 0, rules, {{location}}, options);
+    const auto build = [&](LimitLocation location, LimitStencilOptions options = {}) {
+        return buildLimitStencils(refiner, 0, {{location}}, options);
     };
     EXPECT_EQ(build({1, {0.5, 0.5, 0.5}}).position.rowCount(), 1);
     // A place may be beyond the cell by the rounding of a sum: it is on the face.
@@ -239,14 +234,13 @@ TEST(LimitStencils, SaysWhatIsWrong) {
     EXPECT_THROW(build({0, {0, kNan, 0}}), Error);
     EXPECT_THROW(build({0, {}}, {.tolerance = 1}), Error);
     EXPECT_THROW(build({0, {}}, {.derivatives = 3}), Error);
-    EXPECT_THROW(build({0, {}}, {}, Rules::Rats), Error);
     const std::vector<LimitLocation> first = {{0, {}}};
     const TopologyRefiner tetrahedron(singleCell(far::StandardCell::Tetrahedron));
-    EXPECT_THROW(buildLimitStencils(tetrahedron, 0, Rules::Siggraph96, first), Error);
+    EXPECT_THROW(buildLimitStencils(tetrahedron, 0, first), Error);
     const TopologyRefiner open(test::grid({3, 3, 3}), {.boundary = Boundary::Open});
-    EXPECT_THROW(buildLimitStencils(open, 0, Rules::Siggraph96, first), Error);
+    EXPECT_THROW(buildLimitStencils(open, 0, first), Error);
     const TopologyRefiner mesh(gridMesh(2, 2));
-    EXPECT_THROW(buildLimitStencils(mesh, 0, Rules::Siggraph96, first), Error);
+    EXPECT_THROW(buildLimitStencils(mesh, 0, first), Error);
 }
 
 }  // namespace

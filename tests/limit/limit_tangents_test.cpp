@@ -78,7 +78,7 @@ TEST(LimitGradients, AffinePosesAreExactAtAnyTolerance) {
 Matrix3d gradientOnAxis(const Lattice& lattice, Index vertex, const std::vector<Point3>& pose) {
     TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
     const far::Level& level = refiner.level(0);
-    const VertexRing ring = ringOf(level, refiner.options(), Rules::Siggraph96, vertex);
+    const VertexRing ring = ringOf(level, refiner.options(), vertex);
     const Eigen::MatrixXd m = Eigen::MatrixXd(ring.subdivision).transpose();
     const Eigen::EigenSolver<Eigen::MatrixXd> solver(m);
     std::vector<Eigen::Index> order(std::size_t(m.rows()));
@@ -130,8 +130,8 @@ TEST(LimitGradients, AreTheEigenvectorsOnIrregularEdges) {
         const Matrix3d expected = gradientOnAxis(lattice, middle, pose);
         const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
         const std::vector<Index> vertices = {middle};
-        const auto point = stencils::applyLevelTable(
-            buildVertexLimits(base, 0, Rules::Siggraph96, vertices), lattice.positions);
+        const auto point =
+            stencils::applyLevelTable(buildVertexLimits(base, 0, vertices), lattice.positions);
         for (const double tolerance : {1e-6, 1e-12}) {
             const Bound result = bindLimit({base, lattice.positions}, point,
                                            {.tolerance = tolerance, .gradients = true});

@@ -26,8 +26,8 @@ CellComplex starOfTetrahedra(const CellComplex& hull) {
 }
 
 VertexRing ringIn(const CellComplex& complex, Rules rules, Index vertex) {
-    const TopologyRefiner refiner(complex);
-    return ringOf(refiner.level(0), refiner.options(), rules, vertex);
+    const TopologyRefiner refiner(complex, {.rules = rules});
+    return ringOf(refiner.level(0), refiner.options(), vertex);
 }
 
 void expectEigenvalues(const VertexRing& ring, const std::vector<double>& expected,
@@ -127,10 +127,8 @@ TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
             for (Index vertex = 0; vertex < here.complex.count(0); vertex += 1 + level * 6) {
                 if (!embed::isRegularVertex(here, vertex)) continue;
                 ++seen;
-                const auto table =
-                    buildLimitMasks(refiner, level, stencils::Rules::Siggraph96, {{vertex}});
-                const auto ring =
-                    ringOf(here, refiner.options(), stencils::Rules::Siggraph96, vertex);
+                const auto table = buildLimitMasks(refiner, level, {{vertex}});
+                const auto ring = ringOf(here, refiner.options(), vertex);
                 Eigen::VectorXd expected = ring.start.transpose() * limitMask(ring);
                 for (std::size_t k = 0; k < table.columns(0).size(); ++k) {
                     const auto at = std::lower_bound(ring.vertices.begin(), ring.vertices.end(),
@@ -148,10 +146,11 @@ TEST(VertexLimits, RegularVerticesHaveTheirRingsLimit) {
 /// The limits of the base's vertices, as told by their children on further levels, which are made
 /// around these alone.
 void expectInvariant(const std::string& name, const Lattice& lattice, Rules rules, int levels) {
-    TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
+    TopologyRefiner refiner =
+        withRules(TopologyRefiner(lattice.complex, refinerOptions(lattice)), rules);
     std::vector<Index> vertices(lattice.complex.count(0));
     std::iota(vertices.begin(), vertices.end(), Index{0});
-    const auto expected = times(buildVertexLimits(refiner, 0, rules), lattice.positions);
+    const auto expected = times(buildVertexLimits(refiner, 0), lattice.positions);
     for (int level = 1; level <= levels; ++level) {
         std::set<Index> cells;
         for (const Index vertex : vertices)
@@ -160,7 +159,7 @@ void expectInvariant(const std::string& name, const Lattice& lattice, Rules rule
         refiner.refineAround(std::vector<Index>(cells.begin(), cells.end()));
         for (Index& vertex : vertices)
             vertex = refiner.refinement(level).childOf({{0, vertex}, {0, vertex}}).value().index;
-        const auto limits = buildVertexLimits(refiner, level, rules, vertices);
+        const auto limits = buildVertexLimits(refiner, level, vertices);
         EXPECT_LT(largestDistance(times(limits, lattice.positions), expected), 1e-12)
             << name << " level " << level;
     }
@@ -186,8 +185,8 @@ TEST(VertexLimits, RefiningGoesToThem) {
         TopologyRefiner refiner(lattice.complex, refinerOptions(lattice));
         const auto limits = times(buildVertexLimits(refiner, 0), lattice.positions);
         refiner.refineUniform(levels);
-        const auto refined = asMatrix(
-            stencils::refinePositions(refiner, levels, Rules::Siggraph96, lattice.positions));
+        const auto refined =
+            asMatrix(stencils::refinePositions(refiner, levels, lattice.positions));
         // What is left of the way is that of the ring's second eigenvalue, 0.62 at most here, once
         // sharpness has run out: below 3 here.
         EXPECT_LT(largestDistance(refined.topRows(limits.rows()), limits),
@@ -211,8 +210,7 @@ Order orderOf(const std::string& name, const Lattice& lattice, int finest) {
     for (int level = 1; level <= finest; ++level) {
         refiner.refineUniform(level);
         const auto limits = times(buildVertexLimits(refiner, level), lattice.positions);
-        const auto at = asMatrix(
-            stencils::refinePositions(refiner, level, Rules::Siggraph96, lattice.positions));
+        const auto at = asMatrix(stencils::refinePositions(refiner, level, lattice.positions));
         const Eigen::VectorXd distances = (at - limits).rowwise().norm();
         order = {std::log2(largest / distances.maxCoeff()), std::log2(mean / distances.mean())};
         largest = distances.maxCoeff();
@@ -287,15 +285,16 @@ TEST(VertexLimits, WithoutBoundaryControlOpenVerticesHaveNone) {
     for (Index vertex = 0; vertex < table.rowCount(); ++vertex)
         EXPECT_EQ(table.weights(vertex).size(),
                   refiner.level(0).strata.isOpen({0, vertex}) ? 0U : 27U);
-    EXPECT_THROW(ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, 0), Error);
+    EXPECT_THROW(ringOf(refiner.level(0), refiner.options(), 0), Error);
 }
 
 TEST(VertexLimits, RefusesWhatHasNone) {
     const TopologyRefiner mesh(gridMesh(2, 2));
-    EXPECT_THROW(buildVertexLimits(mesh, 0, Rules::Rats), Error);
-    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Rats, 4), Error);
-    EXPECT_THROW(buildVertexLimits(mesh, 0, Rules::Siggraph96, {{9}}), Error);
-    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), Rules::Siggraph96, 9), Error);
+    const TopologyRefiner rats = withRules(mesh, Rules::Rats);
+    EXPECT_THROW(buildVertexLimits(rats, 0), Error);
+    EXPECT_THROW(ringOf(rats.level(0), rats.options(), 4), Error);
+    EXPECT_THROW(buildVertexLimits(mesh, 0, {{9}}), Error);
+    EXPECT_THROW(ringOf(mesh.level(0), mesh.options(), 9), Error);
 }
 
 // The mask of a vertex of very many edges takes no time; its eigenvalues would take hours.
@@ -306,7 +305,7 @@ TEST(VertexLimits, OfVeryManyEdges) {
     for (Index v = 0; v < lattice.complex.count(0); ++v)
         if (std::ssize(lattice.complex.relation(0, 1)[v]) == 3000) apex = v;
     ASSERT_NE(apex, kMaxIndex);
-    const VertexRing ring = ringOf(refiner.level(0), refiner.options(), Rules::Siggraph96, apex);
+    const VertexRing ring = ringOf(refiner.level(0), refiner.options(), apex);
     const Eigen::VectorXd mask = limitMask(ring);
     EXPECT_NEAR(mask.sum(), 1, 1e-14);
     EXPECT_LT((ring.subdivision.transpose() * mask - mask).lpNorm<Eigen::Infinity>(), 1e-15);

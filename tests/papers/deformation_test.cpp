@@ -88,8 +88,7 @@ TEST(Deformation, PointsInsideAreConvexCombinations) {
         }
         const embed::Embedding embedding = embed::embedPoints(complex, positions, points);
         const auto inCell = embed::buildEmbeddingTable(complex, embedding);
-        const auto inLattice =
-            embed::buildDeformationTable(refiner, 2, Rules::Siggraph96, embedding);
+        const auto inLattice = embed::buildDeformationTable(refiner, 2, embedding);
         for (Index i = 0; i < inCell.rowCount(); ++i) {
             const auto& located = embedding.points[i];
             // A point in a gap between cells has a place just outside of one.

@@ -27,8 +27,7 @@ inline TopologyRefiner refined(const Lattice& lattice, int levels,
 
 inline std::vector<Point3> positionsAt(const Lattice& lattice, const TopologyRefiner& refiner,
                                        int level) {
-    return stencils::refinePositions(refiner, level, stencils::Rules::Siggraph96,
-                                     lattice.positions);
+    return stencils::refinePositions(refiner, level, lattice.positions);
 }
 
 /// A model frozen to a lattice (MacCracken & Joy 1996, section 5), all of it inside.

@@ -19,8 +19,8 @@ public:
     RefinedNet(Index countAlongI, Index countAlongJ, Rules rules = Rules::Rats)
         : n(countAlongI),
           m(countAlongJ),
-          grid_({n - 1, m - 1}, 1, rules == Rules::Rats ? Boundary::Sharp : Boundary::Open),
-          table_(buildLevelTable(grid_.refiner(), 1, rules)) {}
+          grid_({n - 1, m - 1}, 1, rules == Rules::Rats ? Boundary::Sharp : Boundary::Open, rules),
+          table_(buildLevelTable(grid_.refiner(), 1)) {}
 
     const Index n, m;
 

@@ -39,11 +39,12 @@ void forEachMesh(Check check) {
     int count = 0;
     for (const NamedLattice& mesh : meshZoo()) {
         if (mesh.name.find("360") != std::string::npos) continue;
-        TopologyRefiner refiner(mesh.lattice.complex, refinerOptions(mesh.lattice));
-        if (!isRefined(refiner)) {
-            EXPECT_THROW(buildLevelTable(refiner, 1, Rules::Rats), Error) << mesh.name;
+        const TopologyRefiner base(mesh.lattice.complex, refinerOptions(mesh.lattice));
+        if (!isRefined(base)) {
+            EXPECT_THROW(withRules(base, Rules::Rats), Error) << mesh.name;
             continue;
         }
+        TopologyRefiner refiner = withRules(base, Rules::Rats);
         refiner.refineUniform(2);
         SCOPED_TRACE(mesh.name);
         check(refiner);
@@ -61,7 +62,7 @@ TEST(Rats, TenTypesOnEveryMesh) {
         for (int level = 1; level <= 2; ++level) {
             const far::Level& parent = refiner.level(level - 1);
             const RatsReference reference(parent);
-            const auto table = buildLevelTable(refiner, level, Rules::Rats);
+            const auto table = buildLevelTable(refiner, level);
             for (Index vertex = 0; vertex < table.rowCount(); ++vertex) {
                 const Entity entity = parentOf(refiner, level, vertex);
                 seen.insert(ratsPoint(parent, entity));
@@ -80,7 +81,7 @@ TEST(Rats, TenTypesOnEveryMesh) {
 TEST(Rats, InnerFaceAndEdgePointsAreMeansOfNewVertexPoints) {
     forEachMesh([&](const TopologyRefiner& refiner) {
         const far::Level& base = refiner.level(0);
-        const std::vector<Row> rows = rowsOf(buildLevelTable(refiner, 1, Rules::Rats));
+        const std::vector<Row> rows = rowsOf(buildLevelTable(refiner, 1));
         for (int dimension = 1; dimension <= 2; ++dimension)
             for (Index index = 0; index < base.complex.count(dimension); ++index) {
                 const Entity entity{dimension, index};
@@ -102,8 +103,8 @@ public:
     explicit SecondStep(const TopologyRefiner& refiner)
         : refiner_(refiner),
           complex_(refiner.level(0).complex),
-          first_(rowsOf(buildStencils(refiner, 1, Rules::Rats))),
-          second_(rowsOf(buildStencils(refiner, 2, Rules::Rats))) {}
+          first_(rowsOf(buildStencils(refiner, 1))),
+          second_(rowsOf(buildStencils(refiner, 2))) {}
 
     /// The V_γ of the first step that belongs to an old vertex.
     const Row& vertex(Index vertex) const { return at(first_, pointOf(refiner_, 1, {0, vertex})); }
@@ -227,14 +228,15 @@ TEST(Rats, SecondStepIsCatmullClarkOfTheFirst) {
 // Catmull-Clark on the first step's vertex points. On a torus all vertices are inner, with 4 edges.
 TEST(Rats, LaterStepsAreCatmullClarkOfTheFirst) {
     const Lattice torus = surfaceOf(shapes::torus());
-    TopologyRefiner refiner = test::refined(torus.complex, 4);
+    const TopologyRefiner refiner = test::refined(torus.complex, 4);
+    const TopologyRefiner ratsRefiner = withRules(refiner, Rules::Rats);
     for (Index vertex = 0; vertex < torus.complex.count(0); ++vertex)
         ASSERT_EQ(torus.complex.relation(0, 1)[vertex].size(), 4u);
-    std::vector<Row> first = rowsOf(buildStencils(refiner, 1, Rules::Rats));
+    std::vector<Row> first = rowsOf(buildStencils(ratsRefiner, 1));
     first.resize(torus.complex.count(0));  // V_γ come first.
     for (int k = 1; k <= 3; ++k) {
-        const auto catmullClark = buildStencils(refiner, k, Rules::Siggraph96);
-        const auto rats = buildStencils(refiner, k + 1, Rules::Rats);
+        const auto catmullClark = buildStencils(refiner, k);
+        const auto rats = buildStencils(ratsRefiner, k + 1);
         for (Index vertex = 0; vertex < catmullClark.rowCount(); ++vertex) {
             const Row expected = substituted(rowOf(catmullClark, vertex), first);
             const Row got = rowOf(rats, pointOf(refiner, k + 1, {0, vertex}));
@@ -250,11 +252,11 @@ TEST(Rats, LaterStepsAreCatmullClarkOfTheFirst) {
 TEST(Rats, InnerSurfaceIsThatOfTheNewVertexPoints) {
     const auto height = [](Rules rules, Boundary boundary) {
         const int level = 5;
-        const RefinedGrid net({6, 6}, level, boundary);
+        const RefinedGrid net({6, 6}, level, boundary, rules);
         const Place size = net.size(level);
         std::vector<double> values(49, 0.0);
         values[net.vertexAt(0, {3, 3, 0})] = 1;
-        const auto refined = refineValues(net.refiner(), level, rules, values, 1);
+        const auto refined = refineValues(net.refiner(), level, values, 1);
         return refined[net.vertexAt(level, {size[0] / 2, size[1] / 2, 0})];
     };
     // The points of level 5 are O(4⁻⁵) = 1e-3 from the surface.
@@ -265,7 +267,7 @@ TEST(Rats, InnerSurfaceIsThatOfTheNewVertexPoints) {
 // "The RATS surface […] interpolates the corner control points" (section 1), at every level.
 TEST(Rats, InterpolatesTheCorners) {
     forEachMesh([&](const TopologyRefiner& refiner) {
-        const auto table = buildStencils(refiner, 2, Rules::Rats);
+        const auto table = buildStencils(refiner, 2);
         for (Index vertex = 0; vertex < refiner.level(0).complex.count(0); ++vertex) {
             if (refiner.level(0).strata.of({0, vertex}) != 0) continue;
             const Index child = pointOf(refiner, 2, {0, pointOf(refiner, 1, {0, vertex})});
@@ -280,9 +282,9 @@ TEST(Rats, InterpolatesTheCorners) {
 TEST(Rats, FillsTheBorderPatches) {
     const int level = 4;
     const double scale = std::ldexp(1, -level);
-    const RefinedGrid rats({5, 4}, level, Boundary::Sharp);
+    const RefinedGrid rats({5, 4}, level, Boundary::Sharp, Rules::Rats);
     EXPECT_EQ(rats.complex(level).count(2), 5 * 4 << 2 * level);
-    const auto table = buildStencils(rats.refiner(), level, Rules::Rats);
+    const auto table = buildStencils(rats.refiner(), level);
     for (Index vertex = 0; vertex < table.rowCount(); ++vertex)
         for (std::size_t axis = 0; axis < 2; ++axis) {
             double coordinate = 0;
@@ -302,9 +304,10 @@ TEST(Rats, FillsTheBorderPatches) {
 // The border of the surface is the RATS curve of the border of its net.
 TEST(Rats, BorderIsTheCurveOfTheBorder) {
     const int level = 3;
-    const RefinedGrid net({5, 4}, level, Boundary::Sharp), side({5}, level, Boundary::Sharp);
-    const auto surface = buildStencils(net.refiner(), level, Rules::Rats);
-    const auto curve = buildStencils(side.refiner(), level, Rules::Rats);
+    const RefinedGrid net({5, 4}, level, Boundary::Sharp, Rules::Rats),
+        side({5}, level, Boundary::Sharp, Rules::Rats);
+    const auto surface = buildStencils(net.refiner(), level);
+    const auto curve = buildStencils(side.refiner(), level);
     for (Index i = 0; i <= net.size(level)[0]; ++i)
         for (const Index j : {Index{0}, net.size(level)[1]}) {
             const Row row = rowOf(surface, net.vertexAt(level, {i, j, 0}));
@@ -328,9 +331,10 @@ std::vector<Row> splitBezier() {
 // subdivision" (section 1): the first step on four points, or on 4 × 4, is that subdivision.
 TEST(Rats, FirstStepSplitsABezierPatch) {
     const std::vector<Row> split = splitBezier();
-    const RefinedGrid curve({3}, 1, Boundary::Sharp), patch({3, 3}, 1, Boundary::Sharp);
-    const auto points = buildLevelTable(curve.refiner(), 1, Rules::Rats);
-    const auto net = buildLevelTable(patch.refiner(), 1, Rules::Rats);
+    const RefinedGrid curve({3}, 1, Boundary::Sharp, Rules::Rats),
+        patch({3, 3}, 1, Boundary::Sharp, Rules::Rats);
+    const auto points = buildLevelTable(curve.refiner(), 1);
+    const auto net = buildLevelTable(patch.refiner(), 1);
     for (Index i = 0; i < 7; ++i) {
         const Row& x = split[i];
         // Weights in eighths are exact.
@@ -346,8 +350,9 @@ TEST(Rats, FirstStepSplitsABezierPatch) {
 // A closed polygon has neither corners nor ends: V_β (1 2 1)/4 and E_β (1 3 3 1)/8.
 TEST(Rats, ClosedPolygon) {
     const Index n = 5;
-    TopologyRefiner refiner = test::refined(far::buildCurve(n, true), 1);
-    const auto table = buildLevelTable(refiner, 1, Rules::Rats);
+    const TopologyRefiner refiner =
+        test::refined(far::buildCurve(n, true), 1, {.rules = Rules::Rats});
+    const auto table = buildLevelTable(refiner, 1);
     const auto P = [&](Index i) { return test::point((i + n) % n); };
     for (Index i = 0; i < n; ++i) {
         const Row vertex = (P(i - 1) + 2 * P(i) + P(i + 1)) / 4;
@@ -361,7 +366,7 @@ TEST(Rats, ClosedPolygon) {
 
 TEST(Rats, RowsSumToOne) {
     forEachMesh([&](const TopologyRefiner& refiner) {
-        const auto table = buildStencils(refiner, 2, Rules::Rats);
+        const auto table = buildStencils(refiner, 2);
         for (Index row = 0; row < table.rowCount(); ++row) {
             const auto weights = table.weights(row);
             // The bound that the project promises.
@@ -372,12 +377,12 @@ TEST(Rats, RowsSumToOne) {
 
 // Composition, demanded rows and evaluators take the tables of RATS as all others.
 TEST(Rats, TablesComposeAndEvaluate) {
-    TopologyRefiner refiner(polygonDisk({3, 4, 5, 6, 7}).complex);
     const int level = 3;
-    refiner.refineUniform(level);
-    const auto table = buildStencils(refiner, level, Rules::Rats);
+    const TopologyRefiner refiner =
+        test::refined(polygonDisk({3, 4, 5, 6, 7}).complex, level, {.rules = Rules::Rats});
+    const auto table = buildStencils(refiner, level);
     const auto values = randomValues(3 * std::size_t(table.columnCount()), 7);
-    const auto stepByStep = refineValues(refiner, level, Rules::Rats, values, 3);
+    const auto stepByStep = refineValues(refiner, level, values, 3);
     const auto layout = osd::BufferDescriptor::packed(3);
     std::vector<double> slow(stepByStep.size()), fast(stepByStep.size());
     osd::ReferenceEvaluator::evaluate(table, std::span<const double>(values), layout,
@@ -390,14 +395,13 @@ TEST(Rats, TablesComposeAndEvaluate) {
         EXPECT_NEAR(fast[i], slow[i], 1e-14);
     }
     const std::vector<Index> some = {table.rowCount() - 1, 0, 5};
-    const auto demanded = buildStencils(refiner, level, Rules::Rats, some);
+    const auto demanded = buildStencils(refiner, level, some);
     for (std::size_t i = 0; i < some.size(); ++i)
         EXPECT_EQ(rowOf(demanded, Index(i)).weights, rowOf(table, some[i]).weights);
 }
 
 void expectRefused(const TopologyRefiner& refiner, const std::string& why) {
-    EXPECT_REFUSED(Error, why, buildStencils(refiner, 0, Rules::Rats));
-    EXPECT_THROW(refineValues(refiner, 0, Rules::Rats, {}, 1), Error);
+    EXPECT_REFUSED(Error, why, withRules(refiner, Rules::Rats));
 }
 
 TEST(Rats, RefusesWhatItHasNoRulesFor) {

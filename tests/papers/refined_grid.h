@@ -25,8 +25,9 @@ using Place = std::array<Index, 3>;
 class RefinedGrid {
 public:
     /// \param cells along each axis: one number for a polygon, two for a net, three for a lattice
-    RefinedGrid(const std::vector<Index>& cells, int levels, Boundary boundary = Boundary::Open)
-        : refiner_(complexOf(cells), {.boundary = boundary}) {
+    RefinedGrid(const std::vector<Index>& cells, int levels, Boundary boundary = Boundary::Open,
+                far::Rules rules = far::Rules::Siggraph96)
+        : refiner_(complexOf(cells), {.rules = rules, .boundary = boundary}) {
         refiner_.refineUniform(levels);
         std::vector<Place> places;
         Place size = {};

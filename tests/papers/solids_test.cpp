@@ -104,11 +104,11 @@ std::vector<NamedLattice> irregularLattices() {
 TEST(Solids, PointsInsideAreThoseOfTheRules) {
     Index count = 0;
     for (const auto& [name, lattice] : irregularLattices()) {
-        const TopologyRefiner refiner = refined(lattice.complex, 2);
-        for (const Rules rules : {Rules::Siggraph96, Rules::Cse96})
+        for (const Rules rules : {Rules::Siggraph96, Rules::Cse96}) {
+            const TopologyRefiner refiner = refined(lattice.complex, 2, {.rules = rules});
             for (int level = 1; level <= 2; ++level) {
                 const Solid solid(refiner.level(level - 1).complex);
-                const auto table = buildLevelTable(refiner, level, rules);
+                const auto table = buildLevelTable(refiner, level);
                 for (Index vertex = 0; vertex < table.rowCount(); ++vertex) {
                     const Entity parent = parentOf(refiner, level, vertex);
                     if (solid.isOnBoundary(parent)) continue;
@@ -119,6 +119,7 @@ TEST(Solids, PointsInsideAreThoseOfTheRules) {
                     ++count;
                 }
             }
+        }
     }
     EXPECT_GT(count, least(10000));
 }
@@ -154,10 +155,11 @@ TEST(Solids, EditionsDifferAtInnerEdgesOfOtherThanFourFacesOnly) {
     std::set<std::size_t> valences;
     for (const auto& [name, lattice] : irregularLattices()) {
         const TopologyRefiner refiner = refined(lattice.complex, 2);
+        const TopologyRefiner cseRefiner = withRules(refiner, Rules::Cse96);
         for (int level = 1; level <= 2; ++level) {
             const auto& [complex, strata, holes] = refiner.level(level - 1);
-            const auto siggraph = buildLevelTable(refiner, level, Rules::Siggraph96);
-            const auto cse = buildLevelTable(refiner, level, Rules::Cse96);
+            const auto siggraph = buildLevelTable(refiner, level);
+            const auto cse = buildLevelTable(cseRefiner, level);
             for (Index vertex = 0; vertex < siggraph.rowCount(); ++vertex) {
                 const Entity parent = parentOf(refiner, level, vertex);
                 bool isOther = parent.dimension == 1 && strata.of(parent) == 3;

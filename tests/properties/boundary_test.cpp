@@ -74,8 +74,8 @@ TEST(Boundary, RefinesAsItsMeshDoes) {
         for (int level = 1; level <= levels; ++level) {
             const auto& map = maps[level];
             for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
-                const auto meshTable = buildStencils(surface, level, rules);
-                const auto solidTable = buildStencils(solid, level, rules, map);
+                const auto meshTable = buildStencils(withRules(surface, rules), level);
+                const auto solidTable = buildStencils(withRules(solid, rules), level, map);
                 for (Index row = 0; row < meshTable.rowCount(); ++row) {
                     Row expected;
                     for (const auto& [column, weight] : rowOf(meshTable, row).weights)
@@ -100,7 +100,7 @@ TEST(Boundary, CubeStaysTheCube) {
     const Lattice cube = shapes::box();
     TopologyRefiner refiner = test::refined(cube.complex, 4);
     for (int level = 1; level <= 4; ++level) {
-        const auto positions = refinePositions(refiner, level, Rules::Siggraph96, cube.positions);
+        const auto positions = refinePositions(refiner, level, cube.positions);
         const double n = std::ldexp(1.0, level);
         std::set<std::array<double, 3>> distinct;
         for (const Point3& p : positions) {
@@ -123,8 +123,7 @@ TEST(Boundary, CylinderIsFlatAtItsEndsAndRoundAlongItsLength) {
     for (const int layers : {1, 2, 4}) {
         const Lattice cylinder = shapes::cylinder({.sectors = sectors, .layers = layers});
         TopologyRefiner refiner = test::refined(cylinder.complex, level);
-        const auto positions =
-            refinePositions(refiner, level, Rules::Siggraph96, cylinder.positions);
+        const auto positions = refinePositions(refiner, level, cylinder.positions);
         const auto& [complex, strata, holes] = refiner.level(level);
         double low = 2, high = 0;
         Index rim = 0;
@@ -159,7 +158,7 @@ TEST(Boundary, RimDoesNotDependOnTheNumberOfLayers) {
         const Lattice cylinder = shapes::cylinder({.sectors = 5, .layers = layers});
         TopologyRefiner refiner = test::refined(cylinder.complex, 2);
         std::set<std::array<long, 2>> rim;
-        const auto positions = refinePositions(refiner, 2, Rules::Siggraph96, cylinder.positions);
+        const auto positions = refinePositions(refiner, 2, cylinder.positions);
         for (const Point3& p : positions)
             if (p[2] < 1e-15) rim.insert({std::lround(p[0] * 1e12), std::lround(p[1] * 1e12)});
         return rim;

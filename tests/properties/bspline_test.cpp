@@ -58,13 +58,14 @@ GridPoint halfPoint(const TopologyRefiner& refiner, const RefinedGrid& parent, i
 /// Compares R_1 … R_level of a box with the tensor products of the univariate rows.
 void expectTensorProduct(const std::array<Index, 3>& n, Boundary boundary, int levels,
                          Rules rules) {
-    TopologyRefiner refiner = test::refined(test::grid(n), levels, {.boundary = boundary});
+    TopologyRefiner refiner =
+        test::refined(test::grid(n), levels, {.rules = rules, .boundary = boundary});
     // Without boundary control the outermost points of the refined grid, h = 0 and 2n, are not
     // there.
     const Index margin = boundary == Boundary::Open ? 1 : 0;
     RefinedGrid grid = baseGrid(n);
     for (int level = 1; level <= levels; ++level) {
-        const auto table = buildLevelTable(refiner, level, rules);
+        const auto table = buildLevelTable(refiner, level);
         std::map<GridPoint, Index> parentVertex;
         for (std::size_t v = 0; v < grid.points.size(); ++v)
             parentVertex[grid.points[v]] = Index(v);
@@ -146,7 +147,7 @@ TEST(BSpline, CubicPolynomialsStayExact) {
         spacing /= 2;
         for (double& x : origin) x += spacing;
         for (const Rules rules : kLatticeRules) {
-            const auto refined = refineValues(refiner, level, rules, values, 1);
+            const auto refined = refineValues(withRules(refiner, rules), level, values, 1);
             for (std::size_t v = 0; v < grid.points.size(); ++v)
                 // Values reach some 2000 at the far corner: 64 products of that size.
                 ASSERT_NEAR(refined[v], valueAt(grid.points[v]), 2e-11) << "level " << level;

@@ -29,13 +29,11 @@ std::vector<double> distancesOfLevels(const Cells& n, Boundary boundary,
     std::vector<double> distances;
     for (int level = 1; level <= levels; ++level) {
         refiner.refineUniform(level);
-        const auto positions =
-            stencils::refinePositions(refiner, level, Rules::Siggraph96, gridPositions(n));
+        const auto positions = stencils::refinePositions(refiner, level, gridPositions(n));
         const auto embedding =
             embed::embedPoints(refiner.level(level).complex, positions, points,
                                embed::EmbeddingOptions{.outside = embed::OutsidePolicy::Error});
-        const auto table =
-            embed::buildDeformationTable(refiner, level, Rules::Siggraph96, embedding);
+        const auto table = embed::buildDeformationTable(refiner, level, embedding);
         distances.push_back(largestDistance(times(table, pose), limit));
     }
     return distances;

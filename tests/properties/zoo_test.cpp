@@ -54,7 +54,7 @@ void expectSound(const Lattice& lattice, int levels) {
     for (const Rules rules : {Rules::Siggraph96, Rules::Mlca}) {
         if (rules == Rules::Mlca && refiner.options().triangles == TriangleSubdivision::Smooth)
             continue;
-        const StencilTable<double> table = buildStencils(refiner, levels, rules);
+        const StencilTable<double> table = buildStencils(withRules(refiner, rules), levels);
         for (Index row = 0; row < table.rowCount(); ++row) {
             const auto weights = table.weights(row);
             const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);

@@ -24,7 +24,7 @@ using limit::LimitPositions;
 
 LimitParts partsOf(const Lattice& lattice, int level) {
     const TopologyRefiner base(lattice.complex, refinerOptions(lattice));
-    return LimitParts(base, Rules::Siggraph96, level);
+    return LimitParts(base, level);
 }
 
 /// A bar of three cells along x, its vertices at 0, 1 + a, 2 − a, 3.
@@ -190,7 +190,7 @@ TEST(LimitValidity, WhatShrinksAwayIsNeitherGoodNorBad) {
     };
     while (!isBeside(beside)) ++beside;
     const TopologyRefiner base(lattice.complex, {.boundary = Boundary::Open});
-    const ValidityCheck validity(LimitParts(base, Rules::Siggraph96, 2), lattice.positions);
+    const ValidityCheck validity(LimitParts(base, 2), lattice.positions);
     EXPECT_THAT(validity.badAtRest(), IsEmpty());
     Positions pose = lattice.positions;
     for (Point3& p : pose) p[0] *= 2;

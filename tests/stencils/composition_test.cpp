@@ -110,7 +110,7 @@ TEST(Stencils, GoldenEdgeRowsOfBothEditions) {
         {Rules::Siggraph96, {(girdleC + 2 * girdleA) / 5, (1. / 4 + 2. / 3 + 2 * 0.5) / 5}},
         {Rules::Cse96, {(girdleC + 2 * girdleA) / 4, (1. / 4 + 2. / 3 + 0.5) / 4}}};
     for (const auto& [rules, weights] : expected) {
-        const auto table = buildLevelTable(refiner, 1, rules);
+        const auto table = buildLevelTable(withRules(refiner, rules), 1);
         ASSERT_EQ(table.columns(row).size(), 7u);
         for (std::size_t i = 0; i < 7; ++i)
             // Some twenty shares below 0.2, rounded each.
@@ -121,7 +121,7 @@ TEST(Stencils, GoldenEdgeRowsOfBothEditions) {
 TEST(Stencils, VerticesAndLevelsThatAreNotThereAreRefused) {
     TopologyRefiner refiner = refined(test::bipyramid(3), 1);
     const auto build = [&](int level, Index vertex) {
-        return buildStencils(refiner, level, Rules::Siggraph96, std::vector<Index>{vertex});
+        return buildStencils(refiner, level, std::vector<Index>{vertex});
     };
     EXPECT_NO_THROW(build(1, 0));
     EXPECT_THROW(build(1, -1), Error);
@@ -135,7 +135,7 @@ TEST(RefineValues, RefusesAWrongNumberOfValues) {
     const TopologyRefiner refiner(test::bipyramid(3));
     const std::vector<double> values(14);
     EXPECT_REFUSED(Error, "got 14 values; expected 3 for each of 5",
-                   refineValues(refiner, 0, Rules::Siggraph96, values, 3));
+                   refineValues(refiner, 0, values, 3));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 // agree.
 TEST(Levels, HoldTablesAndPositionsOfWhatWasRefined) {
     const Lattice box = shapes::box({.cells = {3, 3, 3}});
-    Levels levels(far::TopologyRefiner(box.complex), Rules::Cse96, box.positions);
+    Levels levels(far::TopologyRefiner(box.complex, {.rules = Rules::Cse96}), box.positions);
     EXPECT_EQ(levels.finest(), 0);
     levels.refineAround(std::vector<Index>{0});
     std::vector<Index> children;
@@ -28,7 +28,7 @@ TEST(Levels, HoldTablesAndPositionsOfWhatWasRefined) {
     ASSERT_EQ(levels.tables().size(), 2u);
     for (int k = 1; k <= 2; ++k)
         EXPECT_EQ(levels.tables()[static_cast<std::size_t>(k) - 1],
-                  buildLevelTable(levels.refiner(), k, Rules::Cse96));
+                  buildLevelTable(levels.refiner(), k));
     std::vector<Index> all(levels.finestLevel().complex.count(0));
     std::iota(all.begin(), all.end(), Index{0});
     const auto expected = applyLevelTable(levels.stencils(all), box.positions);
@@ -42,7 +42,7 @@ TEST(Levels, HoldTablesAndPositionsOfWhatWasRefined) {
 
 TEST(Levels, NeedNoPositions) {
     const Lattice box = shapes::box({.cells = {2, 2, 2}});
-    Levels levels(far::TopologyRefiner(box.complex), Rules::Siggraph96);
+    Levels levels{far::TopologyRefiner(box.complex)};
     levels.refineAround(std::vector<Index>{1});
     EXPECT_EQ(levels.tables().back(), buildLevelTable(levels.refiner(), 1));
 }

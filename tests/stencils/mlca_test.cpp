@@ -90,6 +90,7 @@ void forEachRefinedShape(int levels, Check check) {
     for (const auto& [name, lattice] : everything())
         for (const bool isOpen : {false, true}) {
             far::RefinerOptions options = refinerOptions(lattice);
+            options.rules = Rules::Mlca;
             if (isOpen) options.boundary = Boundary::Open;
             TopologyRefiner refiner(lattice.complex, options);
             try {
@@ -111,7 +112,7 @@ TEST(Mlca, SplitsAndAverages) {
             const far::Level& parent = refiner.level(k - 1);
             const auto values = randomValues(parent.complex.count(0), 3);
             const SplitAndAveraged reference(parent, values);
-            const auto table = buildLevelTable(refiner, k, Rules::Mlca);
+            const auto table = buildLevelTable(refiner, k);
             for (Index row = 0; row < table.rowCount(); ++row) {
                 const Entity entity = test::parentOf(refiner, k, row);
                 double value = 0;
@@ -143,7 +144,7 @@ TEST(Mlca, RowsArePositiveAndSumToOne) {
     forEachRefinedShape(2, [](const TopologyRefiner& refiner) {
         const bool extrapolates = refiner.options().creasing == far::Creasing::Chaikin &&
                                   refiner.level(0).strata.hasSemiSharp();
-        const auto table = buildStencils(refiner, 2, Rules::Mlca);
+        const auto table = buildStencils(refiner, 2);
         for (Index row = 0; row < table.rowCount(); ++row) {
             double sum = 0;
             for (const double weight : table.weights(row)) {
@@ -172,11 +173,12 @@ TEST(Mlca, OfGridsIsCatmullClark) {
                 EXPECT_EQ(boundary, Boundary::Open);
                 continue;
             }
+            const TopologyRefiner mlca = withRules(refiner, Rules::Mlca);
             for (const Rules rules : {Rules::Siggraph96, Rules::Cse96}) {
+                const TopologyRefiner other = withRules(refiner, rules);
                 for (const int level : {1, 2})
-                    EXPECT_EQ(buildLevelTable(refiner, level, Rules::Mlca),
-                              buildLevelTable(refiner, level, rules));
-                EXPECT_EQ(buildStencils(refiner, 2, Rules::Mlca), buildStencils(refiner, 2, rules));
+                    EXPECT_EQ(buildLevelTable(mlca, level), buildLevelTable(other, level));
+                EXPECT_EQ(buildStencils(mlca, 2), buildStencils(other, 2));
             }
         }
 }
@@ -216,11 +218,12 @@ TEST(Mlca, OfHexahedraHasTheRulesOfCse96WithWeightedEdges) {
     std::set<std::size_t> cellsAtEdges;
     int weighted = 0;
     for (const auto& [name, base] : simpleCells()) {
-        TopologyRefiner refiner = test::refined(base, 3);
+        const TopologyRefiner refiner = test::refined(base, 3, {.rules = Rules::Mlca});
+        const TopologyRefiner cseRefiner = withRules(refiner, Rules::Cse96);
         for (int level = 2; level <= 3; ++level) {
             const CellComplex& complex = refiner.level(level - 1).complex;
-            const auto table = buildLevelTable(refiner, level, Rules::Mlca);
-            const auto cse = buildLevelTable(refiner, level, Rules::Cse96);
+            const auto table = buildLevelTable(refiner, level);
+            const auto cse = buildLevelTable(cseRefiner, level);
             for (Index cell = 0; cell < complex.count(3); ++cell)
                 ASSERT_EQ(complex.relation(3, 0)[cell].size(), 8u) << name;
             for (Index row = 0; row < table.rowCount(); ++row) {
@@ -256,8 +259,8 @@ TEST(Mlca, OfHexahedraHasTheRulesOfCse96WithWeightedEdges) {
 }
 
 Row mlcaRow(const CellComplex& complex, Entity entity) {
-    TopologyRefiner refiner = test::refined(complex, 1);
-    return rowOf(buildLevelTable(refiner, 1, Rules::Mlca), pointOf(refiner, 1, entity));
+    const TopologyRefiner refiner = test::refined(complex, 1, {.rules = Rules::Mlca});
+    return rowOf(buildLevelTable(refiner, 1), pointOf(refiner, 1, entity));
 }
 
 // The point of a pyramid is nearer to its apex than its centroid is. The sub-cell at a corner of
@@ -319,10 +322,9 @@ TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
             for (Index k = 0; k < 9; ++k) vertices[k] = first + (k < 3 ? k : storey + k - 3);
             builder.addCell(twoStoreys(vertices, first == 15 && storey == 9));
         }
-    TopologyRefiner refiner = test::refined(builder.build(), 2);
-    const auto whole = buildStencils(refiner, 2, Rules::Mlca);
-    EXPECT_EQ(whole, multiply(buildLevelTable(refiner, 2, Rules::Mlca),
-                              buildLevelTable(refiner, 1, Rules::Mlca)));
+    TopologyRefiner refiner = test::refined(builder.build(), 2, {.rules = Rules::Mlca});
+    const auto whole = buildStencils(refiner, 2);
+    EXPECT_EQ(whole, multiply(buildLevelTable(refiner, 2), buildLevelTable(refiner, 1)));
     // The pieces differ: in the point of the shared triangle, on both levels.
     std::set<std::vector<double>> rows;
     const CellComplex& base = refiner.level(0).complex;
@@ -336,12 +338,10 @@ TEST(Mlca, RowsOfLatticesAreNotCopiedByWhatIsNear) {
 
 TEST(Mlca, HasNoSmoothTriangles) {
     for (const CellComplex& complex :
-         {test::grid({1, 1, 1}), gridMesh(2, 2), far::buildCurve(3, false)}) {
-        TopologyRefiner refiner =
-            test::refined(complex, 1, {.triangles = TriangleSubdivision::Smooth});
+         {test::grid({1, 1, 1}), gridMesh(2, 2), far::buildCurve(3, false)})
         EXPECT_REFUSED(Error, "MLCA have no smooth triangles",
-                       buildStencils(refiner, 1, Rules::Mlca));
-    }
+                       TopologyRefiner(complex, {.rules = Rules::Mlca,
+                                                 .triangles = TriangleSubdivision::Smooth}));
 }
 
 }  // namespace

@@ -140,7 +140,7 @@ TEST(BaseEntities, AreThoseThatVerticesLieIn) {
         for (Index index = 0; index < box.complex.count(d); ++index)
             centres.push_back(centre(d, index));
     // Linear precision: the vertices of a box of a level lie where the grid of that level does.
-    const auto positions = refinePositions(refiner, 3, Rules::Siggraph96, box.positions);
+    const auto positions = refinePositions(refiner, 3, box.positions);
     const auto origins = baseEntities(refiner, 3);
     ASSERT_EQ(origins.back().count(), Index(centres.size()));
     const auto ofVertices = origins.back().of(0);

@@ -146,4 +146,11 @@ inline far::TopologyRefiner refined(CellComplex base, int level,
     return refiner;
 }
 
+/// A refiner of the same base with other rules, refined to the same level.
+inline TopologyRefiner withRules(const TopologyRefiner& refiner, far::Rules rules) {
+    far::RefinerOptions options = refiner.options();
+    options.rules = rules;
+    return refined(refiner.level(0).complex, refiner.maxLevel(), options);
+}
+
 }  // namespace espalier::test

@@ -11,11 +11,10 @@
 
 namespace espalier::test {
 
-using stencils::Rules;
 using stencils::StencilTable;
 
-inline constexpr stencils::Rules kLatticeRules[] = {stencils::Rules::Siggraph96,
-                                                    stencils::Rules::Cse96, stencils::Rules::Mlca};
+inline constexpr far::Rules kLatticeRules[] = {far::Rules::Siggraph96, far::Rules::Cse96,
+                                               far::Rules::Mlca};
 
 /// A lattice refined, with the positions of its level.
 struct Refined {
@@ -33,7 +32,7 @@ struct Refined {
     }
     const far::CellComplex& complex() const { return refiner.level(level).complex; }
     std::vector<Point3> pose(const std::vector<Point3>& points) const {
-        return stencils::refinePositions(refiner, level, stencils::Rules::Siggraph96, points);
+        return stencils::refinePositions(refiner, level, points);
     }
     embed::Embedding embed(const std::vector<Point3>& points,
                            const embed::EmbeddingOptions& options = {}) const {
@@ -41,7 +40,7 @@ struct Refined {
     }
     /// D of embedded points.
     stencils::StencilTable<double> table(const embed::Embedding& embedding) const {
-        return embed::buildDeformationTable(refiner, level, stencils::Rules::Siggraph96, embedding);
+        return embed::buildDeformationTable(refiner, level, embedding);
     }
 };
 

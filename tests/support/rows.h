@@ -11,7 +11,6 @@
 namespace espalier::test {
 
 using far::CellComplex;
-using stencils::Rules;
 using stencils::StencilTable;
 
 /// A point as an affine combination of old vertices: the weight of each.

@@ -12,7 +12,6 @@
 
 namespace espalier::test {
 
-using stencils::Rules;
 using stencils::StencilTable;
 
 using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;

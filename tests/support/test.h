@@ -41,6 +41,7 @@ namespace test {
 
 using far::Boundary;
 using far::CellComplex;
+using far::Rules;
 using far::TopologyRefiner;
 
 /// What TYPED_TEST_SUITE() goes through.
