@@ -86,8 +86,8 @@ template <class Real>
 ESPALIER_API int lanesLog2Of(const SparseArrays<Real>& rows);
 
 /// Returns a view of the arrays on the device.
-/// \param place returns the address on the device of the elements of a vector; it is not used for
-///        empty vectors, other than `offsets`
+/// \param place returns the address of the elements of a vector on the device. For an empty vector
+///        any address will do
 template <class Real, class Place>
 SparseRows<Real> viewOf(const SparseArrays<Real>& rows, Place place) {
     return {place(rows.offsets),
