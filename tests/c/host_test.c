@@ -5,7 +5,7 @@
 #include "box.h"
 #include "check.h"
 
-/* So many points that they are bound in more than one range. */
+/* Enough points to be bound in more than one range. */
 enum { POINTS = 17000 };
 static double points[3 * POINTS], before[3 * POINTS], after[3 * POINTS];
 static double pose[3 * BOX_VERTICES];
