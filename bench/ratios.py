@@ -21,7 +21,7 @@ TICKS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
 
 
 def read(page):
-    """{heading: {label: {threads: ratio}}} of the rows that have OpenSubdiv's time."""
+    """Returns {heading: {label: {threads: ratio}}} for the rows that have OpenSubdiv's time."""
     sections, heading, head = {}, None, None
     for row in page.splitlines():
         if row.startswith("## "):
@@ -41,7 +41,7 @@ def read(page):
 
 
 def subscripts(label):
-    """R_1 as R₁."""
+    """Converts R_1 to R₁."""
     return re.sub(r"_(\d)", lambda match: chr(ord("₀") + int(match[1])), label)
 
 
@@ -50,7 +50,7 @@ def dot(x, y, colour):
 
 
 def figure(page):
-    """A row for each task, with a dot for one thread and one for two, on white."""
+    """Draws a row for each task, with a dot for one thread and a dot for two, on white."""
     sections = read(page)
     values = [ratio for tasks in sections.values() for threads in tasks.values()
               for ratio in threads.values()] or [1.0]
@@ -89,7 +89,7 @@ def figure(page):
             middle = y + ROW / 2 - 4
             out += [text(AXIS_LEFT - 14, middle + 4, subscripts(label), "end", 12.5),
                     line(across(1), middle, across(max(threads.values())), middle, "#c9c9c9", 2.2)]
-            # The second first, so that one thread is seen where the two are equal.
+            # Two threads first, so that the dot of one thread is visible where both are equal.
             for count, ratio in sorted(threads.items(), reverse=True):
                 out += [dot(across(ratio), middle, COLOURS[count - 1]),
                         text(NUMBERS[count - 1], middle + 4, f"{ratio:.1f}", "end", 12.5,

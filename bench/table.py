@@ -38,17 +38,17 @@ def milliseconds(run):
 
 
 def nanoseconds(run, factor=1):
-    """The time of one item."""
+    """Returns the nanoseconds of one item, times `factor`."""
     return 1e6 * run["real_time"] / run["items"] * factor
 
 
 def compared(run, peer):
-    """Two columns: the peer's time, and the ratio."""
+    """Returns two columns: the peer's time, and the ratio."""
     return (milliseconds(peer), ratio(peer["real_time"], run["real_time"])) if peer else ("", "")
 
 
 def our_applications(best):
-    """The runs of Espalier: (their key without the name, components, name, row's label, run)."""
+    """Yields the runs of Espalier: (key of the case, components, who, label of the row, run)."""
     for name, run in best.items():
         kind, *case, who = name.split("/")
         if kind == "apply" and who.startswith("Espalier"):
@@ -59,13 +59,13 @@ def our_applications(best):
 
 
 def memory_columns(best, run, threads):
-    """Two columns: the share of the memory's bandwidth, and the size over compressed rows."""
+    """Returns two columns: the share of the memory bandwidth, and the size over compressed rows."""
     share = run["bytes_per_second"] / best[f"triad/threads/{threads}"]["bytes_per_second"]
     return f"{share:.2f}", f"{run['bytes of CSR']:.2f}"
 
 
 def apply_rows(best):
-    """One pose at a time, beside the peers."""
+    """Yields rows for one pose at a time, with the peers' times."""
     for key, components, who, label, run in our_applications(best):
         if components == 3 and "adjoint" not in who:
             columns = [compared(run, best.get(f"{key}/3/{peer}")) for peer in PEERS]
@@ -74,7 +74,7 @@ def apply_rows(best):
 
 
 def pose_rows(best):
-    """Several poses in one call, beside one."""
+    """Yields rows for several poses in one call, compared with one pose."""
     for key, components, who, label, run in our_applications(best):
         if components > 3:
             one, poses = best[f"{key}/3/{who}"], components // 3
@@ -93,7 +93,7 @@ def adjoint_rows(best):
 
 
 def levels(best, job, peer=None):
-    """Our runs of a job on the surface with OpenSubdiv's, of another job if `peer` is given:
+    """Yields our runs of a job on the surface and OpenSubdiv's runs of the same job, or of job `peer`:
     (level, threads, ours, theirs)."""
     for level in (3, 4, 5):
         theirs = best.get(f"{peer or job}/surface/{level}/OpenSubdiv")
@@ -102,7 +102,7 @@ def levels(best, job, peer=None):
 
 
 def lattices(best, job):
-    """Our runs of a job on the lattice, with OpenSubdiv's run that is nearest in number of items."""
+    """Yields our runs of a job on the lattice, and OpenSubdiv's run with the closest number of items."""
     peers = [(best[name], level) for level in (3, 4, 5)
              if (name := f"{job}/surface/{level}/OpenSubdiv") in best]
     for who, threads in THREADS if peers else ():
@@ -157,7 +157,7 @@ def bind_rows(best):
 
 
 def limit_rows(best):
-    """The limit beside levels: building a row, applying it."""
+    """Yields rows that compare the limit with levels, for binding and for applying."""
     for lattice in ("regular", "irregular"):
         def run(job, what, lattice=lattice):
             return best[f"limit/{job}/{lattice}/{what}"]
@@ -191,7 +191,7 @@ def change_rows(best):
 
 
 def absent(best):
-    """A sentence on the peers that were not installed."""
+    """Returns a sentence on the peers that were not installed."""
     there = {name.rsplit("/", 1)[1] for name in best}
     missing = [peer for peer in ("OpenSubdiv", "VTK") if peer not in there]
     if not missing:
@@ -234,7 +234,7 @@ below.*
 
 
 def summary(best, page):
-    """The first section, which needs every peer; `page` is the page without it."""
+    """Returns the first section, or nothing if a peer is missing. `page` is the page without it."""
     if absent(best):
         return ""
 
@@ -270,7 +270,7 @@ def summary(best, page):
 
 
 def growth(best):
-    """A sentence on each panel of the figure, true of its numbers."""
+    """Returns sentences on each panel of the figure, with its numbers."""
     def exponents(job):
         return " and ".join(f"{plots.fit(points)[1]:.2f}"
                             for points in plots.series(best, job).values())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One pose of one box lattice in three bases, and how fast subdivision becomes the B-spline."""
+"""One pose of a box lattice in three bases, and the convergence of subdivision to B-splines."""
 
 import itertools
 
@@ -23,12 +23,12 @@ REST = (f"shape box --cells {CELLS[0]} {CELLS[1]} {CELLS[2]} "
         "--min " + " ".join(f"{-x:g}" for x in HALF) + " --max " +
         " ".join(f"{x:g}" for x in HALF) + " -o rest.vtu")
 LOOK = Look((0.32, -1, 0.42), height=300, margin=0.05)
-LEVEL = 3  # of the subdivision that is shown beside the other bases
+LEVEL = 3  # level of the subdivision that is shown next to the other bases
 LEVELS = (1, 2, 3, 4, 5, 6)
 
 
 def write_pose(source, target):
-    """The lattice with its two middle layers lifted: moved by hand, as an editor would."""
+    """Writes the lattice with its two middle layers lifted, as an editor would do it."""
     reader = vtk.vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(source))
     reader.Update()
@@ -77,7 +77,7 @@ def draw_bases(program):
 
 
 def largest_distance(points, others):
-    """Between points of the same number, in cells of the lattice."""
+    """Returns the largest distance of points with the same number, in cells of the lattice."""
     return np.linalg.norm(points - others, axis=1).max() / CELL
 
 

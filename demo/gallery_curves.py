@@ -17,7 +17,7 @@ CURVES = (
     ("closed", "Closed", "", "ring", RING),
 )
 LEVELS = (1, 2, 4)
-LABEL, WIDTH = 130, 350  # of the columns, in pixels
+LABEL, WIDTH = 130, 350  # widths of the columns, in pixels
 
 
 def steps_of(line):
@@ -67,8 +67,8 @@ def draw_row(title, base, meshes):
 
 
 def add_kinds(drawing, mesh, radius):
-    """Vertex points and edge points take turns along the line, and vertex points have the lower
-    numbers."""
+    """Marks vertex points and edge points, which alternate along the line. Vertex points have the
+    lower numbers."""
     loop = mesh.loops[0][:-1] if mesh.loops[0][0] == mesh.loops[0][-1] else mesh.loops[0]
     even, odd = loop[::2], loop[1::2]
     vertices, edges = (even, odd) if min(even) < min(odd) else (odd, even)

@@ -84,7 +84,7 @@ def entry_text(entry):
 
 
 def filled(text, width=100, between=" "):
-    """Text in lines of at most `width` characters, broken where `between` matches."""
+    """Wraps text to lines of at most `width` characters, broken at `between`."""
     lines = [""]
     for part in re.split(between, text):
         if lines[-1] and len(lines[-1]) + 1 + len(part) > width:
@@ -94,5 +94,5 @@ def filled(text, width=100, between=" "):
 
 
 def wrapped(command, width=100):
-    """A command on lines that the shell joins. An option and its values share a line."""
+    """Wraps a command to lines that the shell joins, with each option next to its values."""
     return filled(command, width - 6, " (?=-[-a-z])").replace("\n", " \\\n    ")

@@ -15,7 +15,7 @@ from images import captioned, column, legend, row
 from parametric import make_block
 from picture import GHOST, LATTICE, Drawing
 
-# The section and its lattice are flat, and are drawn from the front.
+# The section and its lattice are in a plane, and are drawn in it.
 FLAT = Look((0, 0, 1), up=(0, 1, 0), height=190, occlusion=False, margin=0.03)
 BENT = Look((0.42, -1, 0.42), height=290, occlusion=False, margin=0.02)
 
@@ -24,10 +24,10 @@ HELD, WEIGHT, FINE = -1.75, 1.75e-4, 3
 TURNED = Look((0.50, -1, 0.45), height=300, occlusion=False, margin=0.02)
 TWIST = 1.9  # radians from end to end
 RANKS = ((BLUE, "rank 0"), (AMBER, "rank 1"))
-#: The tests' settings of Open MPI: they allow root, as in a container, and more ranks than cores.
+#: Settings of Open MPI as in the tests: it runs as root, as in containers, with more ranks than cores.
 OPEN_MPI = dict(re.findall(r"^ *(OMPI_\w+)=(\w+)", (
     pathlib.Path(__file__).resolve().parents[1] / "cmake/MpiTests.cmake").read_text("utf-8"), re.M))
-GRADIENT = ((0.90, 0.93, 0.95), (0.60, 0.80, 0.90), BLUE)  # from no displacement to the largest
+GRADIENT = ((0.90, 0.93, 0.95), (0.60, 0.80, 0.90), BLUE)  # from no displacement to the largest one
 
 
 def draw_aerofoil(program):
@@ -44,7 +44,7 @@ def draw_aerofoil(program):
     line = 0.0075 * extent(rest.points, FLAT)
     drawings = []
     for lattice, section, ghost in ((rest, first, []), (pose, last, first.edges)):
-        front = lattice.points[:, 2] > 0.09  # hides the side behind it
+        front = lattice.points[:, 2] > 0.09  # the other side is behind
         drawing = Drawing().add_edges(first.points, ghost, GHOST, line)
         drawing.add_faces(section.points, [list(range(len(section.points)))], PALE_SKY)
         drawing.add_edges(section.points, section.edges, DARK, line)
@@ -101,13 +101,13 @@ def draw_elastic(program):
 
 
 def stretch(rest, moved):
-    """Returns the largest stretch of the affine map that is nearest to a movement, less 1."""
+    """Returns the largest relative elongation by the affine map that is closest to a movement."""
     affine, *_ = np.linalg.lstsq(np.column_stack([rest, np.ones(len(rest))]), moved, rcond=None)
     return np.linalg.svd(affine[:3], compute_uv=False)[0] - 1
 
 
 def rounded_up(value, digits=2):
-    """Rounds up to a number of significant digits, as text."""
+    """Returns the value with `digits` digits, rounded up."""
     unit = 10.0**(math.floor(math.log10(value)) + 1 - digits)
     return f"{math.ceil(value / unit) * unit:.{digits}g}"
 
@@ -145,7 +145,7 @@ def draw_ranks(program):
     fitted = Mesh.read(program.file("fitted.obj"))
     program.numbers["miss"] = rounded_up(np.linalg.norm(fitted.points - wanted, axis=1).max())
     rest, pose = (LatticeFile(program.file(f"{name}.vtu")) for name in ("rest", "pose"))
-    # As petsc::evenRange: the first ranks have one point more if the number is odd.
+    # As petsc::evenRange: if the points cannot be split evenly, the first ranks get one more.
     owner = (np.arange(len(x)) >= (len(x) + 1) // 2).astype(int)
     colours = np.array([colour for colour, _ in RANKS])[owner]
     line = 0.0040 * extent(rest.points, TURNED)

@@ -70,7 +70,7 @@ ByEntity<std::uint8_t> marksOf(const CellComplex& complex, std::uint8_t mark) {
     return marks;
 }
 
-/// The entities that are lower ends of children: those that are not on the open boundary.
+/// Marks the entities that are lower ends of children: those that are not on the open boundary.
 ByEntity<std::uint8_t> closedEntities(const Level& parent) {
     ByEntity<std::uint8_t> closed = marksOf(parent.complex, 1);
     for (int d = 0; d <= parent.complex.dimension(); ++d)
@@ -79,7 +79,7 @@ ByEntity<std::uint8_t> closedEntities(const Level& parent) {
     return closed;
 }
 
-/// The children [v, f] of the holes.
+/// Returns the children [v, f] of the holes.
 std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement) {
     std::vector<Index> holes;
     if (parent.holes.empty()) return holes;
@@ -93,7 +93,7 @@ std::vector<Index> refineHoles(const Level& parent, const Refinement& refinement
 }  // namespace
 
 void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
-    // Room first: what throws below leaves the levels as they are.
+    // Reserve memory first: an exception below then leaves the levels unchanged.
     refinements_.reserve(refinements_.size() + 1);
     levels_.reserve(levels_.size() + 1);
     const Level& parent = levels_.back();
@@ -108,7 +108,7 @@ void TopologyRefiner::addLevel(const Refinement::Kept* kept) {
 
 namespace {
 
-/// Refuses a level that cannot be, before those below it are made.
+/// Throws if a level is too large, before the levels below it are made.
 void checkSize(const CellComplex& complex, int levels, int level) {
     const LevelSize size = levelSize(complex, levels);
     const std::string name = concat("level ", level);
@@ -123,7 +123,7 @@ void checkSize(const CellComplex& complex, int levels, int level) {
 }  // namespace
 
 void TopologyRefiner::refineUniform(int level) {
-    // Without boundary control levels are smaller, by how much is not known beforehand.
+    // Without boundary control, levels are smaller by an amount that is not known in advance.
     if (level > maxLevel() && isUniform() && boundary() != Boundary::Open)
         checkSize(levels_.back().complex, level - maxLevel(), level);
     while (maxLevel() < level) {
@@ -143,7 +143,7 @@ void TopologyRefiner::refineUniform(int level) {
 
 namespace {
 
-/// The cells that share a vertex with one of `cells`, and these; ascending.
+/// Returns `cells` and the cells that share a vertex with one of them, ascending.
 std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cells) {
     std::vector<std::uint8_t> isIn(complex.count(complex.dimension()));
     for (const Index cell : cells)
@@ -156,8 +156,8 @@ std::vector<Index> grown(const CellComplex& complex, std::span<const Index> cell
     return result;
 }
 
-/// Takes the mark off the entities without a vertex of one of `cells`.
-void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
+/// Removes the mark of entities that have no vertex of one of `cells`.
+void unmarkOutside(const CellComplex& complex, std::span<const Index> cells,
                   ByEntity<std::uint8_t>& marks) {
     std::vector<std::uint8_t> isCorner(complex.count(0), 0);
     for (const Index cell : cells)
@@ -174,7 +174,7 @@ void unmarkBeyond(const CellComplex& complex, std::span<const Index> cells,
     }
 }
 
-/// Marks cells and all that they contain.
+/// Marks cells and all entities that they contain.
 ByEntity<std::uint8_t> marksIn(const CellComplex& complex, std::span<const Index> cells) {
     ByEntity<std::uint8_t> marks = marksOf(complex, 0);
     for (int d = 0; d <= complex.dimension(); ++d)
@@ -208,10 +208,10 @@ void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) 
     } else {
         kept.upper = marksOf(parent.complex, 1);
         chosen.assign(cells.begin(), cells.end());
-        // Chaikin's rule looks at the edges at both ends of an edge: one more ring must be whole.
+        // Chaikin's rule uses the edges at both ends of an edge, so one more ring must be complete.
         if (options_.creasing == Creasing::Chaikin && parent.strata.hasSemiSharp())
             chosen = grown(parent.complex, chosen);
-        unmarkBeyond(parent.complex, chosen, kept.lower);
+        unmarkOutside(parent.complex, chosen, kept.lower);
     }
     addLevel(&kept);
     chosen_ = std::move(chosen);
@@ -219,9 +219,9 @@ void TopologyRefiner::refineAround(std::span<const Index> cells, Extent extent) 
 
 namespace {
 
-void checkLevel(int level, int least, int most) {
-    if (level < least || level > most)
-        throw Error(concat("there is no level ", level, " here: levels ", least, " to ", most,
+void checkLevel(int level, int first, int last) {
+    if (level < first || level > last)
+        throw Error(concat("there is no level ", level, " here: levels ", first, " to ", last,
                            " have been refined"));
 }
 

@@ -14,7 +14,7 @@
 namespace espalier::stencils {
 namespace {
 
-/// Rows of the identity.
+/// Returns the rows of the identity for some columns.
 StencilTable<double> selectionTable(Index columnCount, std::span<const Index> columns) {
     Array<Offset> offsets(columns.size() + 1);
     std::iota(offsets.begin(), offsets.end(), Offset{0});
@@ -24,7 +24,7 @@ StencilTable<double> selectionTable(Index columnCount, std::span<const Index> co
             Array<double>(columns.size(), 1.0)};
 }
 
-/// A table times values of `components` a source entry, source by source.
+/// Multiplies a table by values: `components` per source entry, entry after entry.
 std::vector<double> product(const StencilTable<double>& table, std::span<const double> values,
                             int components) {
     const auto width = static_cast<std::size_t>(components);
@@ -79,14 +79,15 @@ CompactTable compactColumns(StencilTable<double> table) {
 
 namespace {
 
-/// The rows of S_level for the given vertices, by multiplication.
-/// \param origins of the levels 0 to `level` − 1
-/// \param rowsOf the rows of R_k for some vertices of level k: rowsOf(k, vertices)
+/// Returns the rows of S_level for the given vertices, by multiplication.
+/// \param origins of levels 0 to `level` − 1
+/// \param rowsOf rowsOf(k, vertices) returns the rows of R_k for some vertices of level k
 template <class RowsOf>
 StencilTable<double> compose(const far::TopologyRefiner& refiner, int level,
                              std::span<const BaseEntities> origins, std::span<const Index> vertices,
                              RowsOf rowsOf) {
-    // Down the levels: what each row needs of the level before. Then up: their products.
+    // First from the finest level down: find the rows that each level needs of the level before.
+    // Then multiply from the base up.
     struct Link {
         StencilTable<double> table;
         RowOrder order;
@@ -119,11 +120,11 @@ StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int leve
     const auto rowsOf = [&](int k, std::span<const Index> demanded) {
         return buildLevelTable(refiner, k, demanded);
     };
-    if (RepeatedRows::areIn(refiner, level)) {
+    if (RepeatedRows::isApplicable(refiner, level)) {
         const RepeatedRows rows(refiner, level, origins, vertices);
-        const bool isAll = rows.firsts().size() == vertices.size();
-        auto firstRows = compose(refiner, level, origins, rows.firsts(), rowsOf);
-        return isAll ? firstRows : rows.expand(firstRows);
+        const bool isAll = rows.representatives().size() == vertices.size();
+        auto distinctRows = compose(refiner, level, origins, rows.representatives(), rowsOf);
+        return isAll ? distinctRows : rows.expand(distinctRows);
     }
     return compose(refiner, level, origins, vertices, rowsOf);
 }
@@ -159,7 +160,7 @@ StencilTable<double> buildStencils(const far::TopologyRefiner& refiner, int leve
 }
 
 std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& refiner, int level) {
-    refiner.level(level);  // Throws if it is not there.
+    refiner.level(level);  // Throws if the level does not exist.
     std::vector<StencilTable<double>> tables;
     for (int k = 1; k <= level; ++k) tables.push_back(buildLevelTable(refiner, k));
     return tables;
@@ -167,7 +168,7 @@ std::vector<StencilTable<double>> buildLevelTables(const far::TopologyRefiner& r
 
 std::vector<double> refineValues(const far::TopologyRefiner& refiner, int level,
                                  std::span<const double> values, int components) {
-    refiner.level(level);  // Throws if it is not there.
+    refiner.level(level);  // Throws if the level does not exist.
     const Index baseCount = refiner.level(0).complex.count(0);
     if (components < 1 ||
         values.size() != static_cast<std::size_t>(baseCount) * static_cast<std::size_t>(components))

@@ -9,7 +9,7 @@ std::vector<Entity> mlcaSubCell(const far::CellComplex& complex, Entity whole, s
     parts.reserve(8);
     parts.push_back({0, vertex});
     if (whole.dimension == 2) {
-        // By positions: the loop may pass the vertex again.
+        // By position, since the loop may pass the vertex more than once.
         const auto edges = complex.relation(2, 1)[whole.index];
         parts.push_back({1, edges[corner]});
         parts.push_back({1, edges[corner == 0 ? edges.size() - 1 : corner - 1]});

@@ -11,11 +11,12 @@ namespace {
 
 constexpr int kCornerStratum = 0, kBorderStratum = 1;
 
-/// Whether a part of the entity of dimension `dimension` has at most the stratum `most`.
-bool hasPart(const Level& level, const Entity& entity, int dimension, int most) {
+/// Returns true if the entity has a part of dimension `dimension` with a stratum of at most
+/// `maxStratum`.
+bool hasPart(const Level& level, const Entity& entity, int dimension, int maxStratum) {
     const auto parts = level.complex.relation(entity.dimension, dimension)[entity.index];
     return std::any_of(parts.begin(), parts.end(), [&](Index part) {
-        return level.strata.of({dimension, part}) <= most;
+        return level.strata.of({dimension, part}) <= maxStratum;
     });
 }
 
@@ -26,7 +27,7 @@ std::vector<Entity> verticesOf(const Level& level, const Entity& entity) {
     return vertices;
 }
 
-/// The inner edges of a face that share a vertex with one of its border edges.
+/// Returns the inner edges of a face that share a vertex with one of its border edges.
 std::vector<Entity> edgesAtTheBorder(const Level& level, const Entity& face) {
     const auto edges = level.complex.relation(2, 1)[face.index];
     std::vector<Index> onBorder;

@@ -29,7 +29,7 @@ namespace {
 
 using namespace espalier;
 
-/// A coil inside the box, and a point far away.
+/// Returns a coil inside the box, and a point far away.
 std::vector<Point3> somePoints() {
     std::vector<Point3> points;
     for (int i = 0; i <= 300; ++i) {
@@ -80,7 +80,7 @@ TEST(Tutorial, FromALatticeToAPose) {
     const auto weights = table.weights(rows - 1);
     EXPECT_EQ(rows, complex.count(0));
     EXPECT_EQ(table.columnCount(), 45);
-    // Rounding of some ten weights.
+    // Rounding of about ten weights.
     EXPECT_NEAR(
         std::accumulate(weights.begin(), weights.end(), 0.), 1,
         1e-15);
@@ -115,7 +115,7 @@ TEST(Tutorial, FromALatticeToAPose) {
     EXPECT_GT(moved[300][0], points[300][0] + 1);
     EXPECT_EQ(moved[301], points[301]);
 
-    // For each pose of an animation.
+    // In an animation, this happens for each pose.
     const osd::CompiledTable<double> compiled(deformation);
     const auto xyz = osd::BufferDescriptor::packed(3);
     const std::span<const double> from(pose[0].data(),
@@ -125,8 +125,8 @@ TEST(Tutorial, FromALatticeToAPose) {
                       {0, deformation.rowCount()});
     for (std::size_t i = 0; i < 301; ++i)
         for (std::size_t c = 0; c < 3; ++c) {
-            // Sums of up to 64 products, of size 4, in another
-            // order.
+            // Sums of up to 64 products of size 4, in a
+            // different order.
             EXPECT_NEAR(to[3 * i + c], moved[i][c], 1e-14);
         }
 
@@ -138,7 +138,7 @@ TEST(Tutorial, FromALatticeToAPose) {
     std::vector<double> byVertices(from.size());
     adjoint.evaluate(byPoints, xyz, byVertices, xyz,
                      {0, adjoint.rowCount()});
-    // ⟨g, D p⟩ = ⟨Dᵀ g, p⟩: sums of some hundred terms of
+    // ⟨g, D p⟩ = ⟨Dᵀ g, p⟩: sums of about a hundred terms of
     // size 10.
     EXPECT_NEAR(std::inner_product(to.begin(), to.end(),
                                    byPoints.begin(), 0.),

@@ -11,7 +11,7 @@
 namespace espalier::fuzz {
 namespace {
 
-/// A vertex, edge, face: mostly one that may exist, but also negative.
+/// Reads the index of a vertex, edge or face: mostly one that may exist, but also negative.
 Index takeIndex(Input& input) {
     return input.take<std::int8_t>();
 }
@@ -22,7 +22,7 @@ std::vector<Index> takeIndices(Input& input, int count) {
     return indices;
 }
 
-/// Cells, faces or edges as a file gives them. Where bytes run out there are no more.
+/// Builds a complex from cells, faces or edges, as a file gives them, up to the end of the input.
 far::CellComplex buildFrom(Input& input, int dimension) {
     far::ComplexBuilder builder(dimension, input.byte());
     while (input.left() > 0) {
@@ -45,7 +45,7 @@ far::CellComplex buildFrom(Input& input, int dimension) {
     return builder.build();
 }
 
-/// Relations as no builder makes them.
+/// Assembles a complex from relations that no builder would make.
 far::CellComplex assembleFrom(Input& input, int dimension) {
     const Index vertexCount = takeIndex(input);
     far::CellComplex::Boundaries boundaries;
@@ -93,12 +93,12 @@ void requireWeights(const far::TopologyRefiner& refiner) {
     for (Index row = 0; row < table.rowCount(); ++row) {
         double sum = 0;
         for (const double weight : table.weights(row)) sum += weight;
-        // Two levels of sums of some hundred weights, none above 1.
+        // The rows are sums over two levels of some hundred weights, none above 1.
         require(std::abs(sum - 1) < 1e-12, "rows sum to 1", std::to_string(sum));
     }
 }
 
-/// That integers of any kind make no complex, or one that can be refined.
+/// Requires that arbitrary integers are refused as a complex, or make one that can be refined.
 void runTopology(Input input) {
     const int dimension = 1 + input.choice(3);
     const bool isBuilt = input.flag();

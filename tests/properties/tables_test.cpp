@@ -12,13 +12,13 @@
 #include "support/test.h"
 #include "support/zoo.h"
 
-// What holds of the tables of every lattice.
+// Tests properties of the tables of every lattice.
 
 namespace espalier::stencils {
 namespace {
 
-/// Calls check(name, refiner) for each lattice of the zoo, refined `level` times; with open
-/// boundaries too, where enough is left.
+/// Calls check(name, refiner, lattice) for each lattice of the zoo, refined `level` times; also
+/// with open boundaries, if cells are left.
 template <class Check>
 void forEachRefinedLattice(int level, Check check) {
     for (const auto& [name, lattice] : someOf(test::zoo()))
@@ -47,7 +47,7 @@ TEST(Stencils, RowsSumToOne) {
                     for (Index row = 0; row < table.rowCount(); ++row) {
                         double sum = 0;
                         for (const double weight : table.weights(row)) sum += weight;
-                        // The bound that the project promises.
+                        // The accuracy that the project promises.
                         ASSERT_NEAR(sum, 1, 1e-14) << name << " level " << level << " row " << row;
                     }
                 }
@@ -91,15 +91,15 @@ TEST(Stencils, ComposedEqualsAppliedLevelByLevel) {
                         for (std::size_t k = 0; k < table.columns(row).size(); ++k)
                             sum += table.weights(row)[k] *
                                    values[2 * std::size_t(table.columns(row)[k]) + c];
-                        // Values are below 1, rows have at most a few hundred entries.
+                        // Values are below 1, and rows have at most a few hundred entries.
                         ASSERT_NEAR(stepwise[2 * std::size_t(row) + c], sum, 1e-14) << name;
                     }
             }
         });
 }
 
-/// A lattice or a mesh with a seventh of its edges and a thirteenth of its vertices sharp, at
-/// random.
+/// Makes a seventh of the edges and a thirteenth of the vertices of a lattice or a mesh sharp,
+/// chosen at random.
 Lattice sharpened(Lattice lattice) {
     std::mt19937 random(1);
     const CellComplex& complex = lattice.complex;
@@ -113,9 +113,9 @@ Lattice sharpened(Lattice lattice) {
     return lattice;
 }
 
-// Rows that are copies of others too: in regular bases nearly all are, and every feature must be
-// where they end.
-TEST(Stencils, AreTheProductsOfTheLevelTablesToTheLastBit) {
+// This also tests rows that are copied from others: nearly all rows in regular bases. Every feature
+// must be at the edge of some copied rows.
+TEST(Stencils, EqualProductsOfLevelTablesToTheLastBit) {
     std::vector<NamedLattice> shapes = test::zoo();
     for (auto& shape : featureLattices()) shapes.push_back(std::move(shape));
     for (auto& shape : meshZoo()) shapes.push_back(std::move(shape));
@@ -148,7 +148,7 @@ TEST(Stencils, AreTheProductsOfTheLevelTablesToTheLastBit) {
     }
 }
 
-// The same sums in the same order: equal to the last bit.
+// The sums are the same and in the same order, so rows are equal to the last bit.
 TEST(Stencils, DemandedRowsAreTheRowsOfTheWholeTable) {
     forEachRefinedLattice(3, [](const std::string& name, const TopologyRefiner& refiner,
                                 const Lattice&) {
@@ -169,7 +169,7 @@ TEST(Stencils, DemandedRowsAreTheRowsOfTheWholeTable) {
     });
 }
 
-// Renaming vertices, reordering cells and faces, and rewinding loops permutes the table.
+// Renumbering vertices, reordering cells and faces, and rewinding loops permutes the table.
 TEST(Stencils, RelabellingPermutesTheTable) {
     for (const auto& [name, lattice] : someOf(test::zoo())) {
         const auto names = shuffledIndices(lattice.complex.count(0), 5);
@@ -190,7 +190,7 @@ TEST(Stencils, RelabellingPermutesTheTable) {
                 Row expected;
                 for (const auto& [column, weight] : rowOf(a, row).weights)
                     expected.weights[names[column]] = weight;
-                // A weight that cancels to 0 in one order of summing may not in the other.
+                // A weight that cancels to 0 in one order of summation may not cancel in another.
                 ASSERT_LE(difference(rowOf(b, image), expected), 1e-15) << name << " row " << row;
             }
         }
@@ -203,8 +203,9 @@ TEST(Stencils, RelabellingPermutesTheTable) {
 namespace espalier::embed {
 namespace {
 
-// An undeformed lattice gives the model back, within 1e-12 of its size (what the project promises);
-// an affine map of the lattice is that map of the model, for points outside too.
+// An undeformed lattice reproduces the model within 1e-12 of its size (the accuracy that the
+// project promises). An affine map of the lattice maps the model in the same way, including points
+// outside.
 TEST(Embedding, ReproducesAffineMaps) {
     Eigen::Matrix3d linear;
     linear << 2, -1, 0.5, 0.3, 1.5, -0.2, 0, 0.7, -1;
@@ -231,8 +232,9 @@ TEST(Embedding, ReproducesAffineMaps) {
     }
 }
 
-// Rows of W and D sum to 1 like those of S: within 1e-14 inside. Outside, rows go on along a
-// tangent, and their weights grow with the distance: 1e-14 of the sum of their sizes.
+// Rows of W and D sum to 1 like rows of S. Inside, they do within 1e-14. Outside, weights continue
+// along a tangent and grow with the distance, so the tolerance is 1e-14 of the sum of their
+// absolute values.
 TEST(Embedding, RowsSumToOne) {
     for (const auto& [name, lattice] : test::zoo()) {
         SCOPED_TRACE(name);

@@ -10,9 +10,9 @@
 namespace espalier::stencils {
 namespace {
 
-// Two levels around one cell of 27: their tables, their positions, and the product of the tables
+// Refines two levels around one cell of 27. The tables, the positions and the product of the tables
 // agree.
-TEST(Levels, HoldTablesAndPositionsOfWhatWasRefined) {
+TEST(Levels, ContainTablesAndPositionsOfRefinedLevels) {
     const Lattice box = shapes::box({.cells = {3, 3, 3}});
     Levels levels(far::TopologyRefiner(box.complex, {.rules = Rules::Cse96}), box.positions);
     EXPECT_EQ(levels.finest(), 0);
@@ -36,11 +36,11 @@ TEST(Levels, HoldTablesAndPositionsOfWhatWasRefined) {
     ASSERT_EQ(positions.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            // Sums of 64 products of size 1 in another order.
+            // Sums of 64 products of size 1, in a different order.
             EXPECT_NEAR(positions[i][axis], expected[i][axis], 1e-14);
 }
 
-TEST(Levels, NeedNoPositions) {
+TEST(Levels, WorkWithoutPositions) {
     const Lattice box = shapes::box({.cells = {2, 2, 2}});
     Levels levels{far::TopologyRefiner(box.complex)};
     levels.refineAround(std::vector<Index>{1});
