@@ -74,7 +74,7 @@ espalier_status espalier_binding_create(const espalier_refiner* refiner, int32_t
         c::checkCount(vertex_count, own.refiner.level(0).complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
-        return c::newBinding(c::bind(own, rest, model, c::bindOptionsOr(options)));
+        return c::newBinding(c::bind(own, rest, model, c::bindOptions(options)));
     });
 }
 
@@ -86,7 +86,7 @@ espalier_status espalier_binding_create_tensor(const espalier_lattice* lattice, 
         const auto& own = c::deref(lattice, "lattice").lattice;
         const auto chosenBasis = c::choice(basis, embed::Basis::BSpline, "basis");
         const auto model = c::positions(points, point_count, "points");
-        const auto chosen = c::levelOptionsOr(options, "these weights are not subdivided");
+        const auto chosen = c::levelBindOptions(options, "these weights are not subdivided");
         if (!own.marks.empty())
             throw Error("the lattice has marks, which only subdivision heeds; clear them");
         const embed::TensorLattice tensor(own.complex, own.positions, chosenBasis);
@@ -125,7 +125,7 @@ espalier_status espalier_binding_statuses(const espalier_binding* binding, int32
     return c::guarded([&] {
         const auto& own = c::placedDataOf(binding).statuses;
         auto& count = c::deref(point_count, "point_count");
-        // An enumeration over that very type.
+        // The enumeration has this underlying type.
         c::deref(statuses, "statuses") = reinterpret_cast<const std::uint8_t*>(own.data());
         count = static_cast<std::int32_t>(own.size());
     });

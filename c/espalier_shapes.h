@@ -4,41 +4,42 @@
 
 #include "espalier.h"
 
-/// \file
-/// The inventory of lattices, from C (shapes/inventory.h, shapes/solids.h). Each lattice is valid,
-/// has no vertex twice, and cells of positive volume. The topology depends on the integer fields
-/// alone: two calls that differ in lengths and positions only give two poses of one lattice.
+/// The inventory of ready lattices, from C (shapes/inventory.h, shapes/solids.h). Each lattice is
+/// valid, has no duplicate vertices, and has cells of positive volume. The topology depends on the
+/// integer fields only: two calls that differ only in lengths and positions give two poses of one
+/// lattice.
 ///
-/// The rules of espalier.h on errors, ownership and threads hold here, too. Each function that
-/// makes a lattice fails with ESPALIER_ERROR_INPUT, and names the first field out of range.
+/// The rules of espalier.h on errors, ownership and threads apply. If a field is out of range, a
+/// function fails with ESPALIER_ERROR_INPUT, and the message names the first such field.
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/// A box of hexahedra (shapes/inventory.h). Vertex (i, j, k) is i + (cells[0] + 1) (j + (cells[1] +
-/// 1) k).
+/// Makes a box of hexahedra (shapes/inventory.h). Vertex (i, j, k) has the number i + (cells[0] +
+/// 1) (j + (cells[1] + 1) k).
 ///
-/// \param cells along x, y and z: 1 or more each
-/// \param min, max the corners, `max` above `min` in each coordinate
+/// \param cells number of cells along x, y and z: 1 or more each
+/// \param min, max opposite corners; `max` is above `min` in each coordinate
 ESPALIER_C_API espalier_status espalier_lattice_create_box(const int32_t cells[3],
                                                            const double min[3], const double max[3],
                                                            espalier_lattice** lattice);
 
 /// The cells in the middle of a disk (shapes/section.h).
 enum {
-    ESPALIER_CORE_WEDGES = 0,  ///< a vertex, with triangles round it: wedges once swept
-    ESPALIER_CORE_POLYGON = 1  ///< one face with as many sides as the disk: a prism once swept
+    ESPALIER_CORE_WEDGES = 0,  ///< a vertex with triangles around it, which are swept to wedges
+    ESPALIER_CORE_POLYGON = 1  ///< one face with as many sides as the disk, which is swept to a
+                               ///< prism
 };
 
-/// A disk swept along an axis, with wedges round the axis (shapes/inventory.h).
+/// Makes a disk that is swept along an axis, with wedges around the axis (shapes/inventory.h).
 ///
-/// \param sectors sides of the disk, 3 or more
-/// \param rings of cells in the disk, 1 or more
+/// \param sectors number of sides of the disk, 3 or more
+/// \param rings number of rings of cells in the disk, 1 or more
 /// \param core ESPALIER_CORE_...
-/// \param layers of cells along the axis, 1 or more
+/// \param layers number of layers of cells along the axis, 1 or more
 /// \param radius of the outermost vertices, above 0
-/// \param from, to the centres of the ends, x, y, z each
+/// \param from, to the centres of the two ends: x, y, z each
 ESPALIER_C_API espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings,
                                                                 int32_t core, int32_t layers,
                                                                 double radius, const double from[3],
@@ -48,18 +49,18 @@ ESPALIER_C_API espalier_status espalier_lattice_create_cylinder(int32_t sectors,
 /// The cross-section of a torus.
 enum { ESPALIER_SECTION_GRID = 0, ESPALIER_SECTION_DISK = 1 };
 
-/// A cross-section swept round the z axis, about the origin. Begin with
-/// espalier_default_torus_options(): later versions may add fields, and `size` says which there
-/// are.
+/// A cross-section that is swept around the z axis, about the origin. Start from
+/// espalier_default_torus_options(): later versions may add fields, and `size` tells the library
+/// which fields exist.
 typedef struct espalier_torus_options {
-    size_t size;          ///< of this struct: sizeof(espalier_torus_options)
-    int32_t segments;     ///< cells round the ring: 3 or more; default 8
+    size_t size;          ///< sizeof(espalier_torus_options)
+    int32_t segments;     ///< cells around the torus: 3 or more; default 8
     int32_t section;      ///< ESPALIER_SECTION_...; default GRID
-    int32_t grid_cells;   ///< of a grid: cells along each side of the square, 1 or more; default 1
-    int32_t sides;        ///< of a disk: 3 or more; default 6
-    int32_t rings;        ///< of cells in a disk: 1 or more; default 1
-    int32_t core;         ///< of a disk: ESPALIER_CORE_...; default WEDGES
-    double major_radius;  ///< of the circle that the section is swept along; default 1
+    int32_t grid_cells;   ///< for a grid: cells along each side of the square, 1 or more; default 1
+    int32_t sides;        ///< for a disk: 3 or more; default 6
+    int32_t rings;        ///< for a disk: rings of cells, 1 or more; default 1
+    int32_t core;         ///< for a disk: ESPALIER_CORE_...; default WEDGES
+    double major_radius;  ///< of the circle along which the section is swept; default 1
     double minor_radius;  ///< half the side of the square, or the radius of the disk: above 0 and
                           ///< below major_radius; default 0.4
 } espalier_torus_options;
@@ -78,17 +79,18 @@ static inline espalier_torus_options espalier_default_torus_options(void) {
     return options;
 }
 
+/// Makes a torus.
 /// \param options null for the defaults
 ESPALIER_C_API espalier_status espalier_lattice_create_torus(const espalier_torus_options* options,
                                                              espalier_lattice** lattice);
 
-/// A flat star: a disk in the plane z = 0, thickened to both sides, whose outermost vertices are at
-/// outer_radius and inner_radius by turns, the first on the +x axis. Equal radii give the round
-/// rest pose of the same lattice.
+/// A flat star: a disk in the plane z = 0, thickened to both sides. Its outermost vertices
+/// alternate between outer_radius and inner_radius; the first is on the +x axis. With equal radii
+/// it is the round rest pose of the same lattice.
 typedef struct espalier_star_options {
-    size_t size;          ///< of this struct: sizeof(espalier_star_options)
+    size_t size;          ///< sizeof(espalier_star_options)
     int32_t points;       ///< 2 or more; default 5
-    int32_t rings;        ///< of cells in the disk: 1 or more; default 1
+    int32_t rings;        ///< rings of cells in the disk: 1 or more; default 1
     int32_t core;         ///< ESPALIER_CORE_...; default WEDGES
     int32_t layers;       ///< 1 or more; default 1
     double inner_radius;  ///< above 0; default 0.5
@@ -109,27 +111,29 @@ static inline espalier_star_options espalier_default_star_options(void) {
     return options;
 }
 
+/// Makes a star.
 /// \param options null for the defaults
 ESPALIER_C_API espalier_status espalier_lattice_create_star(const espalier_star_options* options,
                                                             espalier_lattice** lattice);
 
 /// Two ends joined by a bar along x, in the plane z = 0, thickened to both sides.
 ///
-/// With a roundness of 0, bar_half_width = end_radius, and end_segments a multiple of 3, the
-/// barbell is a rectangular block: the rest pose for a barbell of the same topology.
+/// If roundness is 0, bar_half_width = end_radius, and end_segments is a multiple of 3, the barbell
+/// is a rectangular block: the rest pose of a barbell with the same topology.
 typedef struct espalier_barbell_options {
-    size_t size;           ///< of this struct: sizeof(espalier_barbell_options)
-    int32_t end_segments;  ///< edges round an end, without those at the bar: 3 or more; default 6
+    size_t size;           ///< sizeof(espalier_barbell_options)
+    int32_t end_segments;  ///< edges around an end, without the edges at the bar: 3 or more;
+                           ///< default 6
     int32_t bar_segments;  ///< cells along the bar: 1 or more; default 2
     int32_t bar_across;    ///< cells across the bar: 1 or more; default 2
-    int32_t rings;         ///< of cells in an end: 1 or more; default 1
-    int32_t core;          ///< of an end: ESPALIER_CORE_...; default WEDGES
+    int32_t rings;         ///< rings of cells in an end: 1 or more; default 1
+    int32_t core;          ///< of the ends: ESPALIER_CORE_...; default WEDGES
     int32_t layers;        ///< 1 or more; default 1
     double end_radius;     ///< of a round end, or half the side of a square one: above 0; default 1
     double bar_length;     ///< from end to end: above 0; default 2
-    double bar_half_width;  ///< above 0, at most end_radius, and below it if roundness is 1;
-                            ///< default 0.4
-    double roundness;       ///< of the ends: from 0, square, to 1, round; default 1
+    double bar_half_width;  ///< above 0 and at most end_radius, or below end_radius if roundness is
+                            ///< 1; default 0.4
+    double roundness;       ///< of the ends: 0 is square, 1 is round; default 1
     double height;          ///< above 0; default 0.5
 } espalier_barbell_options;
 
@@ -150,31 +154,33 @@ static inline espalier_barbell_options espalier_default_barbell_options(void) {
     return options;
 }
 
+/// Makes a barbell.
 /// \param options null for the defaults
 ESPALIER_C_API espalier_status espalier_lattice_create_barbell(
     const espalier_barbell_options* options, espalier_lattice** lattice);
 
-/// A point of the polyline that an arm is built around.
+/// A point of the polyline around which an arm is built.
 typedef struct espalier_arm_joint {
     double position[3];
     double radius;  ///< of the cross-section, above 0
-    double twist;   ///< of the cross-section about the limb: radians, anticlockwise looking back
-                    ///< from the end of the limb
+    double twist;   ///< rotation of the cross-section about the arm, in radians: anticlockwise when
+                    ///< looking back from the end of the arm
 } espalier_arm_joint;
 
-/// A tube round a limb: shoulder, elbow, wrist, hand. Other positions and twists give a pose of the
-/// same lattice. shapes/inventory.h describes the cross-sections at the joints.
+/// A tube around an arm: shoulder, elbow, wrist, hand. Other positions and twists give a pose of
+/// the same lattice. shapes/inventory.h describes the cross-sections at the joints.
 typedef struct espalier_arm_options {
-    size_t size;                       ///< of this struct: sizeof(espalier_arm_options)
-    int32_t segments;                  ///< cells from joint to joint: 1 or more; default 2
-    int32_t sides;                     ///< of the cross-section: 3 or more; default 4
-    int32_t rings;                     ///< of cells in the cross-section: 1 or more; default 1
-    int32_t core;                      ///< ESPALIER_CORE_...; default POLYGON
-    int64_t joint_count;               ///< 2 or more; default 4
-    const espalier_arm_joint* joints;  ///< each away from the next; the polyline does not turn back
-                                       ///< on itself; default a straight arm of length 2.5 along x
-    double up[3];  ///< the side of the first bone on which the first vertex of the cross-section
-                   ///< is; not along that bone; the same for all poses of a lattice; default +z
+    size_t size;          ///< sizeof(espalier_arm_options)
+    int32_t segments;     ///< cells from joint to joint: 1 or more; default 2
+    int32_t sides;        ///< of the cross-section: 3 or more; default 4
+    int32_t rings;        ///< rings of cells in the cross-section: 1 or more; default 1
+    int32_t core;         ///< ESPALIER_CORE_...; default POLYGON
+    int64_t joint_count;  ///< 2 or more; default 4
+    const espalier_arm_joint* joints;  ///< consecutive joints are at different positions, and the
+                                       ///< polyline does not turn back on itself; default a
+                                       ///< straight arm of length 2.5 along x
+    double up[3];  ///< direction from the first bone to the first vertex of the cross-section; not
+                   ///< parallel to that bone; the same for all poses of a lattice; default +z
 } espalier_arm_options;
 
 static inline espalier_arm_options espalier_default_arm_options(void) {
@@ -193,11 +199,12 @@ static inline espalier_arm_options espalier_default_arm_options(void) {
     return options;
 }
 
+/// Makes an arm.
 /// \param options null for the defaults
 ESPALIER_C_API espalier_status espalier_lattice_create_arm(const espalier_arm_options* options,
                                                            espalier_lattice** lattice);
 
-/// Regular solids about the origin (shapes/solids.h).
+/// Regular solids centred at the origin (shapes/solids.h).
 enum {
     ESPALIER_SOLID_TETRAHEDRON = 0,
     ESPALIER_SOLID_CUBE = 1,
@@ -206,37 +213,37 @@ enum {
     ESPALIER_SOLID_ICOSAHEDRON = 4
 };
 
-/// A lattice of a single cell, a regular solid.
+/// Makes a lattice of a single cell, which is a regular solid.
 ///
 /// \param solid ESPALIER_SOLID_...
 /// \param radius of the sphere through the vertices, above 0
 ESPALIER_C_API espalier_status espalier_lattice_create_regular_solid(int32_t solid, double radius,
                                                                      espalier_lattice** lattice);
 
-/// Solids over a regular polygon in a plane of constant z, which has a vertex on the side of +x
-/// (shapes/solids.h).
+/// Solids over a regular polygon in a plane of constant z. The polygon has a vertex in the
+/// direction of +x (shapes/solids.h).
 enum {
     ESPALIER_SOLID_PRISM = 0,    ///< the polygon at the bottom and at the top
     ESPALIER_SOLID_PYRAMID = 1,  ///< the polygon at the bottom, and an apex at the top
     ESPALIER_SOLID_BIPYRAMID =
-        2  ///< the polygon in the middle, an apex at the bottom and at the top
+        2  ///< the polygon in the middle, an apex at the bottom and one at the top
 };
 
-/// A lattice of a single cell over a regular polygon.
+/// Makes a lattice of a single cell over a regular polygon.
 ///
 /// \param solid ESPALIER_SOLID_PRISM, PYRAMID or BIPYRAMID
-/// \param sides of the polygon: 3 or more
+/// \param sides number of sides of the polygon: 3 or more
 /// \param radius of the circle through the vertices of the polygon, above 0
-/// \param height the solid goes from −height / 2 to height / 2; above 0
+/// \param height above 0; the solid extends from −height / 2 to height / 2
 ESPALIER_C_API espalier_status espalier_lattice_create_polygonal_solid(int32_t solid, int32_t sides,
                                                                        double radius, double height,
                                                                        espalier_lattice** lattice);
 
-/// Joins lattices by welding the vertices that coincide (shapes/merge.h).
+/// Joins lattices by welding vertices that coincide (shapes/merge.h).
 ///
-/// \param count of lattices, 1 or more
-/// \param tolerance how far apart vertices may be, as a fraction of the diagonal of the box round
-///        all; 1e-6 is usual
+/// \param count number of lattices, 1 or more
+/// \param tolerance maximum distance of vertices that are welded, as a fraction of the diagonal of
+///        the bounding box of all lattices; 1e-6 is usual
 ESPALIER_C_API espalier_status
 espalier_lattice_create_merged(int64_t count, const espalier_lattice* const* lattices,
                                double tolerance, espalier_lattice** lattice);

@@ -5,10 +5,10 @@
 #include "espalier.h"
 
 /// \file
-/// Lattices from wishes, from C (solve/): the displacements that carry points to targets, the
-/// vertices to freeze so that a part stays, and the poses that turn no cell inside out.
+/// Solves for lattices, from C (solve/): finds displacements that carry points to targets, vertices
+/// to freeze so that a part stays, and poses that turn no cell inside out.
 ///
-/// The rules of espalier.h on errors, ownership and threads hold here, too.
+/// The rules of espalier.h on errors, ownership and threads apply.
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,27 +16,28 @@ extern "C" {
 
 // ---- Fitting --------------------------------------------------------------------------------
 
-/// Further wishes for displacements, besides that they reach the targets (solve/lattice_fit.h).
+/// Regularization: what displacements should satisfy besides reaching the targets
+/// (solve/lattice_fit.h).
 enum {
     ESPALIER_SMOOTHING_NONE = 0,
-    ESPALIER_SMOOTHING_TIKHONOV = 1,  ///< that they are small
-    ESPALIER_SMOOTHING_LAPLACIAN = 2  ///< that each is like those of the neighbours
+    ESPALIER_SMOOTHING_TIKHONOV = 1,  ///< small displacements
+    ESPALIER_SMOOTHING_LAPLACIAN = 2  ///< displacements like those of the neighbours
 };
 
-/// The rule for displacements that the targets leave open.
+/// How displacements that the targets do not determine are treated.
 enum {
-    ESPALIER_UNDETERMINED_SMALLEST = 0,  ///< of all that fit as well, the smallest
+    ESPALIER_UNDETERMINED_SMALLEST = 0,  ///< uses the smallest displacements that fit equally well
     ESPALIER_UNDETERMINED_REFUSE = 1
 };
 
-/// How a lattice is fitted. Fill it by espalier_default_fit_options() first, then change fields.
+/// Options of a fit. Start from espalier_default_fit_options(), and change fields.
 typedef struct espalier_fit_options {
-    size_t size;            ///< of this struct: sizeof(espalier_fit_options)
-    int32_t smoothing;      ///< ESPALIER_SMOOTHING_...; default NONE
-    int32_t undetermined;   ///< ESPALIER_UNDETERMINED_...; default SMALLEST
-    double strength;        ///< of smoothing against targets, 1e-4 to 1e4; default 1e-3
+    size_t size;           ///< sizeof(espalier_fit_options)
+    int32_t smoothing;     ///< ESPALIER_SMOOTHING_...; default NONE
+    int32_t undetermined;  ///< ESPALIER_UNDETERMINED_...; default SMALLEST
+    double strength;  ///< weight of smoothing relative to the targets, 1e-4 to 1e4; default 1e-3
     int64_t frozen_count;   ///< default 0
-    const int32_t* frozen;  ///< vertices that stay where they are: frozen_count numbers
+    const int32_t* frozen;  ///< vertices that do not move: frozen_count numbers
 } espalier_fit_options;
 
 static inline espalier_fit_options espalier_default_fit_options(void) {
@@ -50,31 +51,31 @@ static inline espalier_fit_options espalier_default_fit_options(void) {
     return options;
 }
 
-/// How well displacements do.
+/// How well displacements reach the targets.
 typedef struct espalier_fit_quality {
-    double largest_miss;  ///< how far a point is from its target
-    double rms_miss;      ///< the root of the mean of the squares of these distances
-    double condition;     ///< of the least-squares matrix; infinity where displacements are open
+    double largest_miss;  ///< largest distance of a point from its target
+    double rms_miss;      ///< root mean square of these distances
+    double condition;  ///< condition number of the least-squares matrix; infinite if the targets do
+                       ///< not determine all displacements
 } espalier_fit_quality;
 
-/// The displacements of the vertices of a lattice that carry points to where they are wanted, in
-/// the sense of least squares.
+/// Finds the displacements of the vertices of a lattice that carry points to targets, in the
+/// least-squares sense.
 ///
 /// \param deformation D: points × vertices of the lattice
-/// \param lattice whose edges are the neighbours of smoothing
-/// \param target_count points that have targets
-/// \param rows the rows of D that these points have; null for all rows, in order
-/// \param misses of each of these points: its target, less where it is at rest. 3 · target_count
+/// \param lattice its edges define the neighbours for smoothing
+/// \param target_count number of points that have targets
+/// \param rows the rows of D of these points; null for all rows, in order
+/// \param misses for each of these points, its target minus its rest position: 3 · target_count
 ///        numbers
 /// \param options null for the defaults
-/// \param vertex_count that of the lattice
-/// \param displacements 3 · vertex_count numbers are written
+/// \param vertex_count number of vertices of the lattice
+/// \param displacements receives 3 · vertex_count numbers
 /// \param quality may be null
-/// \retval ESPALIER_ERROR_INPUT no targets; a row that is not there, or is empty; misses that are
-/// not
-///         finite; options out of range; a frozen vertex that is not there; open displacements
-///         under ESPALIER_UNDETERMINED_REFUSE
-/// \cost O(Σ entries² of the rows + a sparse Cholesky factor of the vertices)
+/// \retval ESPALIER_ERROR_INPUT there are no targets; a row does not exist or is empty; misses are
+///         not finite; options are out of range; a frozen vertex does not exist; under
+///         ESPALIER_UNDETERMINED_REFUSE, the targets do not determine all displacements
+/// \cost O(Σ entries² of the rows + a sparse Cholesky factorization over the vertices)
 ESPALIER_C_API espalier_status espalier_lattice_fit(
     const espalier_table* deformation, const espalier_lattice* lattice, int32_t target_count,
     const int32_t* rows, const double* misses, const espalier_fit_options* options,
@@ -82,38 +83,39 @@ ESPALIER_C_API espalier_status espalier_lattice_fit(
 
 // ---- Holding --------------------------------------------------------------------------------
 
-/// How a part that is held meets the part that moves (embed/continuity.h).
+/// How the part that is held joins the part that moves (embed/continuity.h).
 enum {
-    ESPALIER_CONTINUITY_C0 = 0,  ///< in its place
-    ESPALIER_CONTINUITY_C1 = 1,  ///< and with its tangent planes
-    ESPALIER_CONTINUITY_C2 = 2   ///< and with its curvatures, by the same vertices
+    ESPALIER_CONTINUITY_C0 = 0,  ///< positions are held
+    ESPALIER_CONTINUITY_C1 = 1,  ///< tangent planes, too
+    ESPALIER_CONTINUITY_C2 = 2   ///< curvatures, too; needs the same vertices as C1
 };
 
-/// The vertices to freeze to hold faces of a lattice: the side where a model leaves it, for
-/// example. The result is for espalier_fit_options.frozen.
+/// Finds the vertices to freeze in order to hold faces of a lattice, for example the side where a
+/// model extends beyond it. The result is for espalier_fit_options.frozen.
 ///
 /// \param refiner its level 0 is held
-/// \param faces of the lattice, as espalier_refiner_cells() numbers them at level 0; in any order,
-///        on the boundary or inside
+/// \param faces faces of the lattice, on the boundary or inside, in any order;
+///        espalier_refiner_cells() numbers them, at level 0
 /// \param continuity ESPALIER_CONTINUITY_...
-/// \param vertex_count that of the lattice: the room for the result
-/// \param held *held_count vertices are written, ascending; the numbers after them stay
-/// \retval ESPALIER_ERROR_INPUT no faces, or one that is not there; an open boundary, where a level
-///         covers less than the faces
-/// \cost O(lattice + the cells around the faces, twice refined)
+/// \param vertex_count number of vertices of the lattice, and size of `held`
+/// \param held receives *held_count vertices, ascending; the elements after them are not written
+/// \retval ESPALIER_ERROR_INPUT there are no faces, or a face does not exist; or the boundary is
+///         open, so that a level covers less than the faces
+/// \cost O(lattice + the cells around the faces, refined twice)
 ESPALIER_C_API espalier_status espalier_hold_faces(const espalier_refiner* refiner,
                                                    int32_t face_count, const int32_t* faces,
                                                    int32_t continuity, int32_t vertex_count,
                                                    int32_t* held, int32_t* held_count);
 
-/// The same to hold points: a part of a model. A point outside of the lattice asks for the vertices
-/// that carry it; under ESPALIER_OUTSIDE_KEEP for none.
+/// Finds the vertices to freeze in order to hold points: a part of a model. A point outside the
+/// lattice needs the vertices that move it; under ESPALIER_OUTSIDE_KEEP it needs none.
 ///
-/// \param positions of the vertices of the lattice at rest, 3 · vertex_count numbers
+/// \param positions rest positions of the vertices of the lattice, 3 · vertex_count numbers
 /// \param points 3 · point_count numbers
-/// \param options as the points are bound, null for the defaults; limit_tolerance must be 0
-/// \param held room for vertex_count numbers; *held_count are written, ascending
-/// \retval ESPALIER_ERROR_INPUT no points; one that is not finite; as espalier_binding_create()
+/// \param options as for binding the points, null for the defaults; limit_tolerance must be 0
+/// \param held has vertex_count elements; receives *held_count vertices, ascending
+/// \retval ESPALIER_ERROR_INPUT there are no points, or a point is not finite; as
+///         espalier_binding_create()
 /// \cost as espalier_binding_create()
 ESPALIER_C_API espalier_status espalier_hold_points(const espalier_refiner* refiner,
                                                     int32_t vertex_count, const double* positions,
@@ -122,14 +124,15 @@ ESPALIER_C_API espalier_status espalier_hold_points(const espalier_refiner* refi
                                                     const espalier_bind_options* options,
                                                     int32_t* held, int32_t* held_count);
 
-/// The same to hold points in their places (C0) that are bound already.
+/// Finds the vertices to freeze in order to hold the positions (C0) of points that are already
+/// bound.
 ///
 /// \param deformation D: points × vertices of the lattice
-/// \param row_count points to hold
-/// \param rows the rows of D that these points have; null for all rows
-/// \param vertex_count the columns of D: the room for the result
-/// \param held *held_count vertices are written, ascending
-/// \retval ESPALIER_ERROR_INPUT a row that is not there
+/// \param row_count number of points to hold
+/// \param rows the rows of D of these points; null for all rows
+/// \param vertex_count number of columns of D, and size of `held`
+/// \param held receives *held_count vertices, ascending
+/// \retval ESPALIER_ERROR_INPUT a row does not exist
 /// \cost O(entries)
 ESPALIER_C_API espalier_status espalier_hold_rows(const espalier_table* deformation,
                                                   int32_t row_count, const int32_t* rows,
@@ -138,13 +141,13 @@ ESPALIER_C_API espalier_status espalier_hold_rows(const espalier_table* deformat
 
 // ---- Validity -------------------------------------------------------------------------------
 
-/// Options of a check. Begin with espalier_default_validity_options(), as with those of espalier.h.
+/// Options of a validity check. Start from espalier_default_validity_options(), and change fields.
 typedef struct espalier_validity_options {
-    size_t size;       ///< of this struct: sizeof(espalier_validity_options)
-    int32_t level;     ///< 1 or more; default 3: whose cells are checked; of the limit, how far
-                       ///< irregular features are refined, 1 to 15
-    int32_t of_limit;  ///< 0, the default: the cells of the level are checked; 1: the limits of the
-                       ///< cells of the lattice
+    size_t size;    ///< sizeof(espalier_validity_options)
+    int32_t level;  ///< 1 or more; default 3: the level whose cells are checked; for the limit, 1
+                    ///< to 15: the level up to which irregular features are refined
+    int32_t of_limit;  ///< 0, the default, checks the cells of the level; 1 checks the limits of
+                       ///< the cells of the lattice
 } espalier_validity_options;
 
 static inline espalier_validity_options espalier_default_validity_options(void) {
@@ -155,16 +158,17 @@ static inline espalier_validity_options espalier_default_validity_options(void) 
     return options;
 }
 
-/// Tells where poses of a lattice turn its volume inside out (solve/validity.h). Immutable.
+/// Finds out where poses turn the volume of a lattice inside out (solve/validity.h). Immutable.
 typedef struct espalier_validity espalier_validity;
 
-/// The level need not be there, and the refiner stays as it is.
+/// Prepares checks of the poses of a lattice. The level need not exist, and the refiner does not
+/// change.
 ///
-/// \param positions of the vertices of the lattice at rest, 3 · vertex_count numbers
+/// \param positions rest positions of the vertices of the lattice, 3 · vertex_count numbers
 /// \param options null for the defaults
-/// \retval ESPALIER_ERROR_INPUT a level out of range; a position that is not finite, or beyond
-///         ±1e90; rules without a limit
-/// \cost O(cells): 1 µs a cell of the level; 30 µs a cell of the limit
+/// \retval ESPALIER_ERROR_INPUT the level is out of range; a position is not finite, or beyond
+///         ±1e90; the rules have no limit
+/// \cost O(cells): 1 µs for each cell of the level; 30 µs for each cell of the limit
 ESPALIER_C_API espalier_status espalier_validity_create(const espalier_refiner* refiner,
                                                         int32_t vertex_count,
                                                         const double* positions,
@@ -172,58 +176,61 @@ ESPALIER_C_API espalier_status espalier_validity_create(const espalier_refiner* 
                                                         espalier_validity** validity);
 ESPALIER_C_API void espalier_validity_destroy(espalier_validity* validity);
 
-/// The number of cells that are checked: those of the level; those of the lattice for the limit.
+/// Gives the number of cells that are checked: all cells of the level, or all cells of the lattice
+/// for the limit.
 ESPALIER_C_API espalier_status espalier_validity_cell_count(const espalier_validity* validity,
                                                             int32_t* cell_count);
 
-/// The cells that are flat, folded or inside out at rest, ascending. They do not count in the
-/// answers of the functions below.
+/// Gives the cells that are flat, folded or inside out at rest, ascending. The functions below
+/// ignore them.
 ESPALIER_C_API espalier_status espalier_validity_bad_at_rest(const espalier_validity* validity,
                                                              int32_t* cell_count,
                                                              const int32_t** cells);
 
-/// The cell of the lattice that a cell descends from.
-/// \retval ESPALIER_ERROR_INPUT no such cell
+/// Gives the cell of the lattice from which a cell descends.
+/// \retval ESPALIER_ERROR_INPUT the cell does not exist
 ESPALIER_C_API espalier_status espalier_validity_base_cell(const espalier_validity* validity,
                                                            int32_t cell, int32_t* base_cell);
 
 /// The result of a check: how a pose changes the cells.
 typedef struct espalier_pose_validity {
     int32_t inverted_count;  ///< cells that the pose turns inside out, wholly or in part
-    int32_t smallest_cell;   ///< the lowest cell of the smallest ratio; −1 if no cell has a ratio
-    double smallest_ratio;   ///< not a number if no cell has one
+    int32_t smallest_cell;   ///< the cell with the smallest ratio, the lowest if there are several;
+                             ///< −1 if no cell has a ratio
+    double smallest_ratio;   ///< NaN if no cell has a ratio
 } espalier_pose_validity;
 
 /// Checks a pose.
 ///
 /// \param pose positions of the vertices of the lattice, 3 · vertex_count numbers
-/// \param cell_count that of espalier_validity_cell_count(); not read if `ratios` is null
-/// \param ratios may be null. For each cell the factor by which the pose changes its volume, the
-///        least all over the cell. It is at most 0 if and only if the cell is inverted, and not a
-///        number for cells that are bad at rest, or shrink away in the limit
-/// \retval ESPALIER_ERROR_INPUT sizes that do not match; a position that is not finite
-/// \cost O(cells): 2 µs a cell of the level; 0.1 to 0.5 ms a cell of the limit
+/// \param cell_count as espalier_validity_cell_count() gives it; ignored if `ratios` is null
+/// \param ratios may be null. Receives for each cell the smallest factor, over the whole cell, by
+///        which the pose changes its volume. It is at most 0 if and only if the cell is inverted;
+///        NaN for cells that are bad at rest or vanish in the limit
+/// \retval ESPALIER_ERROR_INPUT sizes do not match, or a position is not finite
+/// \cost O(cells): 2 µs for each cell of the level; 0.1 to 0.5 ms for each cell of the limit
 ESPALIER_C_API espalier_status espalier_validity_check(const espalier_validity* validity,
                                                        int32_t vertex_count, const double* pose,
                                                        int32_t cell_count, double* ratios,
                                                        espalier_pose_validity* result);
 
-/// How far a lattice can go towards a pose.
+/// How far a lattice can move towards a pose.
 typedef struct espalier_largest_step {
-    double length;          ///< all cells stay valid up to here, as a part of the way to the pose
-    int32_t limiting_cell;  ///< one that could not be proved valid further on; −1 where `length` is
-                            ///< the most
-    int32_t is_tight;  ///< 1: that cell goes bad right after; 0: it may stay valid
+    double length;          ///< fraction of the way to the pose up to which all cells stay valid
+    int32_t limiting_cell;  ///< a cell that could not be proved valid beyond; −1 if `length` is
+                            ///< `max_step`
+    int32_t is_tight;  ///< 1: this cell becomes invalid right after `length`; 0: it may stay valid
 } espalier_largest_step;
 
-/// The largest step from rest towards a pose, up to `most`, on which no cell is inverted.
+/// Finds the largest step from rest towards a pose, at most `max_step`, up to which no cell is
+/// inverted.
 ///
-/// \param most above 0, up to a million; 1 is the whole way
-/// \retval ESPALIER_ERROR_INPUT as espalier_validity_check(); `most` out of range
-/// \cost O(cells): 1 to 3 µs a cell of the level; 0.15 ms a cell of the limit
+/// \param max_step upper bound of the step: above 0, at most a million; 1 is the whole way
+/// \retval ESPALIER_ERROR_INPUT as espalier_validity_check(), or `max_step` is out of range
+/// \cost O(cells): 1 to 3 µs for each cell of the level; 0.15 ms for each cell of the limit
 ESPALIER_C_API espalier_status espalier_validity_largest_step(const espalier_validity* validity,
                                                               int32_t vertex_count,
-                                                              const double* pose, double most,
+                                                              const double* pose, double max_step,
                                                               espalier_largest_step* step);
 
 #ifdef __cplusplus

@@ -28,13 +28,13 @@ struct ChangeEvaluatorHandle {
 
 namespace {
 
-/// The memory that a caller keeps, or some for this call.
-class WorkspaceOr {
+/// Gives the workspace of the caller, or a temporary one for this call if there is none.
+class WorkspaceOrTemporary {
 public:
-    explicit WorkspaceOr(espalier_workspace* kept)
+    explicit WorkspaceOrTemporary(espalier_workspace* kept)
         : memory_(kept != nullptr ? kept->workspace : own_) {}
-    WorkspaceOr(const WorkspaceOr&) = delete;
-    WorkspaceOr& operator=(const WorkspaceOr&) = delete;
+    WorkspaceOrTemporary(const WorkspaceOrTemporary&) = delete;
+    WorkspaceOrTemporary& operator=(const WorkspaceOrTemporary&) = delete;
     osd::Workspace& get() { return memory_; }
 
 private:
@@ -42,7 +42,7 @@ private:
     osd::Workspace& memory_;
 };
 
-/// Values of C with their layout.
+/// A buffer from C, and its layout.
 template <class Real>
 struct Buffer {
     Real* values;
@@ -55,6 +55,7 @@ struct Buffer {
     }
 };
 
+/// Compiles a table.
 /// \tparam Form osd::CompiledTable or osd::CompiledAdjoint
 template <template <class> class Form, class Real>
 Form<Real> compiled(const espalier_table* table) {
@@ -73,7 +74,7 @@ espalier_status evaluate(const EvaluatorHandle<Real>* evaluator, const Buffer<co
         const auto& own = deref(evaluator, "evaluator");
         const auto from = source.array("source");
         const auto to = destination.array("destination");
-        WorkspaceOr memory(workspace);
+        WorkspaceOrTemporary memory(workspace);
         std::visit(
             [&](const auto& compiled) {
                 compiled.evaluate(from, source.descriptor(), to, destination.descriptor(), rows,
@@ -101,7 +102,7 @@ espalier_status evaluateChanged(const ChangeEvaluatorHandle<Real>* changes,
         const auto from = source.array("source");
         const auto to = destination.array("destination");
         const auto changed = array(columns, count, "changed");
-        WorkspaceOr memory(workspace);
+        WorkspaceOrTemporary memory(workspace);
         own.evaluateChanged(from, source.descriptor(), to, destination.descriptor(), changed,
                             memory.get());
     });
@@ -118,7 +119,7 @@ void espalier_workspace_destroy(espalier_workspace* workspace) {
     delete workspace;
 }
 
-// The types and functions of one precision, whose names end in `f32` or `f64`.
+// Defines the types and functions of one precision, whose names contain `f32` or `f64`.
 #define ESPALIER_EVALUATORS(Real, precision)                                                      \
     struct espalier_evaluator_##precision : c::EvaluatorHandle<Real> {};                          \
     struct espalier_change_evaluator_##precision : c::ChangeEvaluatorHandle<Real> {};             \

@@ -16,25 +16,27 @@ namespace espalier::c {
 namespace {
 
 constexpr const char* kNoMemory = "there is not enough memory";
-constexpr const char* kNotTold = "there is not enough memory to say what is wrong";
+constexpr const char* kNoMemoryForMessage = "there is not enough memory to say what is wrong";
 
-/// The text of each thread's last error, deleted when the thread ends. Not a thread_local string:
-/// to make one on a thread takes memory, and the C library ends the program if there is none.
-class LastTexts {
+/// Holds the text of the last error of each thread, and deletes it when the thread ends. A
+/// thread_local string would not do: creating one allocates memory, and the C library aborts if
+/// there is none.
+class LastErrorTexts {
 public:
-    LastTexts() : isThere_(::pthread_key_create(&key_, erase) == 0) {}
-    ~LastTexts() {
-        if (!isThere_) return;
-        // Of the thread that unloads the library; for the others none is left who could.
+    LastErrorTexts() : hasKey_(::pthread_key_create(&key_, erase) == 0) {}
+    ~LastErrorTexts() {
+        if (!hasKey_) return;
+        // Erases the text of the thread that unloads the library. Texts of other threads can no
+        // longer be reached.
         erase(::pthread_getspecific(key_));
         ::pthread_key_delete(key_);
     }
-    LastTexts(const LastTexts&) = delete;
-    LastTexts& operator=(const LastTexts&) = delete;
+    LastErrorTexts(const LastErrorTexts&) = delete;
+    LastErrorTexts& operator=(const LastErrorTexts&) = delete;
 
-    /// That of the calling thread.
-    std::string& own() {
-        if (!isThere_) throw std::bad_alloc();
+    /// Returns the text of the calling thread.
+    std::string& text() {
+        if (!hasKey_) throw std::bad_alloc();
         if (void* known = ::pthread_getspecific(key_)) return *static_cast<std::string*>(known);
         auto text = std::make_unique<std::string>();
         if (::pthread_setspecific(key_, text.get()) != 0) throw std::bad_alloc();
@@ -45,22 +47,22 @@ private:
     static void erase(void* text) { delete static_cast<std::string*>(text); }
 
     ::pthread_key_t key_{};
-    bool isThere_;
+    bool hasKey_;
 };
 
-LastTexts lastTexts;
+LastErrorTexts lastTexts;
 
-/// One of these, or one that needs no memory. Of the block that each thread is born with (see
-/// loopContext()).
+/// The last error of this thread: one of these texts, or a constant one that needs no memory. It is
+/// in the static thread-local block, which every thread has from its start (see loopContext()).
 [[gnu::tls_model("initial-exec")]] thread_local constinit const char* lastError = "";
 
 espalier_status report(espalier_status status, const char* text) noexcept {
     try {
-        std::string& own = lastTexts.own();
+        std::string& own = lastTexts.text();
         own = text;
         lastError = own.c_str();
     } catch (...) {
-        lastError = kNotTold;
+        lastError = kNoMemoryForMessage;
     }
     return status;
 }
@@ -86,7 +88,7 @@ espalier_status statusOfException() noexcept {
     } catch (const std::bad_alloc&) {
         return reportNoMemory();
     } catch (const std::length_error&) {
-        // Of a container that would hold more than memory could.
+        // A container was asked to hold more than memory could.
         return reportNoMemory();
     } catch (const std::exception& error) {
         return report(ESPALIER_ERROR_INTERNAL, error.what());

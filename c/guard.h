@@ -13,14 +13,15 @@
 
 #include "espalier.h"
 
-// Between C and C++: exceptions become statuses, and what comes from C is checked.
+// The boundary between C and C++: turns exceptions into statuses, and checks arguments from C.
 namespace espalier::c {
 
-/// Keeps what the exception that is being handled says for espalier_last_error().
-/// \return its status
+/// Stores the message of the exception that is being handled, for espalier_last_error().
+/// \return the status of the exception
 espalier_status statusOfException() noexcept;
 
-/// Every function of the C API that can fail does its work in here, so that no exception leaves it.
+/// Runs the body of a function of the C API. Every function that can fail uses this, so that no
+/// exception leaves it.
 template <class Body>
 espalier_status guarded(const Body& body) noexcept {
     try {
@@ -31,15 +32,16 @@ espalier_status guarded(const Body& body) noexcept {
     }
 }
 
-/// \throws Error if it is null, calling it `name`
+/// Dereferences a pointer.
+/// \throws Error if it is null; the message calls it `name`
 template <class T>
 T& deref(T* pointer, const char* name) {
     if (pointer == nullptr) throw Error(std::string(name) + " is null");
     return *pointer;
 }
 
-/// A function with one result: writes what `make` returns to where `out` points to, if that is
-/// not null, calling it `name`.
+/// Runs a function with one result: writes what `make` returns to *out. Fails if `out` is null; the
+/// message calls it `name`.
 template <class Result, class Make>
 espalier_status result(Result* out, const char* name, const Make& make) noexcept {
     return guarded([&] {
@@ -48,19 +50,20 @@ espalier_status result(Result* out, const char* name, const Make& make) noexcept
     });
 }
 
-/// An array of `count` entities with `each` values an entity.
-/// \throws Error if `count` is negative, or larger than any memory, or the array is null and should
-///         not be
+/// Returns an array of `count` entities with `perEntity` values per entity.
+/// \throws Error if `count` is negative or exceeds any memory, or if the array is null and not
+///         empty
 template <class T>
-std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t each = 1) {
-    const std::int64_t most = PTRDIFF_MAX / static_cast<std::int64_t>(sizeof(T)) / each;
-    if (count < 0 || count > most)
-        throw Error(concat(name, ": the count is ", count, "; expected 0 to ", most));
+std::span<T> array(T* values, std::int64_t count, const char* name, std::int64_t perEntity = 1) {
+    const std::int64_t maxCount = PTRDIFF_MAX / static_cast<std::int64_t>(sizeof(T)) / perEntity;
+    if (count < 0 || count > maxCount)
+        throw Error(concat(name, ": the count is ", count, "; expected 0 to ", maxCount));
     if (count > 0) deref(values, name);
-    return {values, static_cast<std::size_t>(count * each)};
+    return {values, static_cast<std::size_t>(count * perEntity)};
 }
 
-/// \param count of positions; there are three times as many numbers
+/// Copies an array of positions.
+/// \param count number of positions; the array has three times as many numbers
 inline std::vector<Point3> positions(const double* values, std::int64_t count, const char* name) {
     array(values, count, name, 3);
     std::vector<Point3> result(count);
@@ -68,19 +71,19 @@ inline std::vector<Point3> positions(const double* values, std::int64_t count, c
     return result;
 }
 
-/// The numbers of positions, as they come out.
+/// Returns positions as an array for C; null if there are none.
 inline const double* numbers(const std::vector<Point3>& positions) {
     return positions.empty() ? nullptr : positions.front().data();
 }
 
-/// \throws Error if they are not the same
+/// \throws Error if the two differ
 inline void checkCount(std::int64_t got, std::int64_t expected, const char* what) {
     if (got != expected) throw Error(concat("got ", got, " ", what, "; expected ", expected));
 }
 
-/// A constant of an enumeration whose C++ values are those of C.
-/// \param last the last one
-/// \throws Error if it is not from 0 to `last`, calling it `name`
+/// Converts a number from C to the enumeration constant with the same value.
+/// \param last the last constant
+/// \throws Error if the value is not from 0 to `last`; the message calls it `name`
 template <class Enum>
 Enum choice(std::int32_t value, Enum last, const char* name) {
     if (value < 0 || value > static_cast<std::int32_t>(last))
@@ -89,15 +92,15 @@ Enum choice(std::int32_t value, Enum last, const char* name) {
     return static_cast<Enum>(value);
 }
 
-/// Options as they were given, or else the defaults. The fields that the struct of an earlier
-/// version lacks have their defaults, too.
+/// Returns the given options, or the defaults if null. A struct of an earlier version lacks some
+/// fields; these get their defaults.
 ///
 /// \param maker the function that makes the defaults, for the message
-/// \param firstSize of the struct in its first version
-/// \throws Error if they are smaller than that, or larger than they can be
+/// \param firstSize size of the struct in its first version
+/// \throws Error if the size is below firstSize or above the current size
 template <class Options>
-Options optionsOr(const Options* given, const Options& defaults, const char* maker,
-                  std::size_t firstSize = sizeof(Options)) {
+Options optionsOrDefaults(const Options* given, const Options& defaults, const char* maker,
+                          std::size_t firstSize = sizeof(Options)) {
     if (given == nullptr) return defaults;
     if (given->size < firstSize || given->size > sizeof(Options))
         throw Error(concat("options of size ", given->size, "; expected ", sizeof(Options), ", as ",

@@ -18,23 +18,22 @@
 
 #include "guard.h"
 
-// The structures behind the opaque types of the C API, and the functions on them that several files
-// use.
+// The structures behind the opaque types of the C API, and helpers that several files use.
 
 struct espalier_lattice {
     espalier::Lattice lattice;
 };
 
 struct espalier_refiner {
-    /// The offsets of the cells and the faces of a level, which CellComplex may keep in another
-    /// way.
+    /// The offsets of the cells and the faces of a level. They are stored here because CellComplex
+    /// may store them in another form.
     struct LevelOffsets {
         std::vector<std::int64_t> cells, faces;
     };
 
     espalier::far::TopologyRefiner refiner;
     mutable std::mutex offsetsMutex = {};
-    mutable std::map<std::int32_t, LevelOffsets> offsets = {};  ///< of the levels asked for
+    mutable std::map<std::int32_t, LevelOffsets> offsets = {};  ///< of the levels requested so far
 };
 
 struct espalier_table {
@@ -45,33 +44,35 @@ struct espalier_binding {
     struct Data {
         espalier::io::BoundModel model;
 
-        // How points were placed, which a file does not say.
+        // How the points were placed; unknown if the binding was read from a file.
         std::vector<espalier::embed::PointStatus> statuses = {};
         std::optional<double> largestResidual = {};
     };
-    std::shared_ptr<const Data> data;  ///< shared with its tables
+    std::shared_ptr<const Data> data;  ///< the tables made from the binding share it
 };
 
 namespace espalier::c {
 
-/// \throws Error for options of a wrong size
-inline espalier_bind_options bindOptionsOr(const espalier_bind_options* options) {
-    return optionsOr(options, espalier_default_bind_options(), "espalier_default_bind_options",
-                     offsetof(espalier_bind_options, limit_tolerance));
+/// Returns the given options, or the defaults.
+/// \throws Error if the struct has a wrong size
+inline espalier_bind_options bindOptions(const espalier_bind_options* options) {
+    return optionsOrDefaults(options, espalier_default_bind_options(),
+                             "espalier_default_bind_options",
+                             offsetof(espalier_bind_options, limit_tolerance));
 }
 
-/// Options for points bound to a level.
-/// \throws Error if the limit is asked for, with the reason
-inline espalier_bind_options levelOptionsOr(const espalier_bind_options* options,
-                                            const char* reason) {
-    const espalier_bind_options chosen = bindOptionsOr(options);
+/// Returns the given options, or the defaults, for binding to a level.
+/// \throws Error if the options ask for the limit; the message gives the reason
+inline espalier_bind_options levelBindOptions(const espalier_bind_options* options,
+                                              const char* reason) {
+    const espalier_bind_options chosen = bindOptions(options);
     if (chosen.limit_tolerance != 0)
         throw Error(
             concat("limit_tolerance is ", chosen.limit_tolerance, "; expected 0, since ", reason));
     return chosen;
 }
 
-/// \throws Error for an unknown policy
+/// \throws Error if the policy is unknown
 inline embed::EmbeddingOptions embeddingOptions(const espalier_bind_options& chosen) {
     embed::EmbeddingOptions options;
     options.outside = choice(chosen.outside, embed::OutsidePolicy::Error, "outside");
@@ -79,15 +80,15 @@ inline embed::EmbeddingOptions embeddingOptions(const espalier_bind_options& cho
     return options;
 }
 
-/// A refiner of the same base, which points can be bound to.
+/// Returns a new refiner of the same base, to which points can be bound.
 inline far::TopologyRefiner baseOf(const far::TopologyRefiner& refiner) {
     return far::TopologyRefiner(refiner.level(0).complex, refiner.options());
 }
 
-/// Calls `use` with some rows of a table; with the table itself where `rows` is null.
-/// \param count of rows; where `rows` is null it must be the number of rows of the table
-/// \param what the rows are for: "targets"
-/// \throws Error naming a row that is not there
+/// Calls `use` with the given rows of a table, or with the whole table if `rows` is null.
+/// \param count number of rows; if `rows` is null it must be the number of rows of the table
+/// \param what describes the rows in the message, such as "targets"
+/// \throws Error that names the first row that does not exist
 template <class Use>
 auto withRows(const stencils::StencilTable<double>& table, std::int32_t count,
               const std::int32_t* rows, const char* what, const Use& use) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The library in its host: version, progress, threads and memory.
+// Lets a host control the library: version, progress, threads and memory.
 #include <espalier/base/executor.h>
 #include <espalier/base/memory.h>
 #include <espalier/base/parallel.h>
@@ -29,7 +29,7 @@ void runTask(void* task, int64_t index) {
     (*static_cast<const Task*>(task))(index);
 }
 
-/// The threads of a host, or none.
+/// Runs loops on the threads of a host, or on the calling thread only.
 class HostExecutor final : public Executor {
 public:
     HostExecutor(espalier_run loop, void* user) : loop_(loop), user_(user) {}

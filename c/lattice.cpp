@@ -11,14 +11,14 @@
 namespace espalier::c {
 namespace {
 
-/// One row of a relation that came as offsets and values.
+/// Returns one row of a relation that is given by offsets and values.
 std::span<const Index> row(std::span<const std::int64_t> offsets, const Index* values,
                            std::size_t index) {
     return {values + offsets[index], static_cast<std::size_t>(offsets[index + 1] - offsets[index])};
 }
 
-/// The offsets of `count` rows.
-/// \throws Error if they do not begin with 0, or do not ascend
+/// Checks the offsets of `count` rows and returns them.
+/// \throws Error if they do not start with 0, or do not ascend
 std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, Index count,
                                              const char* name) {
     if (count < 0) throw Error(concat(name, ": the count is ", count, "; expected 0 or more"));
@@ -31,8 +31,9 @@ std::span<const std::int64_t> checkedOffsets(const std::int64_t* offsets, Index 
     return checked;
 }
 
-/// Refuses more vertices than are named, before anything is read or allocated for each of them.
-/// \param named vertices that the cells name, with repetitions
+/// Throws if there are more vertices than the cells can name, before anything is read or allocated
+/// for each vertex.
+/// \param named number of vertices that the cells name, with repetitions
 void checkVertexCount(Index vertexCount, std::int64_t named) {
     if (vertexCount < 0)
         throw Error(concat("the count of vertices is ", vertexCount, "; expected 0 or more"));
@@ -44,11 +45,13 @@ void checkVertexCount(Index vertexCount, std::int64_t named) {
 far::CellComplex buildCells(const espalier_cells& cells) {
     const auto cellOffsets = checkedOffsets(cells.cell_offsets, cells.cell_count, "cell_offsets");
     const auto faceOffsets = checkedOffsets(cells.face_offsets, cells.face_count, "face_offsets");
-    // A face is in two cells at most: an offset beyond is wrong, and is not followed.
-    if (const auto most = 2 * std::int64_t{cells.face_count};
-        cells.cell_faces != nullptr && cellOffsets.back() > most)
+    // A face belongs to at most two cells, so a larger offset is wrong, and nothing is read up to
+    // it.
+    if (const auto maxOffset = 2 * std::int64_t{cells.face_count};
+        cells.cell_faces != nullptr && cellOffsets.back() > maxOffset)
         throw Error(concat("cell_offsets[", cells.cell_count, "] is ", cellOffsets.back(),
-                           "; expected ", most, " at most, since a face is in two cells at most"));
+                           "; expected ", maxOffset,
+                           " at most, since a face is in two cells at most"));
     array(cells.face_vertices, faceOffsets.back(), "face_vertices");
     checkVertexCount(cells.vertex_count, faceOffsets.back());
 
@@ -83,7 +86,7 @@ far::CellComplex buildHexahedra(Index vertexCount, std::span<const Index> vertic
     return builder.build();
 }
 
-/// Adds marks if all are good.
+/// Adds marks if all of them are valid.
 template <class AddTo>
 void addMarks(Lattice& lattice, const AddTo& addTo) {
     far::Marks marks = lattice.marks;
@@ -157,7 +160,7 @@ espalier_status espalier_lattice_set_positions(espalier_lattice* lattice, int32_
     return c::guarded([&] {
         auto& own = c::deref(lattice, "lattice").lattice.positions;
         c::checkCount(vertex_count, std::ssize(own), "positions of vertices");
-        // In place: pointers that were asked for stay valid.
+        // Assigns in place, so that pointers that the caller has stay valid.
         const auto given = c::positions(positions, vertex_count, "positions");
         std::copy(given.begin(), given.end(), own.begin());
     });

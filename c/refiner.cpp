@@ -8,7 +8,7 @@
 
 using namespace espalier;
 
-// What arguments.h makes of numbers from C is what they mean.
+// choice() converts numbers from C by value, so the enumerations must have equal values.
 static_assert(static_cast<int>(far::Rules::Cse96) == ESPALIER_RULES_CSE96);
 static_assert(static_cast<int>(far::Rules::Mlca) == ESPALIER_RULES_MLCA);
 static_assert(static_cast<int>(far::Boundary::EdgeOnly) == ESPALIER_BOUNDARY_EDGE_ONLY);
@@ -30,7 +30,8 @@ std::vector<std::int64_t> offsetsOf(const far::Incidence& relation) {
 
 const espalier_refiner::LevelOffsets& offsetsOf(const espalier_refiner& refiner, int32_t level) {
     const far::CellComplex& complex = refiner.refiner.level(level).complex;
-    const far::Incidence& loops = complex.relation(2, 0);  // derived on all threads: not locked
+    // Computed on all threads, so not under the lock.
+    const far::Incidence& loops = complex.relation(2, 0);
     const std::lock_guard lock(refiner.offsetsMutex);
     const auto known = refiner.offsets.find(level);
     if (known != refiner.offsets.end()) return known->second;
@@ -58,8 +59,8 @@ espalier_status espalier_refiner_create(const espalier_lattice* lattice,
                                         espalier_refiner** refiner) {
     return c::result(refiner, "refiner", [&] {
         const Lattice& base = c::deref(lattice, "lattice").lattice;
-        const auto chosen = c::optionsOr(options, espalier_default_refine_options(),
-                                         "espalier_default_refine_options");
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_refine_options(),
+                                                 "espalier_default_refine_options");
         return new espalier_refiner{
             far::TopologyRefiner(base.complex, c::refinerOptions(chosen, base))};
     });

@@ -29,8 +29,8 @@ shapes::DiskPattern pattern(std::int32_t rings, std::int32_t core) {
     return {rings, choice(core, shapes::Core::Polygon, "core")};
 }
 
-/// A new lattice of the inventory.
-/// \throws Error that names fields of C
+/// Makes a lattice of the inventory.
+/// \throws Error that names the fields as C does
 template <class Options>
 espalier_lattice* make(Lattice (*shape)(const Options&), const Options& options) {
     try {
@@ -75,8 +75,8 @@ espalier_status espalier_lattice_create_cylinder(int32_t sectors, int32_t rings,
 espalier_status espalier_lattice_create_torus(const espalier_torus_options* options,
                                               espalier_lattice** lattice) {
     return c::result(lattice, "lattice", [&] {
-        const auto chosen = c::optionsOr(options, espalier_default_torus_options(),
-                                         "espalier_default_torus_options");
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_torus_options(),
+                                                 "espalier_default_torus_options");
         return c::make(shapes::torus,
                        {.segments = chosen.segments,
                         .section = c::choice(chosen.section, shapes::TorusSection::Disk, "section"),
@@ -91,8 +91,8 @@ espalier_status espalier_lattice_create_torus(const espalier_torus_options* opti
 espalier_status espalier_lattice_create_star(const espalier_star_options* options,
                                              espalier_lattice** lattice) {
     return c::result(lattice, "lattice", [&] {
-        const auto chosen =
-            c::optionsOr(options, espalier_default_star_options(), "espalier_default_star_options");
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_star_options(),
+                                                 "espalier_default_star_options");
         return c::make(shapes::star, {.points = chosen.points,
                                       .pattern = c::pattern(chosen.rings, chosen.core),
                                       .layers = chosen.layers,
@@ -105,8 +105,8 @@ espalier_status espalier_lattice_create_star(const espalier_star_options* option
 espalier_status espalier_lattice_create_barbell(const espalier_barbell_options* options,
                                                 espalier_lattice** lattice) {
     return c::result(lattice, "lattice", [&] {
-        const auto chosen = c::optionsOr(options, espalier_default_barbell_options(),
-                                         "espalier_default_barbell_options");
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_barbell_options(),
+                                                 "espalier_default_barbell_options");
         return c::make(shapes::barbell, {.endSegments = chosen.end_segments,
                                          .barSegments = chosen.bar_segments,
                                          .barAcross = chosen.bar_across,
@@ -123,8 +123,8 @@ espalier_status espalier_lattice_create_barbell(const espalier_barbell_options* 
 espalier_status espalier_lattice_create_arm(const espalier_arm_options* options,
                                             espalier_lattice** lattice) {
     return c::result(lattice, "lattice", [&] {
-        const auto chosen =
-            c::optionsOr(options, espalier_default_arm_options(), "espalier_default_arm_options");
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_arm_options(),
+                                                 "espalier_default_arm_options");
         std::vector<shapes::ArmJoint> joints;
         for (const auto& joint : c::array(chosen.joints, chosen.joint_count, "joints"))
             joints.push_back({c::point(joint.position, "position"), joint.radius, joint.twist});
@@ -156,7 +156,7 @@ espalier_status espalier_lattice_create_merged(int64_t count,
                                                const espalier_lattice* const* lattices,
                                                double tolerance, espalier_lattice** lattice) {
     return c::result(lattice, "lattice", [&] {
-        std::vector<Lattice> parts;  // cheap: their complexes are shared
+        std::vector<Lattice> parts;  // Copies are cheap, since lattices share their complexes.
         for (const espalier_lattice* part : c::array(lattices, count, "lattices"))
             parts.push_back(c::deref(part, "one of the lattices").lattice);
         return new espalier_lattice{shapes::merge(parts, {tolerance})};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fitting, holding and validity: espalier_solve.h.
+// Implements espalier_solve.h: fitting, holding and validity.
 #include <espalier/embed/continuity.h>
 #include <espalier/solve/lattice_fit.h>
 #include <espalier/solve/validity.h>
@@ -20,8 +20,8 @@ static_assert(static_cast<int>(solve::Undetermined::Refuse) == ESPALIER_UNDETERM
 static_assert(static_cast<int>(embed::Continuity::C2) == ESPALIER_CONTINUITY_C2);
 
 struct espalier_validity {
-    far::TopologyRefiner levels;  ///< of the base, up to `level`
-    int level = 0;                ///< of the cells; 0 for the limit
+    far::TopologyRefiner levels;  ///< of the base lattice, up to `level`
+    int level = 0;                ///< whose cells are checked; 0 for the limit
     solve::ValidityCheck check;
 };
 
@@ -42,13 +42,13 @@ embed::Continuity continuityOf(std::int32_t value) {
     return choice(value, embed::Continuity::C2, "continuity");
 }
 
-/// Writes the vertices that `find` returns. Checks first that there is room for all vertices.
+/// Writes the vertices that `find` returns. Checks first that `held` can take all vertices.
 template <class Find>
-void putHeld(std::int32_t room, std::int32_t all, std::int32_t* held, std::int32_t* count,
+void putHeld(std::int32_t capacity, std::int32_t all, std::int32_t* held, std::int32_t* count,
              const Find& find) {
     auto& outCount = deref(count, "held_count");
-    checkCount(room, all, "vertices of room for the result");
-    const auto out = array(held, room, "held");
+    checkCount(capacity, all, "vertices of room for the result");
+    const auto out = array(held, capacity, "held");
     const std::vector<Index> vertices = find();
     std::copy(vertices.begin(), vertices.end(), out.begin());
     outCount = static_cast<std::int32_t>(vertices.size());
@@ -98,10 +98,10 @@ espalier_status espalier_lattice_fit(const espalier_table* deformation,
         const auto& complex = c::deref(lattice, "lattice").lattice.complex;
         c::checkCount(vertex_count, complex.count(0), "vertices of room for the result");
         c::array(displacements, vertex_count, "displacements", 3);
-        const auto chosen = c::fitOptions(
-            c::optionsOr(options, espalier_default_fit_options(), "espalier_default_fit_options"));
+        const auto chosen = c::fitOptions(c::optionsOrDefaults(
+            options, espalier_default_fit_options(), "espalier_default_fit_options"));
         const auto fit = c::withRows(table, target_count, rows, "targets", [&](const auto& some) {
-            // As many as there are rows, before they are read.
+            // Read only after withRows() has checked their number.
             const auto wanted = c::positions(misses, some.rowCount(), "misses");
             return solve::fitLattice(some, wanted, complex, chosen);
         });
@@ -133,7 +133,7 @@ espalier_status espalier_hold_points(const espalier_refiner* refiner, int32_t ve
         const auto& own = c::deref(refiner, "refiner");
         const auto base = c::baseOf(own.refiner);
         const auto wanted = c::continuityOf(continuity);
-        const auto chosen = c::levelOptionsOr(options, "points are held in a level");
+        const auto chosen = c::levelBindOptions(options, "points are held in a level");
         c::checkCount(vertex_count, base.level(0).complex.count(0), "positions of vertices");
         const auto rest = c::positions(positions, vertex_count, "positions");
         const auto model = c::positions(points, point_count, "points");
@@ -163,8 +163,8 @@ espalier_status espalier_validity_create(const espalier_refiner* refiner, int32_
                                          espalier_validity** validity) {
     return c::result(validity, "validity", [&] {
         const auto& own = c::deref(refiner, "refiner");
-        const auto chosen = c::optionsOr(options, espalier_default_validity_options(),
-                                         "espalier_default_validity_options");
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_validity_options(),
+                                                 "espalier_default_validity_options");
         return c::newValidity(own, positions, vertex_count, chosen);
     });
 }
@@ -223,11 +223,11 @@ espalier_status espalier_validity_check(const espalier_validity* validity, int32
 
 espalier_status espalier_validity_largest_step(const espalier_validity* validity,
                                                int32_t vertex_count, const double* pose,
-                                               double most, espalier_largest_step* step) {
+                                               double max_step, espalier_largest_step* step) {
     return c::guarded([&] {
         const auto& own = c::deref(validity, "validity");
         auto& out = c::deref(step, "step");
-        const auto found = own.check.largestStep(c::posed(own, pose, vertex_count), most);
+        const auto found = own.check.largestStep(c::posed(own, pose, vertex_count), max_step);
         out = {found.length, found.limitingCell.value_or(-1), found.isTight ? 1 : 0};
     });
 }

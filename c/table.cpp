@@ -68,8 +68,8 @@ espalier_status espalier_table_create_limit_stencils(const espalier_refiner* ref
                                                      int32_t table_count, espalier_table** tables) {
     return c::guarded([&] {
         const auto& own = c::deref(refiner, "refiner");
-        const auto chosen = c::optionsOr(options, espalier_default_limit_stencil_options(),
-                                         "espalier_default_limit_stencil_options");
+        const auto chosen = c::optionsOrDefaults(options, espalier_default_limit_stencil_options(),
+                                                 "espalier_default_limit_stencil_options");
         if (chosen.derivatives < 0 || chosen.derivatives > 2)
             throw Error(concat("derivatives is ", chosen.derivatives, "; expected 0 to 2"));
         c::checkCount(table_count, ESPALIER_LIMIT_STENCIL_TABLES(chosen.derivatives),
@@ -79,7 +79,8 @@ espalier_status espalier_table_create_limit_stencils(const espalier_refiner* ref
             own.refiner, level, c::limitLocations(place_count, cells, uvw),
             {.tolerance = chosen.tolerance, .derivatives = chosen.derivatives});
         std::vector<std::unique_ptr<espalier_table>> results;
-        results.reserve(out.size());  // so that nothing fails between a table and its owner
+        results.reserve(out.size());  // Reserved first, so that nothing can fail between making a
+                                      // table and storing it.
         results.emplace_back(c::newTable(std::move(made.position)));
         if (chosen.derivatives >= 1)
             for (auto& table : made.first) results.emplace_back(c::newTable(std::move(table)));
@@ -111,7 +112,7 @@ espalier_status espalier_table_create_nested(
         c::checkCount(parent_vertex_count, complex.count(0), "positions of the parent's vertices");
         const auto pose = c::positions(child_pose, child_vertex_count, "child_pose");
         const auto rest = c::positions(parent_positions, parent_vertex_count, "parent_positions");
-        const auto chosen = c::levelOptionsOr(options, "lattices nest in a level");
+        const auto chosen = c::levelBindOptions(options, "lattices nest in a level");
         return c::newTable(
             embed::nestTables(own, pose, {c::baseOf(outer.refiner), rest},
                               {.level = chosen.level, .embedding = c::embeddingOptions(chosen)}));

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# CUDA's compiler, where there is one: ESPALIER_CUDA_FOUND, and its run-time library as
+# Looks for a CUDA compiler. Sets ESPALIER_CUDA_FOUND, and provides the run-time library as
 # CUDA::cudart_static.
 include_guard(GLOBAL)
 include(CheckLanguage)
 
-# Processors from Turing to Hopper, and PTX, which drivers compile for later ones.
+# Code for GPUs from Turing to Hopper, and PTX, which drivers compile for later ones.
 if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
   set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 86-real 89-real 90)
 endif()
@@ -13,13 +13,13 @@ check_language(CUDA)
 if(CMAKE_CUDA_COMPILER)
   enable_language(CUDA)
   find_package(CUDAToolkit QUIET)
-  # Earlier ones have no C++20.
+  # CUDA before version 12 has no C++20.
   if(CUDAToolkit_FOUND AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
     set(ESPALIER_CUDA_FOUND TRUE)
   endif()
 endif()
-# What the CUDA sources of every target of ours are compiled with. Not CUDA_STANDARD: CMake 3.25 does
-# not know that CUDA 12 has C++20.
+# Sets the options with which the CUDA sources of our targets are compiled. Not by CUDA_STANDARD: CMake 3.25
+# does not know that CUDA 12 supports C++20.
 function(espalier_cuda_options target)
   set_target_properties(${target} PROPERTIES CUDA_RUNTIME_LIBRARY Static)
   set(options -std=c++20 $<$<BOOL:${ESPALIER_WARNINGS_AS_ERRORS}>:-Werror=all-warnings>)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# The target `docs`: HTML pages of the headers that are installed, in docs/html of the build. Any
-# warning of Doxygen is an error. To be included after the folders.
+# Defines the target `docs`: HTML pages of the installed headers, in docs/html of the build folder. Any
+# warning of Doxygen is an error. Include this after all folders.
 include_guard(GLOBAL)
 find_package(Doxygen 1.9.4 REQUIRED)
 
@@ -13,7 +13,7 @@ foreach(component IN LISTS components)
   set(include_dir ${PROJECT_BINARY_DIR}/include/${component})
   if(folder)
     list(TRANSFORM headers PREPEND ${include_dir}/espalier/${folder}/)
-  else()  # C: its headers stand in their folder
+  else()  # The headers of the C library are in its folder itself.
     get_target_property(headers espalier_${component} PUBLIC_HEADER)
     get_target_property(include_dir espalier_${component} SOURCE_DIR)
   endif()

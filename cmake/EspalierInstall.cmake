@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cmake --install` puts where, for find_package(espalier) and for pkg-config. One export set
-# and one .pc file a component, so that none asks for what another needs.
+# Defines what `cmake --install` installs, for find_package(espalier) and for pkg-config. Each component has
+# its own export set and .pc file, so that it requires nothing that only another component needs.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/espalier)
 set(pkg_config_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 get_property(components GLOBAL PROPERTY ESPALIER_COMPONENTS)
 
-# So that the tree can be moved.
+# A relative path, so that the installed tree can be moved.
 file(RELATIVE_PATH prefix_from_here /prefix/${pkg_config_dir} /prefix)
 
 set(ESPALIER_OPTIONAL_COMPONENTS compare petsc cuda)
@@ -18,7 +18,7 @@ foreach(name IN LISTS components)
   string(APPEND component_facts "set(_espalier_${name}_depends ${depends})\n"
                                 "set(_espalier_${name}_packages ${packages})\n")
 
-  # Shared libraries that need what most do not have are packages of their own.
+  # Optional shared libraries, which need software that most users lack, get packages of their own.
   set(component libraries)
   if(name IN_LIST ESPALIER_OPTIONAL_COMPONENTS)
     set(component ${name})
@@ -57,7 +57,7 @@ endforeach()
 
 configure_package_config_file(cmake/espalier-config.cmake.in espalier-config.cmake
                               INSTALL_DESTINATION ${package_dir} NO_SET_AND_CHECK_MACRO)
-# As ESPALIER_SOVERSION has it.
+# The same rule as for ESPALIER_SOVERSION.
 if(PROJECT_VERSION_MAJOR EQUAL 0)
   set(compatibility SameMinorVersion)
 else()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cpack` makes: Debian packages, one a component of the installation, named as Debian's policy
-# has it. After EspalierInstall.cmake, which says what the components are.
+# Defines what `cpack` makes: one Debian package for each installation component, named by Debian's policy.
+# Include this after EspalierInstall.cmake, which defines the components.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME espalier)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 include(GNUInstallDirs)
 
-# Versions below 1.0 promise nothing to those of another minor number (SemVer, 4).
+# Below 1.0, versions with different minor numbers are not compatible (SemVer, 4).
 if(PROJECT_VERSION_MAJOR EQUAL 0)
   set(ESPALIER_SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 else()
@@ -10,11 +10,11 @@ endif()
 
 # espalier_library(NAME [FOLDER name] SOURCES ... HEADERS ... DEPENDS ...)
 #
-# One library a folder, and one component of the package: espalier_NAME, with the alias
+# Adds the library of a folder, which is one component of the package: espalier_NAME, with the alias
 # espalier::NAME. HEADERS are the public headers, which are installed. They are included as
-# <espalier/FOLDER/header.h>, where FOLDER is NAME unless it is given. The include path holds a link to each
-# public header of this library and of the libraries that it depends on, and nothing else: a private
-# header cannot be included from another folder, nor any header against the flow.
+# <espalier/FOLDER/header.h>; FOLDER is NAME by default. The include path has a link to each public header of
+# this library and of the libraries that it depends on, and nothing else. So no other folder can include a
+# private header, and no include can go against the data flow.
 function(espalier_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "SOURCES;HEADERS;DEPENDS")
   set(target espalier_${name})
@@ -48,17 +48,17 @@ function(espalier_library name)
     target_link_libraries(${target} PUBLIC espalier::${dependency})
   endforeach()
   espalier_compile_options(${target})
-  # The same results on processors that fuse products. The kernels of osd say otherwise for themselves.
+  # Results must not depend on whether a processor can fuse products. Only the kernels of osd allow it.
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
   set_property(GLOBAL APPEND PROPERTY ESPALIER_COMPONENTS ${name})
   set_property(GLOBAL PROPERTY ESPALIER_${name}_DEPENDS ${arg_DEPENDS})
 endfunction()
 
-# What every target of ours is compiled with; none of it reaches those who link us, but C++20.
+# Sets the options with which our targets are compiled. Users of the libraries inherit only C++20.
 function(espalier_compile_options target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
-  # Clang's -Wconversion includes signed indices in brackets; GCC's does not in C++.
+  # Clang's -Wconversion also warns about signed indices in brackets; GCC's does not in C++.
   set(options -Wall -Wextra -Wpedantic -Wconversion -Wshadow
               $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>
               # In a unity build GCC takes every source for a header.
@@ -69,9 +69,9 @@ endfunction()
 
 # espalier_uses(NAME PUBLIC|PRIVATE TARGET PACKAGE name PKG_CONFIG name|-lname|-Lfolder... DEBIAN name)
 #
-# Links a component to a library of somebody else's, which has these names for find_package, for
-# pkg-config (or none there) and for apt. Those who use the component have to find that, too, unless
-# it is private to a shared library.
+# Links a component to an external library, and records the names of that library for find_package, for
+# pkg-config (if it has one) and for apt. Users of the component must find the library too, unless it is
+# private to a shared library.
 function(espalier_uses name scope library)
   cmake_parse_arguments(PARSE_ARGV 3 arg "" "PACKAGE;DEBIAN" "PKG_CONFIG")
   target_link_libraries(espalier_${name} ${scope} ${library})

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# Finds OpenSubdiv's headers and its CPU library: OpenSubdivCpu_FOUND, and the target
-# OpenSubdiv::Cpu. Not by OpenSubdiv's own package file: that of Debian 12 (libosd-dev 3.5.0) is a
-# fatal error, since it names a static library that is not shipped.
+# Finds OpenSubdiv's headers and its CPU library: OpenSubdivCpu_FOUND, and the target OpenSubdiv::Cpu.
+# OpenSubdiv's own package file cannot be used: on Debian 12 (libosd-dev 3.5.0) it fails, since it refers to a
+# static library that is not shipped.
 find_path(OpenSubdivCpu_INCLUDE_DIR opensubdiv/version.h)
 find_library(OpenSubdivCpu_LIBRARY osdCPU)
 mark_as_advanced(OpenSubdivCpu_INCLUDE_DIR OpenSubdivCpu_LIBRARY)

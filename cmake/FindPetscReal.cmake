@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# Finds PETSc of real double scalars, by its pkg-config file, and the MPI that it is built on:
+# Finds a PETSc with real double scalars, by its pkg-config file, and the MPI that it is built on:
 # PetscReal_FOUND, and the target PetscReal::petsc. Integers may have either size.
 #
-# Where PETSc is there and cannot be used, it says why, asked quietly or not.
+# If a PETSc exists but cannot be used, prints the reason, even under QUIET.
 
-# What failed is tried anew, since another PETSc may have been installed.
+# Repeats checks that failed before, since another PETSc may have been installed.
 if(NOT PetscReal_SCALARS_ARE_DOUBLE)
   unset(PetscReal_SCALARS_ARE_DOUBLE CACHE)
   unset(PetscReal_PC_FOUND CACHE)
@@ -15,13 +15,13 @@ find_package(MPI QUIET COMPONENTS CXX)
 if(PKG_CONFIG_FOUND)
   pkg_check_modules(PetscReal_PC QUIET IMPORTED_TARGET GLOBAL PETSc)
 endif()
-# How Debian compiled its own is no matter of ours: -D_FORTIFY_SOURCE=2 warns where nothing is
-# optimised.
+# Drops the options with which Debian compiled PETSc: -D_FORTIFY_SOURCE=2 warns in builds without
+# optimization.
 if(TARGET PkgConfig::PetscReal_PC)
   set_target_properties(PkgConfig::PetscReal_PC PROPERTIES INTERFACE_COMPILE_OPTIONS "")
 endif()
 
-# A build of PETSc has one kind of scalar.
+# Checks the type of the scalars. Each build of PETSc has only one.
 if(PetscReal_PC_FOUND AND MPI_CXX_FOUND)
   include(CheckCXXSourceCompiles)
   include(CMakePushCheckState)

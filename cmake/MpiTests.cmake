@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# The environment of tests that run by mpirun. Open MPI is told that it may run as root, with more
-# ranks than cores, that these are not to keep a core to themselves, since other tests run too, and
-# not to use calls that containers forbid. Its leaks are not ours.
+# The environment of tests that run by mpirun. Open MPI may run as root, and with more ranks than cores; it
+# must not bind ranks to cores, since other tests run too, and not use calls that containers forbid. Leaks are
+# not checked, since Open MPI itself leaks.
 set(ESPALIER_MPI_ENVIRONMENT
   OMPI_ALLOW_RUN_AS_ROOT=1
   OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1

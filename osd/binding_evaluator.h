@@ -12,29 +12,30 @@
 
 namespace espalier::osd {
 
-/// The points of a bound model for a pose of the lattice: D · p', and the kept points where they
-/// were. Table is StencilTable<Real>, or FactoredTable<Real>. For many poses: CompiledTable, and
-/// CompiledChain.
+/// Returns the points of a bound model for a pose of the lattice: D · p'. Points that the binding
+/// keeps in place get their rest positions. Table is StencilTable<Real> or FactoredTable<Real>. For
+/// many poses use CompiledTable or CompiledChain, which are faster.
 ///
 /// \param pose positions of the base vertices
-/// \throws Error if the pose is not of binding.table.columnCount() vertices
+/// \throws Error if the pose does not have binding.table.columnCount() vertices
 /// \cost O(entries), on all threads; memory for the pose and the result as Real
 /// \cite MacCracken & Joy 1996, section 5
 template <class Table>
 ESPALIER_API std::vector<Point3> evaluateBinding(const embed::BindingOf<Table>& binding,
                                                  std::span<const Point3> pose);
 
-/// Puts the kept points where they were: an evaluator of binding.table has made them 0. So each
-/// pose of a host is two calls, which allocate nothing:
+/// Writes the rest positions of the points that the binding keeps in place. Evaluators of
+/// binding.table write 0 for these points, so call this after each evaluation. The two calls
+/// allocate nothing:
 ///
 ///     compiled.evaluate(pose, xyz, points, xyz, {0, compiled.rowCount()}, workspace);
 ///     osd::writeKept<float>(binding, points, xyz);
 ///
-/// The binding may be of another precision than the destination.
+/// The precisions of the binding and of the destination may differ.
 ///
-/// \param destination where entry i is point i; of `layout`, whose length is 3
-/// \throws Error if the layout does not make sense, or not all points have room; nothing has been
-///         written then
+/// \param destination has point i at entry i of `layout`, whose length is 3
+/// \throws Error if the layout is invalid or the destination too short for all points; nothing has
+///         been written then
 /// \cost O(kept points)
 template <class Real, class Table>
 void writeKept(const embed::BindingOf<Table>& binding, MutableValues<Real> destination,

@@ -13,42 +13,44 @@
 
 #include "compile/compiled_table_data.h"
 #include "compile/table_compiler.h"
-#include "kernels/room.h"
+#include "kernels/scratch.h"
 
 namespace espalier::osd {
 namespace {
 
 using kernels::kLanes;
 
-/// A set of numbers below a bound, in memory of somebody else's.
+/// A set of numbers from 0 to a bound, stored as bits in memory of the caller.
 class BitSet {
 public:
-    static constexpr Index kOfWord = 64;
-    static Offset wordCount(Index bound) { return (Offset{bound} + kOfWord - 1) / kOfWord; }
+    static constexpr Index kBitsPerWord = 64;
+    static Offset wordCount(Index bound) {
+        return (Offset{bound} + kBitsPerWord - 1) / kBitsPerWord;
+    }
 
     explicit BitSet(std::span<std::uint64_t> words) : words_(words) {
         std::fill(words.begin(), words.end(), 0);
     }
 
-    void add(Index number) { words_[number / kOfWord] |= bit(number); }
-    bool contains(Index number) const { return (words_[number / kOfWord] & bit(number)) != 0; }
+    void add(Index number) { words_[number / kBitsPerWord] |= bit(number); }
+    bool contains(Index number) const { return (words_[number / kBitsPerWord] & bit(number)) != 0; }
 
-    /// Calls step(number) for each of some words, ascending.
+    /// Calls step(number) for the members in words firstWord to lastWord − 1, ascending.
     template <class Step>
     void forEach(Offset firstWord, Offset lastWord, Step step) const {
         for (Offset w = firstWord; w < lastWord; ++w)
             for (std::uint64_t word = words_[w]; word != 0; word &= word - 1)
-                step(static_cast<Index>(w * kOfWord + std::countr_zero(word)));
+                step(static_cast<Index>(w * kBitsPerWord + std::countr_zero(word)));
     }
 
 private:
-    static std::uint64_t bit(Index number) { return std::uint64_t{1} << (number % kOfWord); }
+    static std::uint64_t bit(Index number) { return std::uint64_t{1} << (number % kBitsPerWord); }
 
     std::span<std::uint64_t> words_;
 };
 
-constexpr Offset kGroupsOfTask = 16;
-constexpr Offset kWordsOfTask = 512;
+constexpr Offset kGroupsPerTask = 16;
+constexpr Offset kWordsPerTask = 512;
 
 }  // namespace
 
@@ -59,11 +61,11 @@ struct ChangeEvaluator<Real>::Data {
     using Run = typename CompiledRows<Real>::Run;
 
     std::shared_ptr<const Table> table;
-    PlacesOfColumns<Index> groups;  ///< column → groups
-    PlacesOfColumns<Index> alone;   ///< column → rows in no group, by their place in rows.rows
-    std::vector<char> isMixed;      ///< group → whether some of its weights are 0
-    std::vector<Index> ascending;   ///< 0 to the length of the longest run
-    Index mostColumns;              ///< of a group or a run
+    InverseIndex<Index> groups;        ///< column → groups that have it
+    InverseIndex<Index> ungrouped;     ///< column → rows in no group, by their place in rows.rows
+    std::vector<char> hasZeroWeights;  ///< group → 1 if any of its weights is 0
+    std::vector<Index> ascending;      ///< 0, 1, … as many as the longest run has columns
+    Index maxColumns;                  ///< of any group or run
 
     explicit Data(std::shared_ptr<const Table> shared)
         : table(std::move(shared)),
@@ -72,28 +74,28 @@ struct ChangeEvaluator<Real>::Data {
                      for (Index g = 0; g < groupCount(); ++g)
                          for (const Index column : table->columnsOf(groupAt(g))) found(column, g);
                  }),
-          alone(table->columnCount,
-                [&](auto found) {
-                    for (const Run& run : table->rows.runs)
-                        for (Index i = 0; i < run.rowCount; ++i) addRow(run, i, found);
-                }),
-          isMixed(table->rows.groups.size()),
-          mostColumns(table->mostColumns) {
+          ungrouped(table->columnCount,
+                    [&](auto found) {
+                        for (const Run& run : table->rows.runs)
+                            for (Index i = 0; i < run.rowCount; ++i) addRow(run, i, found);
+                    }),
+          hasZeroWeights(table->rows.groups.size()),
+          maxColumns(table->maxColumns) {
         for (Index g = 0; g < groupCount(); ++g) {
             const Group& group = groupAt(g);
             for (Index row = 0; row < group.rowCount; ++row)
                 for (Index k = 0; k < group.columnCount; ++k)
-                    if (!dependsOn(group, row, k)) isMixed[g] = 1;
+                    if (!dependsOn(group, row, k)) hasZeroWeights[g] = 1;
         }
         Index longest = 0;
         for (const Run& run : table->rows.runs) longest = std::max(longest, run.length);
         ascending.resize(longest);
         std::iota(ascending.begin(), ascending.end(), Index{0});
-        mostColumns = std::max(mostColumns, longest);
+        maxColumns = std::max(maxColumns, longest);
     }
 
     Index groupCount() const { return static_cast<Index>(table->rows.groups.size()); }
-    Index aloneCount() const { return static_cast<Index>(table->rows.rows.size()); }
+    Index ungroupedCount() const { return static_cast<Index>(table->rows.rows.size()); }
     const Group& groupAt(Index g) const { return table->rows.groups[g]; }
 
     template <class Found>
@@ -106,7 +108,7 @@ struct ChangeEvaluator<Real>::Data {
             if (weights[k] != 0) found(columns[k], static_cast<Index>(run.firstRow + i));
     }
 
-    /// Whether a row of a group has a weight for column k of the group.
+    /// Returns true if row `row` of a group has a weight other than 0 for column k of the group.
     bool dependsOn(const Group& group, Index row, Index k) const {
         constexpr Index lanes = kLanes<Real>;
         const auto& size = group.size;
@@ -126,44 +128,46 @@ struct ChangeEvaluator<Real>::Data {
                                    " columns"));
     }
 
-    /// What some columns change.
+    /// The columns that changed, and the rows and groups that depend on them.
     struct Changes {
         BitSet columns;
-        BitSet alone;
+        BitSet ungrouped;
         std::span<const Index> groups;  ///< ascending
     };
 
-    std::size_t roomForChanges() const {
-        return roomOf<std::uint64_t>(BitSet::wordCount(table->columnCount)) +
-               roomOf<std::uint64_t>(BitSet::wordCount(aloneCount())) +
-               roomOf<std::uint64_t>(BitSet::wordCount(groupCount())) + roomOf<Index>(groupCount());
+    std::size_t changeBytes() const {
+        return scratchBytes<std::uint64_t>(BitSet::wordCount(table->columnCount)) +
+               scratchBytes<std::uint64_t>(BitSet::wordCount(ungroupedCount())) +
+               scratchBytes<std::uint64_t>(BitSet::wordCount(groupCount())) +
+               scratchBytes<Index>(groupCount());
     }
 
-    Changes changesBy(std::span<const Index> changed, Room& room) const {
+    Changes changesBy(std::span<const Index> changed, Scratch& scratch) const {
         const auto marks = [&](Index bound) {
-            return BitSet(room.take<std::uint64_t>(BitSet::wordCount(bound)));
+            return BitSet(scratch.take<std::uint64_t>(BitSet::wordCount(bound)));
         };
-        BitSet columns = marks(table->columnCount), rows = marks(aloneCount()),
+        BitSet columns = marks(table->columnCount), rows = marks(ungroupedCount()),
                isChanged = marks(groupCount());
         for (const Index column : changed) {
             if (columns.contains(column)) continue;
             columns.add(column);
-            for (const Index place : alone.of(column)) rows.add(place);
+            for (const Index place : ungrouped.of(column)) rows.add(place);
             for (const Index g : groups.of(column)) isChanged.add(g);
         }
-        const std::span<Index> list = room.take<Index>(groupCount());
+        const std::span<Index> list = scratch.take<Index>(groupCount());
         std::size_t count = 0;
         isChanged.forEach(0, BitSet::wordCount(groupCount()), [&](Index g) { list[count++] = g; });
         return {columns, rows, list.first(count)};
     }
 
-    /// The rows of a group, with −1 for those that do not depend on what has changed: the kernels
-    /// leave out what is not in their range.
-    using RowsOfGroup = std::array<Index, kMaxRowsOfGroup>;
-    const Index* changedRows(Index g, const BitSet& columns, RowsOfGroup& rows) const {
+    using GroupRows = std::array<Index, kMaxRowsPerGroup>;
+
+    /// Returns the row numbers of a group, with −1 for rows that do not depend on the changed
+    /// columns: kernels skip rows that are out of range. The result may point into `rows`.
+    const Index* changedRows(Index g, const BitSet& columns, GroupRows& rows) const {
         const Group& group = groupAt(g);
         const auto all = table->rowsOf(group), own = table->columnsOf(group);
-        if (isMixed[g] == 0) return all.data();
+        if (hasZeroWeights[g] == 0) return all.data();
         std::fill_n(rows.begin(), group.rowCount, Index{-1});
         for (Index k = 0; k < group.columnCount; ++k)
             if (columns.contains(own[k]))
@@ -172,16 +176,16 @@ struct ChangeEvaluator<Real>::Data {
         return rows.data();
     }
 
-    /// The numbers of a task: the entries of one group, or of one row.
-    TaskNumbers<Real> taskNumbers(Offset length) const {
+    /// Buffers of the tasks: each holds the source entries of one group or of one row.
+    TaskBuffers<Real> taskBuffers(Offset length) const {
         const Offset tasks =
-            std::max((groupCount() + kGroupsOfTask - 1) / kGroupsOfTask,
-                     (BitSet::wordCount(aloneCount()) + kWordsOfTask - 1) / kWordsOfTask);
-        return {tasks, mostColumns * paddedLength(length)};
+            std::max((groupCount() + kGroupsPerTask - 1) / kGroupsPerTask,
+                     (BitSet::wordCount(ungroupedCount()) + kWordsPerTask - 1) / kWordsPerTask);
+        return {tasks, maxColumns * paddedLength(length)};
     }
 
-    std::size_t roomFor(Offset length) const {
-        return roomForChanges() + taskNumbers(length).bytes();
+    std::size_t workspaceBytes(Offset length) const {
+        return changeBytes() + taskBuffers(length).bytes();
     }
 };
 
@@ -202,14 +206,14 @@ Index ChangeEvaluator<Real>::columnCount() const {
 template <class Real>
 std::size_t ChangeEvaluator<Real>::byteCount() const {
     const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
-    return data_->groups.byteCount() + data_->alone.byteCount() + bytes(data_->isMixed) +
+    return data_->groups.byteCount() + data_->ungrouped.byteCount() + bytes(data_->hasZeroWeights) +
            bytes(data_->ascending);
 }
 
 template <class Real>
 Workspace ChangeEvaluator<Real>::workspace(Offset length) const {
     checkLength(length);
-    return Workspace(data_->roomFor(length));
+    return Workspace(data_->workspaceBytes(length));
 }
 
 template <class Real>
@@ -223,10 +227,10 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
                     destinationLayout, {0, rowCount()});
     data_->checkColumns(changed);
     const Offset length = sourceLayout.length, stride = paddedLength(length);
-    Room room(workspace.reserve(data_->roomFor(length)));
-    const auto changes = data_->changesBy(changed, room);
-    TaskNumbers<Real> numbers = data_->taskNumbers(length);
-    numbers.takeFrom(room);
+    Scratch scratch(workspace.reserve(data_->workspaceBytes(length)));
+    const auto changes = data_->changesBy(changed, scratch);
+    TaskBuffers<Real> numbers = data_->taskBuffers(length);
+    numbers.allocateFrom(scratch);
 
     const auto& table = *data_->table;
     const auto gather = [&](std::span<const Index> columns, Real* to) {
@@ -241,25 +245,25 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
                                             rowCount(),
                                             true};
     auto some = all;
-    some.isWhole = false;  // Rows are looked at, whether they are in the range.
-    parallelFor(std::ssize(changes.groups), kGroupsOfTask, [&](Offset first, Offset last) {
-        typename TaskNumbers<Real>::Local entries(numbers, first / kGroupsOfTask);
-        typename Data::RowsOfGroup rows;
+    some.isWhole = false;  // Kernels must check the range, which excludes rows with number −1.
+    parallelFor(std::ssize(changes.groups), kGroupsPerTask, [&](Offset first, Offset last) {
+        typename TaskBuffers<Real>::Local entries(numbers, first / kGroupsPerTask);
+        typename Data::GroupRows rows;
         for (Offset i = first; i < last; ++i) {
             const Index g = changes.groups[i];
             const auto& group = data_->groupAt(g);
             gather(table.columnsOf(group), entries.data());
             const Index* changedRows = data_->changedRows(g, changes.columns, rows);
             table.evaluateGroup(group, entries.data(), stride, changedRows,
-                                data_->isMixed[g] != 0 ? some : all);
+                                data_->hasZeroWeights[g] != 0 ? some : all);
         }
     });
     const auto& runs = table.rows.runs;
     parallelFor(
-        BitSet::wordCount(data_->aloneCount()), kWordsOfTask, [&](Offset first, Offset last) {
-            typename TaskNumbers<Real>::Local entries(numbers, first / kWordsOfTask);
+        BitSet::wordCount(data_->ungroupedCount()), kWordsPerTask, [&](Offset first, Offset last) {
+            typename TaskBuffers<Real>::Local entries(numbers, first / kWordsPerTask);
             auto run = runs.begin();
-            changes.alone.forEach(first, last, [&](Index place) {
+            changes.ungrouped.forEach(first, last, [&](Index place) {
                 while (place >= run->firstRow + run->rowCount) ++run;
                 const auto i = static_cast<Index>(place - run->firstRow);
                 gather(std::span(table.rows.columns)
@@ -273,18 +277,19 @@ void ChangeEvaluator<Real>::evaluateChanged(Values<Real> source,
 template <class Real>
 std::vector<Index> ChangeEvaluator<Real>::rowsOf(std::span<const Index> changed) const {
     data_->checkColumns(changed);
-    Workspace workspace(data_->roomForChanges());
-    Room room(workspace.reserve(0));
-    const auto changes = data_->changesBy(changed, room);
+    Workspace workspace(data_->changeBytes());
+    Scratch scratch(workspace.reserve(0));
+    const auto changes = data_->changesBy(changed, scratch);
     std::vector<Index> result;
-    typename Data::RowsOfGroup own;
+    typename Data::GroupRows own;
     for (const Index g : changes.groups) {
         const Index* rows = data_->changedRows(g, changes.columns, own);
         std::copy_if(rows, rows + data_->groupAt(g).rowCount, std::back_inserter(result),
                      [](Index row) { return row >= 0; });
     }
-    changes.alone.forEach(0, BitSet::wordCount(data_->aloneCount()),
-                          [&](Index place) { result.push_back(data_->table->rows.rows[place]); });
+    changes.ungrouped.forEach(0, BitSet::wordCount(data_->ungroupedCount()), [&](Index place) {
+        result.push_back(data_->table->rows.rows[place]);
+    });
     std::sort(result.begin(), result.end());
     return result;
 }

@@ -12,39 +12,40 @@
 
 namespace espalier::osd {
 
-/// Evaluates again what a few moved vertices of a lattice carry, and nothing else: while one of
-/// them is dragged, for example.
+/// Evaluates only the rows that depend on a few changed vertices of a lattice, for example while
+/// one of them is dragged.
 ///
-/// A row depends on the columns that it has weights for other than 0. Of a subdivided lattice a
-/// vertex carries what is in the cells around it and in those around these.
+/// A row depends on the columns for which it has a weight other than 0. In a subdivided lattice, a
+/// vertex affects points in the cells around it and in the cells around these.
 ///
-/// It shares the numbers of the compiled table, and holds beside them, of each column, which rows
-/// depend on it: an index for each column of each group of rows that share theirs, and one for each
-/// entry of the other rows.
+/// The evaluator shares the data of the compiled table. In addition it holds, for each column, an
+/// index of the rows that depend on it: one number for each column of each group of rows, and one
+/// for each entry of the remaining rows.
 ///
-/// Where nearly all rows depend on what has changed, a whole evaluation is quicker
-/// (docs/performance.md). For whole tables: of a CompiledChain everything depends on what lies
-/// between its tables.
+/// Where nearly all rows depend on the changed columns, a whole evaluation is faster
+/// (docs/performance.md). There is none for a CompiledChain, in which every row depends on all
+/// intermediate values.
 ///
-/// Immutable, and so safe to share between threads. Copies share the numbers.
+/// Immutable, so threads may share it. Copies share the data.
 template <class Real>
 class ESPALIER_API ChangeEvaluator {
 public:
-    /// \param table need not live longer than this call
+    /// \param table may be destroyed after this call
     /// \cost O(entries)
     explicit ChangeEvaluator(const CompiledTable<Real>& table);
 
     Index rowCount() const;
     Index columnCount() const;
 
-    /// Memory that it takes besides that of the compiled table.
+    /// Memory in bytes, without that of the compiled table.
     std::size_t byteCount() const;
 
-    /// Evaluates the rows that depend on one of `changed`, as CompiledTable::evaluate() does, bit
-    /// for bit, and writes no others. So a destination that held what that gives for one source
-    /// holds what it gives for another, if the two differ in these columns only and are finite.
+    /// Evaluates the rows that depend on one of the `changed` columns, with the same results as
+    /// CompiledTable::evaluate(), bit for bit. It writes no other rows. So if the destination holds
+    /// the results for one source, and the next source differs from that in the changed columns
+    /// only, the destination then holds the results for the next source. All values must be finite.
     ///
-    /// \param changed columns, in any order; one that is there twice counts once
+    /// \param changed columns, in any order; duplicates count once
     /// \throws Error as checkEvaluation() says, for all rows, and if a column is not in the table;
     ///         nothing has been written then
     /// \cost O(entries of these rows × components), in parallel, and O(rows / 64)
@@ -55,16 +56,18 @@ public:
         evaluateChanged(source, sourceLayout, destination, destinationLayout, changed, own);
     }
 
-    /// The same in memory that is kept: for real time (Workspace).
+    /// Does the same with temporary memory from `workspace`: for real time.
     void evaluateChanged(Values<Real> source, const BufferDescriptor& sourceLayout,
                          MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                          std::span<const Index> changed, Workspace& workspace) const;
 
-    /// One that is large enough for entries of so many components, in any layout, and any columns.
+    /// Returns a workspace that is large enough for entries of `length` components, in any layout,
+    /// and for any changed columns.
     /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
     Workspace workspace(Offset length) const;
 
-    /// The rows that evaluateChanged() writes, ascending: for what a host derives from them.
+    /// Returns the rows that evaluateChanged() writes, ascending, so that the caller can update
+    /// what depends on them.
     /// \throws Error if a column is not in the table
     std::vector<Index> rowsOf(std::span<const Index> changed) const;
 

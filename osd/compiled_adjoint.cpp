@@ -17,29 +17,31 @@ template <class Real>
 struct CompiledAdjoint<Real>::Data {
     Index tableRowCount, tableColumnCount;
     kernels::Kernels<Real> kernels;
-    CompiledRows<Real> rows;         ///< the groups; no runs
-    PlacesOfColumns<Offset> places;  ///< of each column in groupColumns
-    StencilTable<Real> alone;        ///< the other rows, transposed
-    Index mostColumns = 0;           ///< of a group
+    CompiledRows<Real> rows;       ///< only the groups; no runs
+    InverseIndex<Offset> places;   ///< column → its places in groupColumns
+    StencilTable<Real> ungrouped;  ///< all other rows, transposed
+    Index maxColumns = 0;          ///< of any group
 
-    /// Whether it pays to look ahead from group `g`: not where the next one has the same numbers,
-    /// which then are in the cache. To ask for their rows alone costs more than it saves.
-    bool isFollowed(Offset g) const {
+    /// Returns true if the kernel should prefetch data beyond group `g`. It should not if the next
+    /// group shares the numbers of this one, which are in the cache then: prefetching only the rows
+    /// costs more than it saves.
+    bool isPrefetchUseful(Offset g) const {
         return g + 1 < std::ssize(rows.groups) &&
                rows.groups[g + 1].firstNumber > rows.groups[g].firstNumber;
     }
 
-    /// The lanes of a task.
-    TaskNumbers<Real> taskNumbers() const {
-        return {std::ssize(rows.taskStarts) - 1, 4 * Offset{mostColumns} * kernels::kLanes<Real>};
+    /// Buffers of the tasks: the partial sums of one group at a time.
+    TaskBuffers<Real> taskBuffers() const {
+        return {std::ssize(rows.taskStarts) - 1, 4 * Offset{maxColumns} * kernels::kLanes<Real>};
     }
 
-    /// The sums of each group for its columns: `length` numbers a place of groupColumns.
-    void sumGroups(const kernels::RowValues<Real>& source, const TaskNumbers<Real>& numbers,
+    /// Computes the sums of each group for its columns: `length` numbers for each place of
+    /// groupColumns.
+    void sumGroups(const kernels::RowValues<Real>& source, const TaskBuffers<Real>& numbers,
                    std::span<Real> sums) const {
         const auto& starts = rows.taskStarts;
         parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
-            typename TaskNumbers<Real>::Local lanes(numbers, task);
+            typename TaskBuffers<Real>::Local lanes(numbers, task);
             for (Offset g = starts[task]; g < starts[task + 1]; ++g) {
                 const auto& group = rows.groups[g];
                 kernels.adjoint(
@@ -48,8 +50,8 @@ struct CompiledAdjoint<Real>::Data {
                      group.columnCount,
                      rows.groupRows.data() + group.firstRow,
                      group.rowCount,
-                     isFollowed(g) ? std::ssize(rows.groupRows) - group.firstRow : 0,
-                     isFollowed(g) ? std::ssize(rows.groupNumbers) - group.firstNumber : 0},
+                     isPrefetchUseful(g) ? std::ssize(rows.groupRows) - group.firstRow : 0,
+                     isPrefetchUseful(g) ? std::ssize(rows.groupNumbers) - group.firstNumber : 0},
                     source, sums.data() + group.firstColumn * source.length, lanes.data());
             }
         });
@@ -60,21 +62,21 @@ template <class Real>
 CompiledAdjoint<Real>::CompiledAdjoint(const StencilTable<Real>& table, Simd simd) {
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
     CompiledRows<Real> rows = compileRows(table);
-    auto alone = stencils::transposeTable(rowsOnly<Real>(table, rows.rows));
-    // Those of the rows alone, which are transposed now. Not = {}, which would keep the memory.
+    auto ungrouped = stencils::transposeTable(rowsOnly<Real>(table, rows.rows));
+    // The ungrouped rows are kept in transposed form only. Assigning {} would not free the memory.
     rows.runs = decltype(rows.runs)();
     rows.columns = decltype(rows.columns)();
     rows.weights = decltype(rows.weights)();
     rows.rows = decltype(rows.rows)();
-    Index mostColumns = 0;
-    for (const auto& group : rows.groups) mostColumns = std::max(mostColumns, group.columnCount);
-    PlacesOfColumns<Offset> places(table.columnCount(), [&](auto found) {
+    Index maxColumns = 0;
+    for (const auto& group : rows.groups) maxColumns = std::max(maxColumns, group.columnCount);
+    InverseIndex<Offset> places(table.columnCount(), [&](auto found) {
         for (Offset place = 0; place < std::ssize(rows.groupColumns); ++place)
             found(rows.groupColumns[place], place);
     });
     data_ = std::make_shared<const Data>(Data{table.rowCount(), table.columnCount(),
                                               kernels::kernelsFor<Real>(simd), std::move(rows),
-                                              std::move(places), std::move(alone), mostColumns});
+                                              std::move(places), std::move(ungrouped), maxColumns});
 }
 
 template <class Real>
@@ -90,14 +92,14 @@ Index CompiledAdjoint<Real>::columnCount() const {
 template <class Real>
 std::size_t CompiledAdjoint<Real>::byteCount() const {
     return data_->rows.byteCount() + data_->places.byteCount() +
-           data_->alone.offsets().size_bytes() + data_->alone.columns().size_bytes() +
-           data_->alone.weights().size_bytes();
+           data_->ungrouped.offsets().size_bytes() + data_->ungrouped.columns().size_bytes() +
+           data_->ungrouped.weights().size_bytes();
 }
 
 template <class Real>
-std::size_t CompiledAdjoint<Real>::roomFor(Offset length, bool) const {
-    return data_->taskNumbers().bytes() +
-           roomOf<Real>(std::ssize(data_->rows.groupColumns), length);
+std::size_t CompiledAdjoint<Real>::workspaceBytes(Offset length, bool) const {
+    return data_->taskBuffers().bytes() +
+           scratchBytes<Real>(std::ssize(data_->rows.groupColumns), length);
 }
 
 template <class Real>
@@ -109,10 +111,10 @@ void CompiledAdjoint<Real>::evaluateIn(std::byte* memory, Values<Real> source,
     const Offset length = sourceLayout.length;
     const kernels::RowValues<Real> values = {source.data() + sourceLayout.offset,
                                              sourceLayout.stride, length};
-    Room room(memory);
-    TaskNumbers<Real> numbers = data_->taskNumbers();
-    numbers.takeFrom(room);
-    const std::span<Real> sums = room.take<Real>(std::ssize(data_->rows.groupColumns) * length);
+    Scratch scratch(memory);
+    TaskBuffers<Real> numbers = data_->taskBuffers();
+    numbers.allocateFrom(scratch);
+    const std::span<Real> sums = scratch.take<Real>(std::ssize(data_->rows.groupColumns) * length);
     data_->sumGroups(values, numbers, sums);
     constexpr Offset kGrain = 64;
     parallelFor(rows.last - rows.first, kGrain, [&](Offset first, Offset last) {
@@ -123,8 +125,8 @@ void CompiledAdjoint<Real>::evaluateIn(std::byte* memory, Values<Real> source,
             std::fill_n(result, length, Real{0});
             for (const Offset place : data_->places.of(row))
                 for (Offset c = 0; c < length; ++c) result[c] += sums[place * length + c];
-            const auto columns = data_->alone.columns(row);
-            const auto weights = data_->alone.weights(row);
+            const auto columns = data_->ungrouped.columns(row);
+            const auto weights = data_->ungrouped.weights(row);
             for (std::size_t k = 0; k < columns.size(); ++k)
                 for (Offset c = 0; c < length; ++c)
                     result[c] += weights[k] * values.values[columns[k] * values.stride + c];

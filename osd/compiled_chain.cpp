@@ -15,18 +15,18 @@ namespace {
 using stencils::FactoredTable;
 using stencils::StencilTable;
 
-/// Reverses the steps of an adjoint.
+/// Returns the steps in the order of evaluation. That of an adjoint is the reverse.
 template <class Real>
-std::vector<CompiledTable<Real>> inOrder(std::vector<CompiledTable<Real>> steps) {
+std::vector<CompiledTable<Real>> inEvaluationOrder(std::vector<CompiledTable<Real>> steps) {
     return steps;
 }
 template <class Real>
-std::vector<CompiledAdjoint<Real>> inOrder(std::vector<CompiledAdjoint<Real>> steps) {
+std::vector<CompiledAdjoint<Real>> inEvaluationOrder(std::vector<CompiledAdjoint<Real>> steps) {
     std::reverse(steps.begin(), steps.end());
     return steps;
 }
 
-/// Compiles tables, and puts them in the order of their evaluation.
+/// Compiles the tables and returns them in the order of evaluation.
 template <class Step, class Real>
 std::vector<Step> compiled(std::span<const StencilTable<Real>> tables, Simd simd) {
     if (tables.empty()) throw Error("a chain needs at least one table");
@@ -37,7 +37,7 @@ std::vector<Step> compiled(std::span<const StencilTable<Real>> tables, Simd simd
                                " columns; the one before has ", tables[i - 1].rowCount(), " rows"));
         steps.emplace_back(tables[i], simd);
     }
-    return inOrder(std::move(steps));
+    return inEvaluationOrder(std::move(steps));
 }
 
 template <class Step, class Real>
@@ -48,26 +48,29 @@ std::vector<Step> compiled(const FactoredTable<Real>& table, Simd simd) {
     std::vector<Step> steps;
     steps.emplace_back(table.vertices, simd);
     steps.emplace_back(table.points, simd);
-    return inOrder(std::move(steps));
+    return inEvaluationOrder(std::move(steps));
 }
 
-/// Room for the values between the steps, of so many components, and for each step in its turn.
-/// Those before and after a step are held at once.
+/// The temporary memory of a chain: the intermediate values between two steps, for entries of
+/// `length` components, and the workspace of one step at a time. The source and the result of a
+/// step exist at once, so intermediate values alternate between two buffers.
 template <class Real>
-struct ChainRoom {
-    std::array<Offset, 2> held = {0, 0};  ///< numbers after every other step
-    std::size_t ofStep = 0;
+struct ChainScratch {
+    std::array<Offset, 2> sizes = {0, 0};  ///< size of each of the two buffers, in numbers
+    std::size_t stepBytes = 0;
 
     template <class Step>
-    ChainRoom(const std::vector<Step>& steps, Offset length) {
+    ChainScratch(const std::vector<Step>& steps, Offset length) {
         for (std::size_t i = 0; i < steps.size(); ++i) {
             if (i + 1 < steps.size())
-                held[i % 2] = std::max(held[i % 2], steps[i].rowCount() * paddedLength(length));
-            ofStep = std::max(ofStep, steps[i].roomFor(length, i > 0));
+                sizes[i % 2] = std::max(sizes[i % 2], steps[i].rowCount() * paddedLength(length));
+            stepBytes = std::max(stepBytes, steps[i].workspaceBytes(length, i > 0));
         }
     }
 
-    std::size_t bytes() const { return roomOf<Real>(held[0]) + roomOf<Real>(held[1]) + ofStep; }
+    std::size_t bytes() const {
+        return scratchBytes<Real>(sizes[0]) + scratchBytes<Real>(sizes[1]) + stepBytes;
+    }
 };
 
 }  // namespace
@@ -88,8 +91,8 @@ std::size_t StepChain<Step, Real>::byteCount() const {
 }
 
 template <class Step, class Real>
-std::size_t StepChain<Step, Real>::roomFor(Offset length, bool) const {
-    return ChainRoom<Real>(steps_, length).bytes();
+std::size_t StepChain<Step, Real>::workspaceBytes(Offset length, bool) const {
+    return ChainScratch<Real>(steps_, length).bytes();
 }
 
 template <class Step, class Real>
@@ -98,24 +101,25 @@ void StepChain<Step, Real>::evaluateIn(std::byte* memory, Values<Real> source,
                                        MutableValues<Real> destination,
                                        const BufferDescriptor& destinationLayout,
                                        RowRange rows) const {
-    const ChainRoom<Real> needed(steps_, sourceLayout.length);
-    Room room(memory);
-    const std::span<Real> held[] = {room.take<Real>(needed.held[0]),
-                                    room.take<Real>(needed.held[1])};
-    std::byte* const own = room.take<std::byte>(static_cast<Offset>(needed.ofStep)).data();
-    // Between the tables, entries lie as the kernels want them.
+    const ChainScratch<Real> needed(steps_, sourceLayout.length);
+    Scratch scratch(memory);
+    const std::span<Real> buffers[] = {scratch.take<Real>(needed.sizes[0]),
+                                       scratch.take<Real>(needed.sizes[1])};
+    std::byte* const stepMemory =
+        scratch.take<std::byte>(static_cast<Offset>(needed.stepBytes)).data();
+    // Intermediate values have the padded layout, which the kernels read without a copy.
     const BufferDescriptor between{0, sourceLayout.length, paddedLength(sourceLayout.length)};
     Values<Real> values = source;
     BufferDescriptor layout = sourceLayout;
     for (std::size_t i = 0; i + 1 < steps_.size(); ++i) {
-        const auto next = held[i % 2].first(steps_[i].rowCount() * between.stride);
-        // Behind the components no numbers that happen to be slow: denormal ones.
+        const auto next = buffers[i % 2].first(steps_[i].rowCount() * between.stride);
+        // Clears the padding: denormal numbers in it would slow the kernels down.
         if (between.stride > between.length) std::fill(next.begin(), next.end(), Real{0});
-        steps_[i].evaluateIn(own, values, layout, next, between, {0, steps_[i].rowCount()});
+        steps_[i].evaluateIn(stepMemory, values, layout, next, between, {0, steps_[i].rowCount()});
         values = next;
         layout = between;
     }
-    steps_.back().evaluateIn(own, values, layout, destination, destinationLayout, rows);
+    steps_.back().evaluateIn(stepMemory, values, layout, destination, destinationLayout, rows);
 }
 
 #define ESPALIER_INSTANTIATE(Step, Real)                            \

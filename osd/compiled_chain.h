@@ -12,45 +12,46 @@
 
 namespace espalier::osd {
 
-/// Tables that are applied one after the other, T_n · (… · (T_1 · source)), each compiled: the two
-/// factors of a deformation table, or the level tables R_1 to R_n. Or the adjoint of such a chain,
-/// T_1ᵀ · (… · (T_nᵀ · source)): gradients by the points of a model become gradients by the
-/// vertices of its lattice.
+/// Applies several compiled tables one after the other: T_n · (… · (T_1 · source)). The tables are
+/// the two factors of a deformation table, for example, or the level tables R_1 to R_n. With Step =
+/// CompiledAdjoint it applies the adjoint of the chain, T_1ᵀ · (… · (T_nᵀ · source)), which turns
+/// gradients by the points of a model into gradients by the vertices of its lattice.
 ///
-/// An evaluation evaluates all rows of all steps but the last, whatever the range. Results are off
-/// the sums of the product by no more than the bounds of the steps, one after the other.
+/// An evaluation computes all rows of every step but the last, whatever the range. The error bounds
+/// of the steps add up.
 ///
-/// Immutable, and so safe to share between threads.
+/// Immutable, so threads may share it.
 ///
 /// \tparam Step CompiledTable<Real>; CompiledAdjoint<Real> for the adjoint
-/// \cost of an evaluation: that of each table; memory for the values between them
+/// \cost of an evaluation: the sum of the costs of the tables; memory for the intermediate values
 template <class Step, class Real>
 class ESPALIER_API StepChain : public CompiledForm<StepChain<Step, Real>, Real> {
 public:
-    /// \param tables T_1 to T_n, not their transposes, at least one
-    /// \throws Error if there are none, if one has not the columns that the one before has rows, or
-    ///         if this processor does not have `simd`
-    /// \cost that of compiling each
+    /// \param tables T_1 to T_n, at least one; not transposed, for the adjoint too
+    /// \throws Error if there are none, if the columns of a table are not as many as the rows of
+    ///         the one before, or if this processor does not have `simd`
+    /// \cost the sum of the costs of compiling the tables
     explicit StepChain(std::span<const stencils::StencilTable<Real>> tables,
                        Simd simd = bestSimd());
 
-    /// D or Dᵀ, by the factors of D.
+    /// Makes the chain of D, or of Dᵀ, from the two factors of D.
     explicit StepChain(const stencils::FactoredTable<Real>& table, Simd simd = bestSimd());
 
     Index rowCount() const { return steps_.back().rowCount(); }
     Index columnCount() const { return steps_.front().columnCount(); }
 
-    /// Memory that it takes.
+    /// Memory of the chain, in bytes.
     std::size_t byteCount() const;
 
-    /// As those of CompiledTable; room is taken for a copy of any source.
-    std::size_t roomFor(Offset length, bool) const;
+    /// As CompiledTable::workspaceBytes() and evaluateIn(). The size always includes a copy of the
+    /// source.
+    std::size_t workspaceBytes(Offset length, bool) const;
     void evaluateIn(std::byte* memory, Values<Real> source, const BufferDescriptor& sourceLayout,
                     MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                     RowRange rows) const;
 
 private:
-    std::vector<Step> steps_;  ///< in the order of their evaluation
+    std::vector<Step> steps_;  ///< in the order in which they are evaluated
 };
 
 template <class Real>

@@ -3,9 +3,9 @@
 
 #include <espalier/osd/compiled_table.h>
 
-#include "kernels/room.h"
+#include "kernels/scratch.h"
 
-// The bodies of CompiledForm, for the files that instantiate it.
+// Implements CompiledForm. Include this only in sources that instantiate it.
 namespace espalier::osd {
 
 template <class Form, class Real>
@@ -17,14 +17,15 @@ void CompiledForm<Form, Real>::evaluate(Values<Real> source, const BufferDescrip
     checkEvaluation(form().rowCount(), columnCount, source.size(), sourceLayout, destination.size(),
                     destinationLayout, rows);
     const bool hasPaddedSource = isPadded<Real>(columnCount, source, sourceLayout);
-    form().evaluateIn(workspace.reserve(form().roomFor(sourceLayout.length, hasPaddedSource)),
-                      source, sourceLayout, destination, destinationLayout, rows);
+    form().evaluateIn(
+        workspace.reserve(form().workspaceBytes(sourceLayout.length, hasPaddedSource)), source,
+        sourceLayout, destination, destinationLayout, rows);
 }
 
 template <class Form, class Real>
 Workspace CompiledForm<Form, Real>::workspace(Offset length) const {
     checkLength(length);
-    return Workspace(form().roomFor(length, false));
+    return Workspace(form().workspaceBytes(length, false));
 }
 
 }  // namespace espalier::osd

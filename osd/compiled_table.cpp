@@ -11,11 +11,11 @@
 namespace espalier::osd {
 namespace {
 
-/// The numbers of a task: the entries of one group after the other.
+/// Buffers of the tasks: each holds the source entries of one group at a time.
 template <class Data>
-auto taskNumbers(const Data& data, Offset stride) {
+auto taskBuffers(const Data& data, Offset stride) {
     using Real = typename decltype(data.rows.weights)::value_type;
-    return TaskNumbers<Real>(std::ssize(data.rows.taskStarts) - 1, data.mostColumns * stride);
+    return TaskBuffers<Real>(std::ssize(data.rows.taskStarts) - 1, data.maxColumns * stride);
 }
 
 }  // namespace
@@ -24,11 +24,11 @@ template <class Real>
 CompiledTable<Real>::CompiledTable(const stencils::StencilTable<Real>& table, Simd simd) {
     if (!hasSimd(simd)) throw Error("this processor lacks the vector instructions asked for");
     CompiledRows<Real> rows = compileRows(table);
-    Index mostColumns = 0;
-    for (const auto& group : rows.groups) mostColumns = std::max(mostColumns, group.columnCount);
+    Index maxColumns = 0;
+    for (const auto& group : rows.groups) maxColumns = std::max(maxColumns, group.columnCount);
     data_ = std::make_shared<const Data>(Data{table.rowCount(), table.columnCount(),
                                               kernels::kernelsFor<Real>(simd), std::move(rows),
-                                              mostColumns});
+                                              maxColumns});
 }
 
 template <class Real>
@@ -59,10 +59,10 @@ std::size_t CompiledTable<Real>::byteCount() const {
 }
 
 template <class Real>
-std::size_t CompiledTable<Real>::roomFor(Offset length, bool hasPaddedSource) const {
+std::size_t CompiledTable<Real>::workspaceBytes(Offset length, bool hasPaddedSource) const {
     const Offset stride = paddedLength(length);
-    return taskNumbers(*data_, stride).bytes() +
-           (hasPaddedSource ? 0 : roomOf<Real>(columnCount(), stride));
+    return taskBuffers(*data_, stride).bytes() +
+           (hasPaddedSource ? 0 : scratchBytes<Real>(columnCount(), stride));
 }
 
 template <class Real>
@@ -71,13 +71,13 @@ void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
                                      MutableValues<Real> destination,
                                      const BufferDescriptor& destinationLayout,
                                      RowRange rows) const {
-    Room room(memory);
+    Scratch scratch(memory);
     const Offset length = sourceLayout.length, stride = paddedLength(length);
-    auto numbers = taskNumbers(*data_, stride);
-    numbers.takeFrom(room);
+    auto numbers = taskBuffers(*data_, stride);
+    numbers.allocateFrom(scratch);
     const Real* entries = source.data() + sourceLayout.offset;
     if (!isPadded<Real>(columnCount(), source, sourceLayout)) {
-        const std::span<Real> copy = room.take<Real>(columnCount() * stride);
+        const std::span<Real> copy = scratch.take<Real>(columnCount() * stride);
         constexpr Offset kGrain = 8192;
         parallelFor(columnCount(), kGrain, [&](Offset first, Offset last) {
             for (Offset i = first; i < last; ++i)
@@ -94,7 +94,7 @@ void CompiledTable<Real>::evaluateIn(std::byte* memory, Values<Real> source,
                                            rows.first == 0 && rows.last == rowCount()};
     const auto& starts = data_->rows.taskStarts;
     parallelFor(std::ssize(starts) - 1, 1, [&](Offset task, Offset) {
-        typename TaskNumbers<Real>::Local own(numbers, task);
+        typename TaskBuffers<Real>::Local own(numbers, task);
         for (Offset g = starts[task]; g < starts[task + 1]; ++g) {
             const auto& group = data_->rows.groups[g];
             if (group.highest < to.first || group.lowest >= to.last) continue;

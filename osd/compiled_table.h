@@ -13,15 +13,15 @@ namespace espalier::osd {
 template <class Real>
 class ChangeEvaluator;
 
-/// How all compiled forms of tables are evaluated: CompiledTable, CompiledAdjoint, and their
-/// chains. What results are, and how exact, is said in Form.
+/// Implements evaluate() for all compiled forms of tables: CompiledTable, CompiledAdjoint and their
+/// chains. The documentation of each Form says what it computes and how exactly.
 ///
-/// \tparam Form has rowCount(), columnCount(), roomFor() and evaluateIn()
+/// \tparam Form has rowCount(), columnCount(), workspaceBytes() and evaluateIn()
 template <class Form, class Real>
 class ESPALIER_API CompiledForm {
 public:
-    /// As checkEvaluation() says. Results do not depend on the number of threads, nor on the range,
-    /// bit for bit.
+    /// Evaluates `rows`, with the contract of checkEvaluation(). Results do not depend on the
+    /// number of threads or on the range, bit for bit.
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows) const {
@@ -29,12 +29,12 @@ public:
         evaluate(source, sourceLayout, destination, destinationLayout, rows, own);
     }
 
-    /// The same in memory that is kept: for real time (Workspace).
+    /// Does the same with temporary memory from `workspace`: for real time.
     void evaluate(Values<Real> source, const BufferDescriptor& sourceLayout,
                   MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows, Workspace& workspace) const;
 
-    /// One that is large enough for entries of so many components, in any layout.
+    /// Returns a workspace that is large enough for entries of `length` components, in any layout.
     /// \throws Error as checkLength() does; std::bad_alloc if there is not enough memory
     Workspace workspace(Offset length) const;
 
@@ -42,34 +42,38 @@ private:
     const Form& form() const { return static_cast<const Form&>(*this); }
 };
 
-/// A stencil table in the form that is fastest to evaluate. The table itself stays the truth; this
-/// holds all of its weights, and does not refer to it.
+/// A stencil table in the form that is fastest to evaluate. It holds all weights of the table that
+/// it is made from, and does not refer to that table.
 ///
-/// Rows with the same columns — points that are bound to one cell of the base, level-n vertices of
-/// one base face — become panels: their columns are there once, and their weights lie so that one
-/// register holds those of several rows. Of those that are outer products (outer_product.h), as in
-/// regular regions, just the factors are kept: 12 numbers instead of 64. All other rows lie as in
-/// the table, those of one length together. Weights that come again are there once: those of the
-/// faces of a regular surface, whose panels are alike, and those of rows of one mask. Results come
-/// out in the order of the table.
+/// Each row is stored in one of three forms:
 ///
-/// Results are within 4 ulp of Σ |w · x| in rows of up to 64 entries, and of longer ones within one
-/// more for each 32: sums are made in another order than that of the columns, and weights of outer
-/// products are a little off. A source value that is not finite may reach rows beside its own,
-/// whose weight for it is 0.
+/// - Rows with the same columns form a group, and the columns are stored once for the group.
+///   Examples are points that are bound to one base cell and level-n vertices of one base face. The
+///   weights of a group form panels, in which one register holds weights of several rows.
+/// - A group of outer products (compile/outer_product.h), as in regular regions, stores only the
+///   factors of each row: 12 numbers instead of 64.
+/// - All other rows are stored as in the table, grouped by length.
 ///
-/// Immutable, and so safe to share between threads. Copies share the numbers.
+/// Identical weights are stored once: those of rows with the same mask, and those of groups that
+/// are alike, such as the faces of a regular surface. Results are in the order of the table.
 ///
-/// \cost of an evaluation: O(entries of the range × components), in parallel, and a look at each
-///       group of rows; a copy of the source, unless its stride is its length rounded up to a
-///       multiple of 4, and the first entry is at a multiple of 4 numbers in memory. What lies
-///       between such entries makes no difference. The copy is allocated, and what rows of very
-///       many columns need (more than 1024 of xyz in float)
+/// Each result is within 4 ulp of Σ |w · x| for rows of up to 64 entries; for longer rows the bound
+/// grows by 1 ulp for each 32 entries. The error has two causes: terms are not added in the order
+/// of the columns, and products of factors differ slightly from the weights. A source value that is
+/// not finite may also reach rows of its group whose weight for it is 0.
+///
+/// Immutable, so threads may share it. Copies share the data.
+///
+/// \cost of an evaluation: O(entries of the range × components), in parallel, and one check for
+///       each group. The source is copied unless its stride is its length rounded up to a multiple
+///       of 4 and its first entry is aligned to 4 numbers; the numbers between the entries may have
+///       any values then. Memory is allocated for the copy, and for groups of very many columns
+///       (more than 1024 with 3 components in float)
 /// \cite MacCracken & Joy 1996, section 5: the deformation is evaluated again for each pose
 template <class Real>
 class ESPALIER_API CompiledTable : public CompiledForm<CompiledTable<Real>, Real> {
 public:
-    /// \param simd which kernels evaluate it
+    /// \param simd selects the kernels that evaluate it
     /// \throws Error if this processor does not have `simd`
     /// \cost O(entries + rows log rows)
     explicit CompiledTable(const stencils::StencilTable<Real>& table, Simd simd = bestSimd());
@@ -77,18 +81,19 @@ public:
     Index rowCount() const;
     Index columnCount() const;
 
-    /// Rows that lie in panels, outer products among them.
+    /// Number of rows in groups, outer products included.
     Index panelRowCount() const;
     Index productRowCount() const;
 
-    /// Memory that it takes.
+    /// Memory of this table, in bytes.
     std::size_t byteCount() const;
 
-    /// Memory of the caller's that an evaluation takes: bytes, for entries of so many components.
-    /// \param hasPaddedSource whether the source lies so that it is not copied
-    std::size_t roomFor(Offset length, bool hasPaddedSource) const;
+    /// Returns the size in bytes of the memory that evaluateIn() needs for entries of `length`
+    /// components.
+    /// \param hasPaddedSource true if the layout of the source needs no copy
+    std::size_t workspaceBytes(Offset length, bool hasPaddedSource) const;
 
-    /// evaluate() of arguments that are checked, in such memory, aligned to 64 bytes.
+    /// Evaluates without checks, in memory of the caller that is aligned to 64 bytes.
     void evaluateIn(std::byte* memory, Values<Real> source, const BufferDescriptor& sourceLayout,
                     MutableValues<Real> destination, const BufferDescriptor& destinationLayout,
                     RowRange rows) const;

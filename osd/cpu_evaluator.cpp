@@ -21,7 +21,8 @@ void CpuEvaluator::evaluate(const stencils::StencilTable<Real>& table, Values<Re
             Real* result =
                 destination.data() + destinationLayout.offset + row * destinationLayout.stride;
             std::fill_n(result, length, Real{0});
-            // Entries outside, components inside: each source entry is read once, in one piece.
+            // The loop over components is the inner one, so that each source entry is read once and
+            // contiguously.
             for (std::size_t k = 0; k < columns.size(); ++k) {
                 const Real* entry =
                     source.data() + sourceLayout.offset + columns[k] * sourceLayout.stride;

@@ -6,7 +6,8 @@
 
 namespace espalier::osd {
 
-/// On all threads. The result does not depend on their number, bit for bit.
+/// Evaluates a table as it is, on all threads. Results do not depend on the number of threads, bit
+/// for bit.
 struct ESPALIER_API CpuEvaluator {
     /// Evaluates rows of a table; see checkEvaluation() for the contract.
     /// \cost O(entries × components)
@@ -16,7 +17,8 @@ struct ESPALIER_API CpuEvaluator {
                          const BufferDescriptor& destinationLayout, RowRange rows);
 };
 
-/// The contract in the fewest words, on one thread: what every other evaluator is tested against.
+/// Evaluates a table in the simplest way, on one thread. All other evaluators are tested against
+/// it.
 struct ESPALIER_API ReferenceEvaluator {
     /// Evaluates rows of a table; see checkEvaluation() for the contract.
     /// \cost O(entries × components)

@@ -8,9 +8,9 @@
 namespace espalier::osd {
 namespace {
 
-/// Whether a buffer of `size` numbers holds all entries. Subtracted and divided, not added and
-/// multiplied: sums and products may overflow. An offset beyond the buffer is refused even where
-/// there are no entries, since evaluators add it to the address.
+/// Returns true if a buffer of `size` numbers holds all entries. Uses subtraction and division,
+/// since sums and products could overflow. An offset beyond the buffer is rejected even if there
+/// are no entries, because evaluators add it to the address.
 bool holds(const BufferDescriptor& layout, std::size_t size, Offset entries) {
     const std::size_t offset = layout.offset;
     const std::size_t length = layout.length;
@@ -21,7 +21,7 @@ bool holds(const BufferDescriptor& layout, std::size_t size, Offset entries) {
            static_cast<std::size_t>(entries - 1);
 }
 
-// Nothing is put into words but where it is thrown: no evaluation allocates for its checks.
+// Builds the message only when it throws, so that a valid evaluation allocates nothing here.
 void checkLayout(const BufferDescriptor& layout, std::size_t size, Offset entries,
                  const char* name) {
     const auto refuse = [&](const std::string& what) {

@@ -11,67 +11,73 @@
 #include <span>
 #include <type_traits>
 
-// osd/: a table times values. Tables are known here, and topology is not.
+// osd/ evaluates tables: it multiplies a sparse table by source values. It knows tables and no
+// topology.
 //
-// In: a table, source values and their layout. Out: values, in the memory of the caller.
+// Input: a table, source values and their layout. Output: values, in memory of the caller.
 //
-// Types: BufferDescriptor, a layout; CpuEvaluator, the product as it stands, and
-// ReferenceEvaluator, its oracle; CompiledTable, the same weights in a form that is several times
-// as fast (compile/ makes it, kernels/ run it); CompiledAdjoint, its transpose; ChangeEvaluator,
-// the rows that some columns change; CudaEvaluator (cuda/).
+// Types:
+// - BufferDescriptor describes the layout of a buffer;
+// - CpuEvaluator is the plain product on all threads, ReferenceEvaluator the oracle of the tests;
+// - CompiledTable holds the same weights in a form that is evaluated several times as fast
+//   (compile/ builds it, kernels/ evaluate it);
+// - CompiledAdjoint evaluates the transpose;
+// - ChangeEvaluator evaluates the rows that depend on some changed columns;
+// - CudaEvaluator (cuda/) evaluates on a GPU.
 //
-// Read this header, cpu_evaluator.h, compiled_table.h, then compile/table_compiler.h.
+// Read this header first, then cpu_evaluator.h, compiled_table.h and compile/table_compiler.h.
 
 namespace espalier::osd {
 
-/// How the values of an entry lie in a buffer of numbers, as OpenSubdiv's Osd::BufferDescriptor:
-/// component c of entry i is at offset + i·stride + c.
+/// Describes how entries are laid out in a buffer of numbers, as OpenSubdiv's
+/// Osd::BufferDescriptor: component c of entry i is at offset + i·stride + c.
 struct BufferDescriptor {
-    Offset offset = 0;  ///< of the first component of entry 0; 0 to the size
-    Offset length = 0;  ///< components an entry; 1 to 2³¹ − 1
+    Offset offset = 0;  ///< of the first component of entry 0; 0 to the size of the buffer
+    Offset length = 0;  ///< number of components of an entry; 1 to 2³¹ − 1
     Offset stride = 0;  ///< from one entry to the next; at least `length`
 
-    /// Entries of `length` components, one behind the other.
+    /// Returns the layout of entries of `length` components that follow each other without gaps.
     static BufferDescriptor packed(Offset length) { return {0, length, length}; }
 };
 
-/// Part of the rows of a table: first to last − 1.
+/// A range of rows of a table: first to last − 1.
 struct RowRange {
     Index first = 0;
     Index last = 0;
 };
 
-/// The numbers of a source, or of a destination; Real follows from the table.
+/// Buffers of a source and of a destination. The compiler deduces Real from the table.
 template <class Real>
 using Values = std::span<const std::type_identity_t<Real>>;
 template <class Real>
 using MutableValues = std::span<std::type_identity_t<Real>>;
 
-/// Throws Error unless `length` is a number of components that an entry can have: 1 to 2³¹ − 1.
+/// Throws Error unless an entry can have `length` components: 1 to 2³¹ − 1.
 ESPALIER_API void checkLength(Offset length);
 
-/// The checks of checkEvaluation() below, for any form of a table of so many rows and columns, and
-/// buffers of so many numbers.
+/// Does the checks of checkEvaluation() below for any form of a table, given its numbers of rows
+/// and columns and the sizes of the buffers.
 ESPALIER_API void checkEvaluation(Index rowCount, Index columnCount, std::size_t sourceSize,
                                   const BufferDescriptor& sourceLayout, std::size_t destinationSize,
                                   const BufferDescriptor& destinationLayout, RowRange rows);
 
-/// What every evaluator is called with, and does:
+/// Checks the arguments of an evaluation. Every evaluator calls this first, and then computes
 ///
 ///     destination[row][c] = Σ_k weights(row)[k] · source[columns(row)[k]][c]
 ///
-/// for each row of `rows`. Entry i of the destination is row i, whatever the range: rows outside
-/// the range and numbers between entries are not touched. A row without entries gives 0. Source and
-/// destination must not overlap; they must hold all that the table and the range address. Any
-/// number of components goes through in one pass over the table: several poses are several
-/// components.
+/// for each row of `rows`. This is the contract of all evaluators:
 ///
-/// This function is the part that evaluators share: it checks the arguments.
+/// - Row i goes to entry i of the destination, whatever the range. Entries of rows outside the
+///   range and numbers between entries are not written.
+/// - A row without entries gives 0.
+/// - Source and destination must not overlap. They must hold all entries that the table and the
+///   range address.
+/// - One pass over the table serves any number of components. So several poses can be evaluated at
+///   once, as further components.
+/// - Real is float or double, the same for weights and values.
 ///
-/// Real is float or double, for weights and values alike.
-///
-/// \throws Error if a descriptor does not make sense, the two differ in length, a buffer is too
-///         short, or the range is not in the table. An evaluator has written nothing then.
+/// \throws Error if a descriptor is invalid, the two descriptors differ in length, a buffer is too
+///         short, or the range exceeds the table. The evaluator has written nothing then.
 template <class Real>
 void checkEvaluation(const stencils::StencilTable<Real>& table, Values<Real> source,
                      const BufferDescriptor& sourceLayout, MutableValues<Real> destination,
@@ -80,10 +86,10 @@ void checkEvaluation(const stencils::StencilTable<Real>& table, Values<Real> sou
                     destination.size(), destinationLayout, rows);
 }
 
-/// Memory that an evaluation takes besides what it is given, kept for the next one.
+/// Keeps the temporary memory of an evaluation for the next one.
 ///
-/// An evaluation with a workspace allocates only if no earlier one has needed as much; and takes no
-/// lock, if it runs on the calling thread (SerialExecutor). So in real time:
+/// An evaluation with a workspace allocates only if it needs more memory than any earlier one. It
+/// takes no lock if it runs on the calling thread (SerialExecutor). So it suits real time:
 ///
 ///     const osd::CompiledTable<float> table(binding.table);
 ///     osd::Workspace workspace = table.workspace(3);
@@ -92,14 +98,14 @@ void checkEvaluation(const stencils::StencilTable<Real>& table, Values<Real> sou
 ///     const ExecutorScope scope(serial);  // for each pose
 ///     table.evaluate(pose, xyz, points, xyz, {0, table.rowCount()}, workspace);
 ///
-/// For one evaluation at a time: threads that evaluate at once have one each.
+/// A workspace serves one evaluation at a time: give each thread its own.
 class Workspace {
 public:
     Workspace() = default;
     explicit Workspace(std::size_t bytes) { reserve(bytes); }
 
-    /// What it held is lost if it has to grow.
-    /// \return at least so many bytes, aligned to 64
+    /// Returns at least `bytes` bytes, aligned to 64. If the memory has to grow, its contents are
+    /// lost.
     std::byte* reserve(std::size_t bytes) {
         if (bytes > byteCount_) {
             byteCount_ = 0;

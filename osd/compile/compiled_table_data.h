@@ -7,7 +7,7 @@
 
 namespace espalier::osd {
 
-/// A compiled table, and how its parts are evaluated.
+/// The data of a compiled table, and the evaluation of its parts.
 template <class Real>
 struct CompiledTable<Real>::Data {
     using Rows = CompiledRows<Real>;
@@ -15,7 +15,7 @@ struct CompiledTable<Real>::Data {
     Index rowCount, columnCount;
     kernels::Kernels<Real> kernels;
     Rows rows;
-    Index mostColumns;  ///< of a group
+    Index maxColumns;  ///< of any group
 
     std::span<const Index> columnsOf(const typename Rows::Group& group) const {
         return std::span(rows.groupColumns).subspan(group.firstColumn, group.columnCount);
@@ -24,8 +24,8 @@ struct CompiledTable<Real>::Data {
         return std::span(rows.groupRows).subspan(group.firstRow, group.rowCount);
     }
 
-    /// \param entries of its columns, in their order, so far apart
-    /// \param rowNumbers of its rows; those that are not in `to` are left out
+    /// \param entries source entries of the columns of the group, in their order, `stride` apart
+    /// \param rowNumbers the rows of the group; rows outside the range of `to` are skipped
     void evaluateGroup(const typename Rows::Group& group, const Real* entries, Offset stride,
                        const Index* rowNumbers, const kernels::Destination<Real>& to) const {
         const Real* numbers = rows.groupNumbers.data() + group.firstNumber;
@@ -42,7 +42,7 @@ struct CompiledTable<Real>::Data {
                              to);
     }
 
-    /// \param entries all of them, so far apart
+    /// \param entries all source entries, `stride` apart
     void evaluateRun(const typename Rows::Run& run, const Real* entries, Offset stride,
                      const kernels::Destination<Real>& to) const {
         kernels.rows({rows.weights.data() + run.firstWeight, run.isShared,
@@ -51,8 +51,8 @@ struct CompiledTable<Real>::Data {
                      to);
     }
 
-    /// Row i of a run, from the entries of its own columns.
-    /// \param ascending 0, 1, … : columns of these
+    /// Evaluates row i of a run from the source entries of its own columns.
+    /// \param ascending 0, 1, …: the positions of its columns in `entries`
     void evaluateRow(const typename Rows::Run& run, Index i, const Real* entries, Offset stride,
                      const Index* ascending, const kernels::Destination<Real>& to) const {
         const Offset firstWeight = run.firstWeight + (run.isShared ? 0 : Offset{i} * run.length);

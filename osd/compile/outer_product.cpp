@@ -9,14 +9,16 @@
 namespace espalier::osd {
 namespace {
 
-/// Rows that are looked at: sums that are the same in so many by chance are not.
+/// How many rows are sampled: enough that sums do not agree in all of them by chance.
 constexpr std::size_t kSamples = 6;
 
-/// The logarithms of the sizes of a column's weights in several rows; before them a mean of these,
-/// by which columns are sorted. No two are alike in it by chance, as they may be in one row.
+/// The logarithms of the absolute weights of one column in the sampled rows. Coordinate 0 is a
+/// weighted mean of these, by which the columns are sorted: two columns may agree in one row by
+/// chance, but not in the mean.
 constexpr std::size_t kCoordinates = kSamples + 1;
 using Logarithms = std::array<double, kCoordinates>;
-constexpr std::array<double, kSamples> kMean = {0.2371, 0.1193, 0.1689, 0.0971, 0.2137, 0.1639};
+constexpr std::array<double, kSamples> kKeyWeights = {0.2371, 0.1193, 0.1689,
+                                                      0.0971, 0.2137, 0.1639};
 
 Logarithms operator+(const Logarithms& a, const Logarithms& b) {
     Logarithms sum;
@@ -24,12 +26,13 @@ Logarithms operator+(const Logarithms& a, const Logarithms& b) {
     return sum;
 }
 
-/// Columns as points whose coordinates are logarithms, those of an outer product being all the sums
-/// of one point of each of three sets. The least of them, by the first coordinate, is at 0: so the
-/// sets contain 0, and their points are points themselves.
+/// A set of points, one for each column, whose coordinates are logarithms of weights. For an outer
+/// product, the points are all sums of one point from each of three sets, one set for each axis.
+/// The point with the least first coordinate is moved to 0. So each of the three sets contains 0,
+/// and each of their points is itself one of the columns.
 class SumSet {
 public:
-    /// \param tolerance by which equal sums may differ
+    /// \param tolerance by how much equal sums may differ
     SumSet(std::vector<Logarithms> points, double tolerance)
         : points_(std::move(points)), order_(points_.size()), tolerance_(tolerance) {
         std::iota(order_.begin(), order_.end(), Index{0});
@@ -42,13 +45,13 @@ public:
 
     std::size_t count() const { return points_.size(); }
 
-    /// The columns, the least one first.
+    /// The columns by their first coordinate, ascending.
     const std::vector<Index>& ascending() const { return order_; }
 
-    /// The column at the sum of two.
+    /// Returns the column whose point is the sum of the points of two columns, if there is one.
     std::optional<Index> sum(Index a, Index b) const { return find(points_[a] + points_[b]); }
 
-    /// Whether a column is the sum of two others, neither of them the least.
+    /// Returns true if a column is the sum of two others, neither of which is the one at 0.
     bool isSum(Index column) const {
         Logarithms rest;
         for (const Index other : order_) {
@@ -62,8 +65,8 @@ public:
         return false;
     }
 
-    /// Whether two columns are the same in all rows, so that nothing tells which is where.
-    bool hasTwins() const {
+    /// Returns true if two columns are the same in all sampled rows: nothing tells them apart then.
+    bool hasDuplicates() const {
         return std::adjacent_find(order_.begin(), order_.end(), [&](Index a, Index b) {
                    return isNear(points_[a], points_[b]);
                }) != order_.end();
@@ -91,8 +94,8 @@ private:
     double tolerance_;
 };
 
-/// The sets, each without 0: two columns that are no sums belong to the same one if their own sum
-/// is no column.
+/// Finds the points of each axis, without 0. A point that is no sum lies on an axis. Two of these
+/// lie on the same axis if their sum is not a point of the set.
 std::optional<std::vector<std::vector<Index>>> findAxes(const SumSet& set) {
     std::vector<std::vector<Index>> axes;
     for (const Index column : set.ascending()) {
@@ -116,34 +119,36 @@ std::optional<std::vector<std::vector<Index>>> findAxes(const SumSet& set) {
 
 template <class Real>
 std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Real>> rows) {
-    // Of weights that are all but 0 the logarithm says nothing.
+    // Skips rows with weights that are nearly 0, whose logarithms have no accuracy.
     std::vector<std::span<const Real>> samples;
-    constexpr Real kLeast = std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
+    constexpr Real kMinWeight =
+        std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
     for (const auto& weights : rows)
         if (std::all_of(weights.begin(), weights.end(),
-                        [](Real weight) { return std::abs(weight) >= kLeast; }))
+                        [](Real weight) { return std::abs(weight) >= kMinWeight; }))
             samples.push_back(weights);
-    // More columns than splines have: the search would take long, and find nothing.
+    // No spline has more columns than this: the search would take long and find nothing.
     if (samples.empty() || samples[0].size() < 4 || samples[0].size() > kernels::kMaxProductColumns)
         return std::nullopt;
     std::vector<Logarithms> points(samples[0].size(), Logarithms{});
     for (std::size_t s = 0; s < kSamples; ++s) {
-        // Spread over the rows; where there are few, some come twice.
+        // Samples are spread over the rows; where there are few rows, some are taken twice.
         const auto& weights = samples[s * (samples.size() - 1) / (kSamples - 1)];
         for (std::size_t column = 0; column < weights.size(); ++column) {
             const double logarithm = std::log(std::abs(static_cast<double>(weights[column])));
             points[column][1 + s] = logarithm;
-            points[column][0] += kMean[s] * logarithm;
+            points[column][0] += kKeyWeights[s] * logarithm;
         }
     }
-    // Sums and differences of four logarithms, each off by the rounding of its weight and its own.
+    // Bounds the error of sums and differences of four logarithms, each of which is off by the
+    // rounding of its weight and by its own.
     double largest = 0;
     for (const Logarithms& point : points)
         for (const double logarithm : point) largest = std::max(largest, std::abs(logarithm));
     const double tolerance = 4.0 * std::numeric_limits<Real>::epsilon() +
                              4 * largest * std::numeric_limits<double>::epsilon();
     const SumSet set(std::move(points), tolerance);
-    if (set.hasTwins()) return std::nullopt;
+    if (set.hasDuplicates()) return std::nullopt;
     auto axes = findAxes(set);
     if (!axes || axes->size() < 2) return std::nullopt;
     axes->resize(3);
@@ -170,11 +175,12 @@ std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const Rea
 }
 
 template <class Real>
-bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
-               std::span<Real> factors) {
+bool factorizeRow(const OuterProduct& product, std::span<const Real> weights,
+                  std::span<Real> factors) {
     const Index n = product.size[0], m = product.size[1], l = product.size[2];
-    // Sums of sizes over the other axes. Each weight is rounded; of their sum, the sum of these
-    // errors is a smaller part, if it is not rounded on the way.
+    // The factors follow from sums of absolute weights over the other two axes. Each weight is
+    // rounded. The relative error of a sum is smaller than that of its weights, if the sum itself
+    // is not rounded.
     using Sums = std::vector<long double>;
     std::array<Sums, 3> sums = {Sums(n), Sums(m), Sums(l)};
     long double total = 0, largest = 0;
@@ -193,14 +199,16 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
                     atLargest = {i, j, k};
                 }
             }
-    // Weights that are tiny beside others have fewer digits, or are rounded to 0.
+    // Tiny weights have fewer digits, or are rounded to 0: they may be off by kTiny, which must be
+    // far below the largest weight.
     constexpr long double kTiny = std::numeric_limits<Real>::min();
     if (largest * std::numeric_limits<Real>::epsilon() < kTiny) return false;
     std::size_t place = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (const long double sum : sums[axis])
             factors[place++] = static_cast<Real>(axis == 0 ? sum : sum / total);
-    // Signs: those along the lines through the largest, whose own is the first factor's.
+    // Signs follow from the three lines through the largest weight. The sign of that weight itself
+    // goes to the factor of axis 0.
     const auto isNegative = [&](Index i, Index j, Index k) {
         return std::signbit(weights[product.order[(k * m + j) * n + i]]);
     };
@@ -227,7 +235,7 @@ bool factorsOf(const OuterProduct& product, std::span<const Real> weights,
 
 template std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const float>>);
 template std::optional<OuterProduct> findOuterProduct(std::span<const std::span<const double>>);
-template bool factorsOf(const OuterProduct&, std::span<const float>, std::span<float>);
-template bool factorsOf(const OuterProduct&, std::span<const double>, std::span<double>);
+template bool factorizeRow(const OuterProduct&, std::span<const float>, std::span<float>);
+template bool factorizeRow(const OuterProduct&, std::span<const double>, std::span<double>);
 
 }  // namespace espalier::osd

@@ -11,7 +11,7 @@
 namespace espalier::osd {
 namespace {
 
-/// Bits of the columns: a set can only be in one that has all of its bits.
+/// Returns a bit mask of the columns. A set can be a subset only of sets that have all of its bits.
 std::uint64_t maskOf(std::span<const Index> columns) {
     std::uint64_t mask = 0;
     for (const Index column : columns)
@@ -20,7 +20,7 @@ std::uint64_t maskOf(std::span<const Index> columns) {
     return mask;
 }
 
-/// The sets, each its own host.
+/// Groups the rows of a table by their columns. Each set is its own superset.
 template <class Real>
 std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
     constexpr Offset kGrain = 4096;
@@ -38,7 +38,7 @@ std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
     for (auto first = order.begin(); first != order.end();) {
         const auto last = std::find_if(first, order.end(),
                                        [&](Index row) { return hashes[row] != hashes[*first]; });
-        // All of one hash; once in a long while, of two sets.
+        // All rows of this range have one hash. Very rarely they belong to two sets.
         while (first != last) {
             const auto columns = table.columns(*first);
             const auto others = std::stable_partition(first, last, [&](Index row) {
@@ -50,7 +50,7 @@ std::vector<RowSet> groupRows(const stencils::StencilTable<Real>& table) {
     }
     std::sort(sets.begin(), sets.end(),
               [](const RowSet& a, const RowSet& b) { return a.rows.front() < b.rows.front(); });
-    for (std::size_t set = 0; set < sets.size(); ++set) sets[set].host = set;
+    for (std::size_t set = 0; set < sets.size(); ++set) sets[set].superset = set;
     return sets;
 }
 
@@ -60,7 +60,8 @@ template <class Real>
 std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
     std::vector<RowSet> sets = groupRows(table);
     const auto columnsOf = [&](std::size_t set) { return table.columns(sets[set].rows.front()); };
-    // From the largest on: what is found to hold a set is then in none itself.
+    // Goes from the largest set to the smallest, so that a superset has no superset other than
+    // itself.
     std::vector<std::size_t> order(sets.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -68,29 +69,30 @@ std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table) {
     });
     std::vector<std::uint64_t> masks;
     for (std::size_t set = 0; set < sets.size(); ++set) masks.push_back(maskOf(columnsOf(set)));
-    std::vector<std::vector<std::size_t>> hostsWith(table.columnCount());
+    std::vector<std::vector<std::size_t>> supersetsWith(table.columnCount());
     for (const std::size_t set : order) {
         const auto columns = columnsOf(set);
         if (columns.empty()) continue;
-        // Of the hosts with the column that is in fewest. In a pole of many edges these are many
-        // too, and a guest more or less is not worth the search.
-        constexpr std::size_t kMaxTried = 256, kMaxTimes = 3;
-        const auto& hosts =
-            hostsWith[*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {
-                return hostsWith[a].size() < hostsWith[b].size();
+        // Searches the supersets that contain the rarest of the columns. At a vertex with very many
+        // edges there are many of these; the search is limited, since missing a subset costs
+        // little.
+        constexpr std::size_t kMaxTried = 256, kMaxSizeRatio = 3;
+        const auto& supersets =
+            supersetsWith[*std::min_element(columns.begin(), columns.end(), [&](Index a, Index b) {
+                return supersetsWith[a].size() < supersetsWith[b].size();
             })];
         const auto last =
-            hosts.begin() + static_cast<std::ptrdiff_t>(std::min(hosts.size(), kMaxTried));
-        const auto host = std::find_if(hosts.begin(), last, [&](std::size_t candidate) {
+            supersets.begin() + static_cast<std::ptrdiff_t>(std::min(supersets.size(), kMaxTried));
+        const auto superset = std::find_if(supersets.begin(), last, [&](std::size_t candidate) {
             return (masks[set] & ~masks[candidate]) == 0 &&
-                   columnsOf(candidate).size() <= kMaxTimes * columns.size() &&
+                   columnsOf(candidate).size() <= kMaxSizeRatio * columns.size() &&
                    std::ranges::includes(columnsOf(candidate), columns);
         });
-        if (host != last) {
-            sets[set].host = *host;
+        if (superset != last) {
+            sets[set].superset = *superset;
             continue;
         }
-        for (const Index column : columns) hostsWith[column].push_back(set);
+        for (const Index column : columns) supersetsWith[column].push_back(set);
     }
     return sets;
 }

@@ -10,7 +10,7 @@
 
 namespace espalier::osd {
 
-/// A hash of the bits of some numbers, in their order.
+/// Returns a hash of the bits of some numbers, which depends on their order.
 template <class Number>
 std::uint64_t hashOf(std::span<const Number> numbers) {
     std::uint64_t hash = numbers.size();
@@ -26,16 +26,19 @@ std::uint64_t hashOf(std::span<const Number> numbers) {
 /// Rows of a table with the same columns.
 struct RowSet {
     std::vector<Index> rows = {};  ///< ascending
-    std::size_t host = 0;  ///< a set whose columns hold all of these; itself if there is none
+    std::size_t superset = 0;  ///< a set whose columns include the columns of this one; this set
+                               ///< itself if there is none
 };
 
-/// The rows of a table by their columns. Sets come in the order of their first rows. No host has
-/// another host than itself, nor more than three times the columns of a guest.
+/// Groups the rows of a table by their columns. The sets are in the order of their first rows. A
+/// set that is the superset of another has no superset other than itself, and at most three times
+/// the columns of the other.
 ///
-/// Near the planes between the cells of the base, rows have fewer columns than in the middle of a
-/// cell, and those of the middle among them: they are guests of these.
+/// Near the planes between base cells, rows have fewer columns than in the middle of a cell, and
+/// all of these are among the columns of rows in the middle. So their sets become subsets of the
+/// set in the middle.
 ///
-/// \cost O(entries + rows log rows + columns); at most 256 hosts are tried for a set
+/// \cost O(entries + rows log rows + columns); at most 256 candidates for a superset are tried
 template <class Real>
 std::vector<RowSet> findRowSets(const stencils::StencilTable<Real>& table);
 

@@ -20,14 +20,14 @@ namespace {
 using kernels::kLanes;
 using stencils::StencilTable;
 
-/// Groups of rows that share their columns, on their way into a compiled table. Groups with the
-/// same numbers share these: the faces of a regular surface are all alike.
+/// Collects groups of rows that share their columns, for a compiled table. Groups with identical
+/// numbers share them; all faces of a regular surface are such groups, for example.
 template <class Real>
 class GroupList {
 public:
     /// Adds a group.
-    /// \param numbers of each row, row by row: weights of the columns, or factors
-    /// \param size of a product, or zeros
+    /// \param numbers the weights of the columns, or the factors, row by row
+    /// \param size the size of an outer product, or zeros
     void add(std::span<const Index> rows, std::span<const Index> columns,
              const std::array<Index, 3>& size, std::vector<Real> numbers) {
         groups_.push_back({{rows.begin(), rows.end()},
@@ -38,11 +38,11 @@ public:
         groups_.back().hash = hashOf(groups_.back());
     }
 
-    /// Puts all groups into a table that has none.
+    /// Moves all groups into a table that has none yet.
     void moveTo(CompiledRows<Real>& table) {
         std::unordered_map<std::uint64_t, Index> counts;
         for (const Group& group : groups_) ++counts[group.hash];
-        /// Numbers that are in the table, and where.
+        /// Numbers that are already in the table, and their position there.
         struct Place {
             std::array<Index, 3> size;
             std::vector<Real> numbers;
@@ -50,7 +50,8 @@ public:
         };
         std::unordered_multimap<std::uint64_t, Place> places;
         const auto placeOf = [&](Group& group) {
-            // Rows that no other group has stay in their order, for results that lie together.
+            // A group that shares its numbers with no other keeps the order of its rows, so that
+            // results that are close in memory are written together.
             if (counts[group.hash] == 1) return appendNumbers(group, table.groupNumbers);
             sortRows(group);
             const auto [begin, end] = places.equal_range(group.hash);
@@ -84,7 +85,7 @@ private:
         std::vector<Index> rows, columns;
         std::array<Index, 3> size;
         std::vector<Real> numbers;
-        std::uint64_t hash;  ///< of numbers and size, whatever the order of the rows
+        std::uint64_t hash;  ///< of numbers and size; does not depend on the order of the rows
 
         std::size_t length() const { return numbers.size() / rows.size(); }
     };
@@ -94,15 +95,15 @@ private:
             group.columns.size(), static_cast<std::uint64_t>(group.size[0]),
             static_cast<std::uint64_t>(group.size[1]), static_cast<std::uint64_t>(group.size[2])};
         std::uint64_t hash = osd::hashOf(std::span<const std::uint64_t>(kind));
-        // A sum, that no order of the rows changes.
+        // A sum does not depend on the order of the rows.
         const std::span<const Real> numbers(group.numbers);
         for (std::size_t row = 0; row < group.rows.size(); ++row)
             hash += osd::hashOf(numbers.subspan(row * group.length(), group.length()));
         return hash;
     }
 
-    /// Sorts rows by the bits of their numbers: any order will do that has no ties but of equal
-    /// rows.
+    /// Sorts the rows by the bits of their numbers. Any order would do in which only identical rows
+    /// compare equal.
     static void sortRows(Group& group) {
         const std::size_t length = group.length();
         const auto numbersOf = [&](std::size_t row) {
@@ -124,7 +125,7 @@ private:
         group.numbers = std::move(numbers);
     }
 
-    /// Appends the numbers of a group as the kernels read them, one row in each lane.
+    /// Appends the numbers of a group in the layout of the kernels, one row in each lane.
     static Offset appendNumbers(const Group& group, AlignedVector<Real>& all) {
         constexpr std::size_t lanes = kLanes<Real>;
         const std::size_t length = group.length(), start = all.size();
@@ -140,11 +141,11 @@ private:
     std::vector<Group> groups_;
 };
 
-/// Rows of a run, which one thread evaluates.
-constexpr std::ptrdiff_t kMaxRowsOfRun = 4096;
+/// Maximum number of rows in a run. One thread evaluates a run.
+constexpr std::ptrdiff_t kMaxRowsPerRun = 4096;
 
-/// Rows of the same weights that are worth a run.
-constexpr std::ptrdiff_t kFewestShared = 16;
+/// Minimum number of rows with the same weights that get a run of their own.
+constexpr std::ptrdiff_t kMinSharedRows = 16;
 
 template <class Real>
 class RunList {
@@ -152,14 +153,14 @@ public:
     RunList(const StencilTable<Real>& table, CompiledRows<Real>& compiled)
         : table_(table), compiled_(compiled) {}
 
-    /// Adds rows of one length.
-    /// \param isShared whether they have the same weights
+    /// Adds rows of equal length.
+    /// \param isShared true if all of them have the same weights
     void add(std::span<const Index> rows, bool isShared) {
         const auto length = static_cast<Index>(table_.columns(rows.front()).size());
         const auto firstWeight = static_cast<Offset>(compiled_.weights.size());
         if (isShared) appendWeights(rows.front());
         while (!rows.empty()) {
-            const auto part = rows.first(std::min(std::ssize(rows), kMaxRowsOfRun));
+            const auto part = rows.first(std::min(std::ssize(rows), kMaxRowsPerRun));
             compiled_.runs.push_back(
                 {length, static_cast<Offset>(compiled_.columns.size()),
                  isShared ? firstWeight : static_cast<Offset>(compiled_.weights.size()), isShared,
@@ -184,16 +185,16 @@ private:
     CompiledRows<Real>& compiled_;
 };
 
-/// Puts rows into runs of one length, each with columns of its own: those of the same weights
-/// together, which the run then has once, as rows of one mask have; and the others.
+/// Puts rows into runs of equal length, in which each row has its own columns. Rows with identical
+/// weights, such as rows of the same mask, form runs of their own that store the weights once.
 ///
 /// \param rows some rows of `table`
-/// \param compiled a table without runs
+/// \param compiled gets the runs; it must have none yet
 /// \cost O(entries + rows log rows)
 template <class Real>
 void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
              CompiledRows<Real>& compiled) {
-    /// A row, and what those with the same weights have in common with it.
+    /// A row with the keys that it shares with rows of identical weights.
     struct Candidate {
         std::size_t length;
         std::uint64_t hash;
@@ -207,18 +208,18 @@ void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
     std::sort(candidates.begin(), candidates.end());
     RunList<Real> runs(table, compiled);
     std::vector<Index> same, others;
-    // Of each length, first those of equal weights, then the rest.
+    // For each length, first adds runs of identical weights, then one for the remaining rows.
     for (auto first = candidates.begin(); first != candidates.end();) {
         const auto last = std::find_if(first, candidates.end(), [&](const Candidate& other) {
             return other.length != first->length || other.hash != first->hash;
         });
         same.clear();
-        // All of one hash: but for one case in 2^64, of the same weights.
+        // Rows with the same hash have the same weights, except in one case of 2^64.
         for (auto each = first; each != last; ++each)
             (std::ranges::equal(table.weights(each->row), table.weights(first->row)) ? same
                                                                                      : others)
                 .push_back(each->row);
-        if (std::ssize(same) >= kFewestShared)
+        if (std::ssize(same) >= kMinSharedRows)
             runs.add(same, true);
         else
             others.insert(others.end(), same.begin(), same.end());
@@ -231,8 +232,8 @@ void addRuns(const StencilTable<Real>& table, std::vector<Index> rows,
     }
 }
 
-/// About so many rows are a task, which one thread evaluates.
-constexpr Index kRowsOfTask = 4096;
+/// Approximate number of rows of a task. One thread evaluates a task.
+constexpr Index kRowsPerTask = 4096;
 
 template <class Real>
 class TableCompiler {
@@ -241,12 +242,13 @@ public:
 
     CompiledRows<Real> compile() {
         const std::vector<RowSet> sets = findRowSets(table_);
-        std::vector<std::vector<std::size_t>> guests(sets.size());
-        for (std::size_t set = 0; set < sets.size(); ++set) guests[sets[set].host].push_back(set);
-        for (std::size_t host = 0; host < sets.size(); ++host)
-            if (!guests[host].empty()) addHost(sets, host, guests[host]);
+        std::vector<std::vector<std::size_t>> subsets(sets.size());
+        for (std::size_t set = 0; set < sets.size(); ++set)
+            subsets[sets[set].superset].push_back(set);
+        for (std::size_t superset = 0; superset < sets.size(); ++superset)
+            if (!subsets[superset].empty()) addSuperset(sets, superset, subsets[superset]);
         groups_.moveTo(result_);
-        addRuns(table_, std::move(alone_), result_);
+        addRuns(table_, std::move(ungrouped_), result_);
         addTasks();
         result_.groups.shrink_to_fit();
         result_.groupColumns.shrink_to_fit();
@@ -260,15 +262,15 @@ public:
     }
 
 private:
-    /// Adds the rows of a host and its guests, as far as they fill panels.
-    void addHost(const std::vector<RowSet>& sets, std::size_t host,
-                 const std::vector<std::size_t>& guests) {
-        const std::vector<Index>& own = sets[host].rows;
+    /// Adds the rows of a superset and of its subsets to groups, as far as they fill panels.
+    void addSuperset(const std::vector<RowSet>& sets, std::size_t superset,
+                     const std::vector<std::size_t>& subsets) {
+        const std::vector<Index>& own = sets[superset].rows;
         shared_ = table_.columns(own.front());
         std::size_t rowCount = 0;
-        for (const std::size_t set : guests) rowCount += sets[set].rows.size();
+        for (const std::size_t set : subsets) rowCount += sets[set].rows.size();
         if (2 * rowCount < kLanes<Real>) {
-            for (const std::size_t set : guests) append(alone_, sets[set].rows);
+            for (const std::size_t set : subsets) append(ungrouped_, sets[set].rows);
             return;
         }
         std::vector<std::span<const Real>> weights;
@@ -276,30 +278,33 @@ private:
         const auto product = findOuterProduct<Real>(weights);
         std::vector<Index> products, left;
         std::vector<Real> factors;
-        for (const std::size_t set : guests) {
+        for (const std::size_t set : subsets) {
             std::vector<Index> others;
             for (const Index row : sets[set].rows)
                 (product && addFactors(*product, row, factors) ? products : others).push_back(row);
-            // Panels of the guest's own columns as far as they are full.
+            // Full panels use the subset's own columns.
             const std::size_t full = others.size() / kLanes<Real> * kLanes<Real>;
             addPanels(std::span(others).first(full), table_.columns(sets[set].rows.front()));
-            // With zeros for the columns that a row lacks it may take more room than alone.
+            // The remaining rows would need zeros for missing columns, and may then take more
+            // memory than ungrouped rows.
             const std::size_t ownCount = table_.columns(sets[set].rows.front()).size();
             const bool fits =
                 shared_.size() * sizeof(Real) <= ownCount * (sizeof(Real) + sizeof(Index));
-            append(fits ? left : alone_, std::span(others).subspan(full));
+            append(fits ? left : ungrouped_, std::span(others).subspan(full));
         }
         if (product) addProducts(*product, products, factors);
-        // What is left together, with the host's columns: all of it, or full panels, or none.
+        // The remaining rows share the superset's columns: all of them, only those that fill
+        // panels, or none.
         const std::size_t full = left.size() / kLanes<Real> * kLanes<Real>;
         const std::size_t paneled = isSmaller(left)                          ? left.size()
                                     : isSmaller(std::span(left).first(full)) ? full
                                                                              : 0;
         addPanels(std::span(left).first(paneled), shared_);
-        append(alone_, std::span(left).subspan(paneled));
+        append(ungrouped_, std::span(left).subspan(paneled));
     }
 
-    /// Whether rows take no more room in panels of the host's columns than alone.
+    /// Returns true if rows take at most as much memory in panels with the superset's columns as
+    /// they take ungrouped.
     bool isSmaller(std::span<const Index> rows) const {
         constexpr std::size_t lanes = kLanes<Real>;
         std::size_t entries = 0;
@@ -314,7 +319,7 @@ private:
         all.insert(all.end(), more.begin(), more.end());
     }
 
-    /// The weights of a row over columns that hold its own, with zeros.
+    /// Returns the weights of a row for columns that include its own, with zeros for the others.
     std::vector<Real> spread(Index row, std::span<const Index> columns) const {
         std::vector<Real> weights(columns.size(), 0);
         const auto own = table_.columns(row);
@@ -325,20 +330,21 @@ private:
         return weights;
     }
 
-    /// Appends the factors of a row, if it is such a product.
+    /// Appends the factors of a row to `factors`. Returns false if the row is not this kind of
+    /// outer product.
     bool addFactors(const OuterProduct& product, Index row, std::vector<Real>& factors) const {
         std::array<Real, 256> found;
         const std::size_t length = product.size[0] + product.size[1] + product.size[2];
         if (length > found.size()) return false;
         const auto own = std::span(found).first(length);
-        if (!factorsOf<Real>(product, spread(row, shared_), own)) return false;
+        if (!factorizeRow<Real>(product, spread(row, shared_), own)) return false;
         factors.insert(factors.end(), own.begin(), own.end());
         return true;
     }
 
     void addPanels(std::span<const Index> rows, std::span<const Index> columns) {
-        for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMaxRowsOfGroup))) {
-            const auto part = rows.first(std::min(rows.size(), kMaxRowsOfGroup));
+        for (; !rows.empty(); rows = rows.subspan(std::min(rows.size(), kMaxRowsPerGroup))) {
+            const auto part = rows.first(std::min(rows.size(), kMaxRowsPerGroup));
             std::vector<Real> numbers;
             numbers.reserve(part.size() * columns.size());
             for (const Index row : part) {
@@ -354,19 +360,19 @@ private:
         const std::size_t length = product.size[0] + product.size[1] + product.size[2];
         std::vector<Index> columns;
         for (const Index position : product.order) columns.push_back(shared_[position]);
-        for (std::size_t first = 0; first < rows.size(); first += kMaxRowsOfGroup) {
-            const auto part = rows.subspan(first, std::min(rows.size() - first, kMaxRowsOfGroup));
+        for (std::size_t first = 0; first < rows.size(); first += kMaxRowsPerGroup) {
+            const auto part = rows.subspan(first, std::min(rows.size() - first, kMaxRowsPerGroup));
             const auto numbers = factors.subspan(first * length, part.size() * length);
             groups_.add(part, columns, product.size, {numbers.begin(), numbers.end()});
         }
     }
 
-    /// Shares out the groups.
+    /// Divides the groups into tasks.
     void addTasks() {
         Index rowCount = 0;
         for (std::size_t group = 0; group < result_.groups.size(); ++group) {
             rowCount += result_.groups[group].rowCount;
-            if (rowCount < kRowsOfTask && group + 1 < result_.groups.size()) continue;
+            if (rowCount < kRowsPerTask && group + 1 < result_.groups.size()) continue;
             result_.taskStarts.push_back(static_cast<Offset>(group) + 1);
             rowCount = 0;
         }
@@ -375,8 +381,8 @@ private:
     const StencilTable<Real>& table_;
     CompiledRows<Real> result_;
     GroupList<Real> groups_;
-    std::span<const Index> shared_;  ///< columns of the host at hand
-    std::vector<Index> alone_;       ///< rows that are in no group
+    std::span<const Index> shared_;  ///< columns of the current superset
+    std::vector<Index> ungrouped_;   ///< rows that are in no group
 };
 
 }  // namespace
@@ -388,13 +394,13 @@ CompiledRows<Real> compileRows(const StencilTable<Real>& table) {
 
 template <class Real>
 StencilTable<Real> rowsOnly(const StencilTable<Real>& table, std::span<const Index> rows) {
-    std::vector<char> isThere(table.rowCount(), 0);
-    for (const Index row : rows) isThere[row] = 1;
+    std::vector<char> isSelected(table.rowCount(), 0);
+    for (const Index row : rows) isSelected[row] = 1;
     Array<Offset> offsets = {0};
     Array<Index> columns;
     Array<Real> weights;
     for (Index row = 0; row < table.rowCount(); ++row) {
-        if (isThere[row]) {
+        if (isSelected[row]) {
             columns.insert(columns.end(), table.columns(row).begin(), table.columns(row).end());
             weights.insert(weights.end(), table.weights(row).begin(), table.weights(row).end());
         }

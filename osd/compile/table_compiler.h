@@ -10,42 +10,43 @@
 #include <span>
 #include <vector>
 
-#include "../kernels/room.h"
+#include "../kernels/scratch.h"
 
-// What is inside a compiled table.
+// The data of a compiled table, and the functions that make it.
 
 namespace espalier::osd {
 
-/// Rows of a group, at most, since a lattice of few cells has few sets of columns, of very many
-/// rows.
-inline constexpr std::size_t kMaxRowsOfGroup = 1024;
+/// Maximum number of rows in a group. Without a limit, a lattice of few cells would have few groups
+/// of very many rows, and too few tasks for all threads.
+inline constexpr std::size_t kMaxRowsPerGroup = 1024;
 
-/// A table in three forms, each row in one of them.
+/// A table whose rows are stored in three forms: panels, outer products and runs. Each row is in
+/// one.
 template <class Real>
 struct CompiledRows {
-    /// Rows that share their columns: PanelRun, or ProductRun.
+    /// Rows that share their columns; evaluated as PanelRun or ProductRun.
     struct Group {
         Offset firstColumn;  ///< in groupColumns
         Index columnCount;
         Offset firstNumber;  ///< in groupNumbers, which groups may share
         Offset firstRow;     ///< in groupRows
         Index rowCount;
-        Index lowest, highest;      ///< row
-        std::array<Index, 3> size;  ///< of a product; zeros if these are panels of weights
+        Index lowest, highest;      ///< row numbers
+        std::array<Index, 3> size;  ///< of an outer product; zeros for panels of weights
     };
     std::vector<Group> groups;
-    /// For one thread after the other: task t is groups taskStarts[t] to taskStarts[t + 1] − 1.
+    /// Task t is groups taskStarts[t] to taskStarts[t + 1] − 1. One thread evaluates a task.
     std::vector<Offset> taskStarts = {0};
     std::vector<Index> groupColumns;
-    AlignedVector<Real> groupNumbers;  ///< weights, or factors of products
+    AlignedVector<Real> groupNumbers;  ///< weights, or factors of outer products
     std::vector<Index> groupRows;
 
-    /// Rows of the same number of entries: RowRun.
+    /// Rows of equal length; evaluated as RowRun.
     struct Run {
         Index length;
         Offset firstColumn;  ///< in columns
         Offset firstWeight;  ///< in weights
-        bool isShared;       ///< whether the weights are those of each row
+        bool isShared;       ///< true if all rows have the same weights
         Offset firstRow;     ///< in rows
         Index rowCount;
     };
@@ -54,7 +55,7 @@ struct CompiledRows {
     std::vector<Real> weights;
     std::vector<Index> rows;
 
-    /// Memory that it takes.
+    /// Memory in bytes.
     std::size_t byteCount() const {
         const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
         return bytes(groups) + bytes(taskStarts) + bytes(groupColumns) + bytes(groupNumbers) +
@@ -62,26 +63,26 @@ struct CompiledRows {
     }
 };
 
-/// Finds the form of each row of a table.
+/// Chooses the form of each row of a table and stores the row in it.
 /// \cost O(entries + rows log rows)
 template <class Real>
 CompiledRows<Real> compileRows(const stencils::StencilTable<Real>& table);
 
-/// The same table with these rows alone: the others are empty.
+/// Returns the table with only the given rows; all other rows are empty.
 /// \cost O(entries)
 template <class Real>
 stencils::StencilTable<Real> rowsOnly(const stencils::StencilTable<Real>& table,
                                       std::span<const Index> rows);
 
-/// Of each column of a table the places, ascending, in which it was found: in whatever a caller
-/// counts by Place.
+/// An inverse index: for each column of a table, the places that refer to it, ascending. `Place` is
+/// any type in which the caller counts them.
 template <class Place>
-class PlacesOfColumns {
+class InverseIndex {
 public:
-    /// \param forEach calls what it is given with each column and place, places ascending; twice
-    ///        the same
+    /// \param forEach calls its argument with each pair of column and place, places ascending. It
+    ///        is called twice and must produce the same pairs both times
     template <class ForEach>
-    PlacesOfColumns(Index columnCount, ForEach forEach) : offsets_(columnCount + 1, 0) {
+    InverseIndex(Index columnCount, ForEach forEach) : offsets_(columnCount + 1, 0) {
         forEach([&](Index column, Place) { ++offsets_[column + 1]; });
         std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
         places_.resize(offsets_.back());

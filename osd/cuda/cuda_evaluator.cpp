@@ -10,20 +10,20 @@
 #include <utility>
 #include <vector>
 
-#include "../kernels/room.h"
+#include "../kernels/scratch.h"
 #include "cuda_launch.h"
 #include "device_table.h"
 
-// CUDA's runtime, with exceptions and owners.
+// CUDA's runtime behind exceptions and owning types.
 
 namespace espalier::osd {
 
 namespace {
 
-/// \throws CudaError that names the call, if that has failed
+/// \throws CudaError that names the call, if the call failed
 void check(cudaError_t error, const std::string& call) {
     if (error == cudaSuccess) return;
-    // It is told here, and not once more to whoever asks CUDA for the last error.
+    // Clears the error, so that the next caller of cudaGetLastError() does not get it again.
     cudaGetLastError();
     throw CudaError(error, concat(call, " has failed: ", cudaGetErrorString(error), " (",
                                   cudaGetErrorName(error), ")"));
@@ -35,7 +35,7 @@ int currentDevice() {
     return device;
 }
 
-/// Makes a device current, and the one before it again.
+/// Makes a device current, and restores the previous one at the end of the scope.
 class DeviceScope {
 public:
     explicit DeviceScope(int device) : before_(currentDevice()), device_(device) {
@@ -51,7 +51,7 @@ private:
     int before_ = 0, device_ = 0;
 };
 
-/// Memory of the current device; null for no bytes.
+/// Allocates memory on the current device. Returns null for 0 bytes.
 void* allocateOnDevice(std::size_t bytes) {
     if (bytes == 0) return nullptr;
     void* memory = nullptr;
@@ -59,15 +59,15 @@ void* allocateOnDevice(std::size_t bytes) {
     return memory;
 }
 
-/// Copies to memory of the current device, and waits until it is there, for any stream:
-/// cudaMemcpy() alone does not, where the memory of the host is not page-locked.
+/// Copies to memory of the current device, and waits until the copy is visible to every stream.
+/// cudaMemcpy() alone does not wait for that if the memory of the host is not page-locked.
 void copyToDevice(void* to, const void* from, std::size_t bytes) {
     if (bytes == 0) return;
     check(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice), "cudaMemcpy to the device");
     check(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
 }
 
-/// Arrays in memory of the current device.
+/// Owns arrays in memory of the current device.
 class DeviceArrays {
 public:
     DeviceArrays() = default;
@@ -77,7 +77,7 @@ public:
     DeviceArrays(const DeviceArrays&) = delete;
     DeviceArrays& operator=(const DeviceArrays&) = delete;
 
-    /// Copies one there.
+    /// Copies an array to the device and returns its address there.
     template <class T>
     const T* add(std::span<const T> values) {
         arrays_.reserve(arrays_.size() + 1);
@@ -96,10 +96,11 @@ private:
     std::size_t byteCount_ = 0;
 };
 
-/// Bytes of a part of a workspace. Parts start at multiples of 256, as what CUDA allocates does.
+/// Returns the size in bytes of a part of a workspace. Parts start at multiples of 256, as CUDA's
+/// own allocations do.
 template <class Real>
-std::size_t deviceRoomOf(Offset count) {
-    return osd::roomOf<Real, 256>(count);
+std::size_t deviceScratchBytes(Offset count) {
+    return osd::scratchBytes<Real, 256>(count);
 }
 
 template <class Real>
@@ -107,12 +108,12 @@ std::size_t bytesOf(Offset count) {
     return static_cast<std::size_t>(count) * sizeof(Real);
 }
 
-/// Copies entries that lie one behind the other to where they lie as `layout` says.
+/// Copies contiguous entries of the device to a destination on the host that has the given layout.
 template <class Real>
 void copyToHost(const Real* entries, Offset count, Real* to, const BufferDescriptor& layout,
                 cudaStream_t stream) {
     const std::size_t bytes = bytesOf<Real>(layout.length);
-    // A row alone may have any stride, also one that CUDA takes for too large.
+    // A single row may have any stride, even one that is too large for CUDA.
     if (layout.stride == layout.length || count == 1)
         check(cudaMemcpyAsync(to, entries, bytesOf<Real>(count * layout.length),
                               cudaMemcpyDeviceToHost, stream),
@@ -123,9 +124,10 @@ void copyToHost(const Real* entries, Offset count, Real* to, const BufferDescrip
               "cudaMemcpy2DAsync to the host");
 }
 
-/// Calls start(evaluation, places) for arguments that are checked, with what is on the host copied
-/// from and to there.
-/// \param placeCount numbers that the evaluation takes besides
+/// Calls start(evaluation, places, stream) for arguments that are already checked. If the source is
+/// on the host, it copies the source to the device before; if the destination is on the host, it
+/// copies the results there afterwards.
+/// \param placeCount numbers that the evaluation needs as temporary memory
 template <class Real, class Start>
 void runOnDevice(Index sourceCount, CudaSource<Real> source, const BufferDescriptor& sourceLayout,
                  CudaDestination<Real> destination, const BufferDescriptor& destinationLayout,
@@ -135,13 +137,13 @@ void runOnDevice(Index sourceCount, CudaSource<Real> source, const BufferDescrip
     const Offset sourceNumbers =
         source.isOnHost && sourceCount > 0 ? (sourceCount - 1) * sourceLayout.stride + length : 0;
     const Offset destinationNumbers = destination.isOnHost ? rowCount * length : 0;
-    std::byte* const memory =
-        workspace.reserve(deviceRoomOf<Real>(placeCount) + deviceRoomOf<Real>(sourceNumbers) +
-                          deviceRoomOf<Real>(destinationNumbers));
+    std::byte* const memory = workspace.reserve(deviceScratchBytes<Real>(placeCount) +
+                                                deviceScratchBytes<Real>(sourceNumbers) +
+                                                deviceScratchBytes<Real>(destinationNumbers));
     Real* const places = reinterpret_cast<Real*>(memory);
-    Real* const sourceCopy = reinterpret_cast<Real*>(memory + deviceRoomOf<Real>(placeCount));
-    Real* const results = reinterpret_cast<Real*>(memory + deviceRoomOf<Real>(placeCount) +
-                                                  deviceRoomOf<Real>(sourceNumbers));
+    Real* const sourceCopy = reinterpret_cast<Real*>(memory + deviceScratchBytes<Real>(placeCount));
+    Real* const results = reinterpret_cast<Real*>(memory + deviceScratchBytes<Real>(placeCount) +
+                                                  deviceScratchBytes<Real>(sourceNumbers));
     if (sourceNumbers > 0)
         check(cudaMemcpyAsync(sourceCopy, source.data + sourceLayout.offset,
                               bytesOf<Real>(sourceNumbers), cudaMemcpyHostToDevice, stream),
@@ -185,7 +187,7 @@ int cudaDeviceCount() {
 template <class Real>
 CudaBuffer<Real>::CudaBuffer(std::size_t size)
     : device_(currentDevice()),
-      data_(static_cast<Real*>(allocateOnDevice(roomOf<Real>(static_cast<Offset>(size))))),
+      data_(static_cast<Real*>(allocateOnDevice(scratchBytes<Real>(static_cast<Offset>(size))))),
       size_(size) {}
 
 template <class Real>
@@ -195,7 +197,7 @@ CudaBuffer<Real>::CudaBuffer(std::span<const Real> values) : CudaBuffer(values.s
 
 template <class Real>
 CudaBuffer<Real>::~CudaBuffer() {
-    // Null is no call for nothing: it makes a context.
+    // cudaFree() of a null pointer has an effect: it creates a context.
     if (data_ != nullptr) cudaFree(data_);
 }
 
@@ -264,7 +266,7 @@ CudaWorkspace& CudaWorkspace::operator=(CudaWorkspace&& other) noexcept {
 
 void CudaWorkspace::release() noexcept {
     if (memory_ == nullptr) return;
-    // The default stream is the current device's.
+    // The default stream is that of the current device.
     int before = device_;
     cudaGetDevice(&before);
     if (before != device_) cudaSetDevice(device_);
@@ -318,8 +320,8 @@ struct CudaEvaluator<Real>::Data {
         check(device::loadKernels<Real>(), "cudaFuncGetAttributes");
     }
 
-    /// The device, where a workspace is of that.
-    /// \throws Error otherwise
+    /// Makes the device of this table current.
+    /// \throws Error unless the workspace is of that device
     DeviceScope scopeFor(const CudaWorkspace& workspace) const {
         if (workspace.device() != device)
             throw Error(concat("the workspace is of CUDA device ", workspace.device(),
@@ -363,7 +365,8 @@ CudaWorkspace CudaEvaluator<Real>::workspace(Offset length, CudaStream stream) c
     checkLength(length);
     const DeviceScope scope(data_->device);
     CudaWorkspace workspace(stream);
-    if (data_->adjoint) workspace.reserve(deviceRoomOf<Real>(data_->adjoint->placeCount * length));
+    if (data_->adjoint)
+        workspace.reserve(deviceScratchBytes<Real>(data_->adjoint->placeCount * length));
     return workspace;
 }
 

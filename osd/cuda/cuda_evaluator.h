@@ -14,15 +14,15 @@
 
 struct CUstream_st;
 
-// Tables on NVIDIA's GPUs, as OpenSubdiv's Osd::CudaEvaluator. The only header of the component
-// `cuda`; it includes nothing of CUDA's.
+// Evaluates tables on NVIDIA's GPUs, as OpenSubdiv's Osd::CudaEvaluator. This is the only header of
+// the component `cuda`; it includes no header of CUDA.
 namespace espalier::osd {
 
 /// CUDA's cudaStream_t. Null is the default stream.
 using CudaStream = CUstream_st*;
 
-/// A call of CUDA's that has failed. what() names it, and says why: also for work that was put on a
-/// stream earlier, since CUDA tells of that at any later call.
+/// Reports a call to CUDA that failed. what() names the call and gives the reason. The reason may
+/// be work that was put on a stream earlier, because CUDA reports such failures at any later call.
 class ESPALIER_API CudaError : public Error {
 public:
     CudaError(int code, const std::string& what) : Error(what), code_(code) {}
@@ -33,11 +33,12 @@ private:
     int code_;
 };
 
-/// The devices that can be used: 0 where there is none, or no driver.
-/// \throws CudaError for any other reason
+/// Returns the number of usable devices: 0 if there is none, or no driver.
+/// \throws CudaError for any other failure
 ESPALIER_API int cudaDeviceCount();
 
-/// Numbers in memory of a device: the caller's, or a CudaBuffer's. Real may be const.
+/// Refers to numbers in memory of a device, which the caller or a CudaBuffer owns. Real may be
+/// const.
 template <class Real>
 struct DeviceSpan {
     Real* data = nullptr;
@@ -50,20 +51,21 @@ struct DeviceSpan {
         : data(values.data), size(values.size) {}
 };
 
-/// Numbers in memory of the device that is current when it is made, as OpenSubdiv's
-/// Osd::CudaVertexBuffer: deformed points that stay there, to be drawn or read by other kernels.
+/// Owns numbers in memory of a device, as OpenSubdiv's Osd::CudaVertexBuffer. Deformed points can
+/// stay there, to be drawn or to be read by other kernels. The device is the one that is current
+/// when the buffer is made.
 template <class Real>
 class ESPALIER_API CudaBuffer {
 public:
-    /// Not initialised.
+    /// Allocates the buffer. The numbers are not initialized.
     /// \throws CudaError
     explicit CudaBuffer(std::size_t size);
 
-    /// A copy, which is there for any stream when this returns.
+    /// Allocates the buffer and copies `values` to it. Any stream may use it when this returns.
     /// \throws CudaError
     explicit CudaBuffer(std::span<const Real> values);
 
-    /// Waits for what the device is doing, as cudaFree().
+    /// Waits until the device is idle, as cudaFree() does.
     ~CudaBuffer();
     CudaBuffer(CudaBuffer&&) noexcept;
     CudaBuffer& operator=(CudaBuffer&&) noexcept;
@@ -75,11 +77,11 @@ public:
     operator DeviceSpan<Real>() { return {data_, size_}; }
     operator DeviceSpan<const Real>() const { return {data_, size_}; }
 
-    /// Copies from or to the host, behind what is on the stream, as cudaMemcpyAsync(): of memory
-    /// that is not page-locked it reads what it takes before it returns; where it writes, it may
-    /// wait for the stream. Synchronize before what was downloaded is read.
+    /// Copies from or to the host, in the order of the stream, as cudaMemcpyAsync() does. If the
+    /// memory of the host is not page-locked, upload() has read it when it returns, and download()
+    /// may wait for the stream. Synchronize the stream before you read what was downloaded.
     ///
-    /// \throws Error if there are more numbers than the buffer has; CudaError
+    /// \throws Error if there are more numbers than the buffer holds; CudaError
     void upload(std::span<const Real> values, CudaStream stream = nullptr);
     void download(std::span<Real> values, CudaStream stream = nullptr) const;
 
@@ -91,7 +93,7 @@ private:
     std::size_t size_ = 0;
 };
 
-/// What an evaluation reads: numbers of the host, or of the device.
+/// The source of an evaluation: numbers on the host or on the device.
 template <class Real>
 struct CudaSource {
     const Real* data;
@@ -111,7 +113,7 @@ private:
         : data(first), size(count), isOnHost(onHost) {}
 };
 
-/// Where an evaluation writes.
+/// The destination of an evaluation: numbers on the host or on the device.
 template <class Real>
 struct CudaDestination {
     Real* data;
@@ -131,17 +133,19 @@ private:
         : data(first), size(count), isOnHost(onHost) {}
 };
 
-/// A stream of the device that is current when it is made, for evaluations to be put on, and the
-/// memory of the device that they take besides what they are given. It grows when an evaluation
-/// needs more, in the order of the stream and without waiting for it (cudaMallocAsync()), and is
-/// kept for the next one; but not once it has been used in a CUDA graph, which knows where it is.
+/// A stream, on which evaluations are put, and the temporary memory of the device that they need.
 ///
-/// For one stream; not for several threads at a time. It must go before its stream does, after the
-/// graphs that it was used in, and not while its stream is captured.
+/// The memory grows when an evaluation needs more, and is kept for the next one. It grows in the
+/// order of the stream and without waiting for it (cudaMallocAsync()). It cannot grow any more once
+/// a CUDA graph uses it, because the graph holds its address.
+///
+/// The stream belongs to the device that is current when the workspace is made. Only one thread at
+/// a time may use a workspace. Destroy it before its stream, after all graphs that use it, and not
+/// while its stream is being captured.
 class ESPALIER_API CudaWorkspace {
 public:
-    /// Takes no memory yet.
-    /// \param stream null is the default stream of that device
+    /// Allocates nothing yet.
+    /// \param stream of the current device; null is the default stream
     /// \throws CudaError
     explicit CudaWorkspace(CudaStream stream = nullptr);
     ~CudaWorkspace();
@@ -152,12 +156,13 @@ public:
     int device() const { return device_; }
     std::size_t byteCount() const { return byteCount_; }
 
-    /// Waits until all that is on the stream is done.
-    /// \throws CudaError also for what has failed there
+    /// Waits until all work on the stream is done.
+    /// \throws CudaError also if any of that work has failed
     void synchronize() const;
 
-    /// Makes it hold so many bytes. What it held is lost if it has to grow.
-    /// \throws Error if it has to grow and is used in a CUDA graph, or its stream is captured;
+    /// Makes sure that the workspace holds at least `bytes` bytes. If it has to grow, its contents
+    /// are lost.
+    /// \throws Error if it has to grow, but a CUDA graph uses it or its stream is being captured;
     ///         CudaError
     std::byte* reserve(std::size_t bytes);
 
@@ -172,17 +177,16 @@ private:
 };
 
 struct CudaTableOptions {
-    /// Whether rows that share their columns are kept together, and outer products by their
-    /// factors, as in CompiledTable. Else the table lies on the device as it is, in compressed
-    /// rows.
+    /// If true, rows that share their columns are stored as groups, and outer products as factors,
+    /// as in CompiledTable. If false, the device holds the table as compressed sparse rows.
     bool isGrouped = true;
 
-    /// Whether evaluateAdjoint() may be called. That takes a few more bytes for each group of rows
-    /// and each of its columns; and what rows have that are in no group, a second time.
+    /// If true, evaluateAdjoint() may be called. This takes a few bytes more for each group of rows
+    /// and for each of its columns, and stores all rows that are in no group a second time.
     bool hasAdjoint = false;
 };
 
-/// A stencil table on the device that is current when it is made, and products with it.
+/// Holds a stencil table on a device, and multiplies it by values there.
 ///
 ///     const osd::CudaEvaluator<float> table(binding.table);   // once
 ///     osd::CudaBuffer<float> points(3 * count);
@@ -190,19 +194,23 @@ struct CudaTableOptions {
 ///     …
 ///     table.evaluate(pose, xyz, points, xyz, {0, count}, workspace);  // for each pose
 ///
-/// Immutable, and so safe to share between threads, each with a workspace of its own. Copies share
-/// the table; the last one, when it goes, waits for what the device is doing. Calls put
-/// work on the stream of the workspace, and may come from any thread, whatever its current device.
-/// From device to device they wait for nothing.
+/// The device is the one that is current when the table is made. Immutable, so threads may share
+/// it, each with its own workspace. Copies share the table; destroying the last one waits until the
+/// device is idle.
+///
+/// Calls put work on the stream of the workspace. They may come from any thread, whatever its
+/// current device. If source and destination are on the device, calls wait for nothing.
 template <class Real>
 class ESPALIER_API CudaEvaluator {
 public:
-    /// Copies the table, and returns when it is there for any stream, and the kernels are loaded.
+    /// Copies the table to the device. When this returns, the table is ready for any stream, and
+    /// the kernels are loaded.
     ///
-    /// \throws CudaError where there is no device, or not enough memory on it; Error if the adjoint
-    ///         has too many sums on the way
-    /// \cost O(entries + rows log rows) on the host, and there, for a moment, as much memory as it
-    ///       takes on the device; ungrouped none, but for an adjoint that of the table
+    /// \throws CudaError if there is no device, or not enough memory on it; Error if the adjoint
+    ///         needs too many intermediate sums
+    /// \cost O(entries + rows log rows) on the host. Temporary memory of the host, as much as the
+    ///       table takes on the device; if not grouped, none, or with an adjoint as much as the
+    ///       table takes
     explicit CudaEvaluator(const stencils::StencilTable<Real>& table,
                            const CudaTableOptions& options = {});
 
@@ -210,50 +218,52 @@ public:
     Index columnCount() const;
     int device() const;
 
-    /// Memory of the device that it takes: in all, and without what the adjoint takes besides.
+    /// Memory of the device in bytes: in total, and without the part that only the adjoint needs.
     std::size_t byteCount() const;
     std::size_t tableByteCount() const;
 
-    /// One that is large enough for evaluations of so many components from the device to the
-    /// device: of the adjoint, if there is one.
-    /// \param stream of the device of this table
+    /// Returns a workspace that is large enough for evaluations of entries of `length` components
+    /// with source and destination on the device; also for the adjoint, if there is one.
+    /// \param stream must belong to the device of this table
     /// \throws Error as checkLength() does; CudaError
     CudaWorkspace workspace(Offset length, CudaStream stream = nullptr) const;
 
-    /// As checkEvaluation() says, of source and destination on the host or on the device.
+    /// Evaluates `rows`, with the contract of checkEvaluation(). Source and destination may be on
+    /// the host or on the device.
     ///
-    /// Results are off the sums by no more than an ulp of Σ |w · x| for each entry and 4 more,
-    /// since they are made in another order than that of the columns, and weights of outer products
-    /// are a little off. They do not depend on the device nor on the range, bit for bit. A source
-    /// value that is not finite may reach rows beside its own, whose weight for it is 0.
+    /// The error is at most 1 ulp of Σ |w · x| for each entry, plus 4 ulp: terms are not added in
+    /// the order of the columns, and products of factors differ slightly from the weights. Results
+    /// do not depend on the device or on the range, bit for bit. A source value that is not finite
+    /// may also reach rows of its group whose weight for it is 0.
     ///
-    /// From the host, the source is copied to the device first; to the host, the rows of the range
-    /// are copied there after it, by cudaMemcpyAsync(). Memory that is page-locked must stay as it
-    /// is, or not be read, until these copies are done; of other memory the source is read before
-    /// this returns, and it may wait for the destination. Synchronize before that is read. Where
-    /// entries of the destination do not lie one behind the other, each is a copy of its own, which
-    /// is slow.
+    /// A source on the host is first copied to the device, and results for the host are copied
+    /// there after the evaluation, both by cudaMemcpyAsync(). If that memory is page-locked, do not
+    /// change the source, or read the destination, before the copies are done. If it is not
+    /// page-locked, the source has been read when this returns, and this call may wait for the
+    /// results. In both cases, synchronize before you read the destination. If its entries are not
+    /// contiguous, each is copied separately, which is slow.
     ///
-    /// From device to device, this may be captured as a part of a CUDA graph. Table, buffers and
-    /// workspace must be there as long as the graph is, and no one else may use the workspace while
-    /// it runs.
+    /// If source and destination are on the device, a CUDA graph may capture this call. Table,
+    /// buffers and workspace must live as long as the graph, and nothing else may use the workspace
+    /// while the graph runs.
     ///
-    /// \throws Error as checkEvaluation() says, if the workspace is another device's, or as
-    ///         CudaWorkspace::reserve() says; CudaError if CUDA refuses a copy or a kernel
-    /// \cost O(entries of the range × components), and a look at each group of rows and each row in
-    ///       none; memory of the workspace for what is copied
+    /// \throws Error as checkEvaluation() says, if the workspace belongs to another device, or as
+    ///         CudaWorkspace::reserve() says; CudaError if CUDA rejects a copy or a kernel
+    /// \cost O(entries of the range × components), and one check for each group and for each row
+    ///       that is in no group; memory of the workspace for what is copied
     void evaluate(CudaSource<Real> source, const BufferDescriptor& sourceLayout,
                   CudaDestination<Real> destination, const BufferDescriptor& destinationLayout,
                   RowRange rows, CudaWorkspace& workspace) const;
 
-    /// The same of the transpose: gradients by the rows of the table become gradients by its
-    /// columns. Results are off by no more than an ulp for each entry of the column, and 4; in
-    /// practice for each doubling of their number. No two threads add to the same number.
+    /// Evaluates rows of the transpose in the same way: gradients by the rows of the table become
+    /// gradients by its columns. The error is at most 1 ulp for each entry of the column, plus 4
+    /// ulp; in practice it grows by 1 ulp when the number of entries doubles. No two threads add to
+    /// the same number.
     ///
-    /// \param columns of the table, which are rows of the transpose
-    /// \throws Error also if the table was made without adjoint
-    /// \cost O(entries × components), whatever the range; memory of the workspace for a sum of each
-    ///       column of each group of rows
+    /// \param columns of the table, which are the rows of the transpose
+    /// \throws Error also if the table was made without its adjoint
+    /// \cost O(entries × components), whatever the range; memory of the workspace for one sum of
+    ///       each column of each group of rows
     void evaluateAdjoint(CudaSource<Real> source, const BufferDescriptor& sourceLayout,
                          CudaDestination<Real> destination,
                          const BufferDescriptor& destinationLayout, RowRange columns,
@@ -264,20 +274,22 @@ private:
     std::shared_ptr<const Data> data_;
 };
 
-/// The kept points of a bound model on the device that is current when it is made: those that
-/// evaluators of its table have made 0 (binding_evaluator.h).
+/// Holds the points that a binding keeps in place, on a device. Evaluators of the table of the
+/// binding write 0 for these points (binding_evaluator.h). The device is the one that is current
+/// when this is made.
 template <class Real>
 class ESPALIER_API CudaKeptPoints {
 public:
-    /// \param pointCount rows of the table
-    /// \param kept, keptAt as Binding has them: which points, and where they stay
-    /// \throws Error if these are not as many, or a point is not one of the model's; CudaError
+    /// \param pointCount number of rows of the table
+    /// \param kept, keptAt as in Binding: the points, and their positions
+    /// \throws Error if the two differ in size, or a point is not in the model; CudaError
     CudaKeptPoints(Index pointCount, std::span<const Index> kept, std::span<const Point3> keptAt);
 
-    /// Puts them where they were, behind what is on the stream.
+    /// Writes the positions of these points, in the order of the stream.
     ///
-    /// \param destination on the device, where entry i is point i; of `layout`, whose length is 3
-    /// \throws Error if the layout does not make sense, or not all points have room; CudaError
+    /// \param destination on the device; has point i at entry i of `layout`, whose length is 3
+    /// \throws Error if the layout is invalid or the destination too short for all points;
+    ///         CudaError
     void write(DeviceSpan<Real> destination, const BufferDescriptor& layout,
                CudaStream stream = nullptr) const;
 

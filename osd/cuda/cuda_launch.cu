@@ -5,7 +5,7 @@
 namespace espalier::osd::device {
 namespace {
 
-/// A warp of the device (device_kernels.h), each of whose threads is one lane.
+/// A warp of the device, as device_kernels.h describes it. Each thread is one lane.
 class CudaWarp {
 public:
     template <class T>
@@ -66,8 +66,9 @@ public:
     }
 
 private:
-    /// Of twice as many sums as `distance` a lane keeps one half, and gives the other, which is its
-    /// partner's, away; and so on until it has one. A template, for else they would lie in memory.
+    /// Adds up 2 · `distance` sums over pairs of lanes: each lane keeps one half of the sums and
+    /// gives the other half to its partner. Repeats this with half the distance until each lane has
+    /// one sum. It is a template because arrays with variable indices would be in memory.
     template <int distance, class Real>
     static __device__ void addHalves(Real* sums) {
         const bool isUpper = (lane() & distance) != 0;
@@ -86,17 +87,17 @@ private:
 };
 
 template <class Kernel>
-__global__ void __launch_bounds__(kWarpsOfBlock* kWarp)
-    run(const __grid_constant__ Kernel kernel, unsigned sharedOfWarp) {
+__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
+    run(const __grid_constant__ Kernel kernel, unsigned sharedPerWarp) {
     extern __shared__ __align__(16) unsigned char shared[];
-    const unsigned warpOfBlock = threadIdx.x / kWarp;
-    const long long index = static_cast<long long>(blockIdx.x) * (blockDim.x / kWarp) + warpOfBlock;
+    const unsigned warpInBlock = threadIdx.x / kWarp;
+    const long long index = static_cast<long long>(blockIdx.x) * (blockDim.x / kWarp) + warpInBlock;
     if (index >= kernel.warps) return;
     CudaWarp warp;
-    kernel.kernel(warp, static_cast<Index>(index), shared + warpOfBlock * sharedOfWarp);
+    kernel.kernel(warp, static_cast<Index>(index), shared + warpInBlock * sharedPerWarp);
 }
 
-/// A kernel, and how many warps it takes: counted once, on the host.
+/// A kernel and its number of warps, which is computed once, on the host.
 template <class Kernel>
 struct Counted {
     Kernel kernel;
@@ -121,7 +122,7 @@ cudaError_t startKernel(const Kernel& kernel, cudaStream_t stream) {
     unsigned shared = kernel.sharedBytes();
     const Blocks blocks = blocksOf(counted.warps, shared);
     void* arguments[] = {&counted, &shared};
-    // Not <<<>>>, whose failure is that of any earlier call as well.
+    // <<<>>> would also report failures of earlier calls.
     return cudaLaunchKernel(functionOf<Kernel>(), dim3(blocks.count), dim3(blocks.warps * kWarp),
                             arguments, blocks.warps * shared, stream);
 }

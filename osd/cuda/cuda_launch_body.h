@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What cuda_launch.h declares, of loadKernel(kernel) and startKernel(kernel, stream). Included by
-// cuda_launch.cu, and by a test that has a device of its own, each inside the namespace and behind
-// these functions. No #pragma once, and no includes.
+// Implements cuda_launch.h by means of loadKernel(kernel) and startKernel(kernel, stream). Included
+// by cuda_launch.cu, and by a test that has its own device, each time inside the namespace and
+// after these two functions. Hence there is no #pragma once, and there are no includes.
 
-/// Calls something with kernels, until it fails.
+/// Calls `call` for each kernel until one call fails, and keeps that failure.
 template <class Call>
 class UntilError {
 public:
@@ -33,7 +33,7 @@ cudaError_t loadKernels() {
     AdjointView<Real> adjoint = {};
     adjoint.steps = &step;
     adjoint.stepCount = 1;
-    // Each width that forComponents() takes.
+    // These lengths need every width of forComponents().
     for (const Offset length : {1, 2, 3, 4, 12}) {
         evaluation.length = length;
         launchTable(TableView<Real>{}, evaluation, load);

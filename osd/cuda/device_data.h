@@ -3,27 +3,27 @@
 
 #include <espalier/base/index.h>
 
-// What kernels of GPUs read: plain arrays, that lie in memory of the device. Compiled for the host
-// and for the device: nothing here may need the standard library.
+// The data that kernels of GPUs read: plain arrays in memory of the device. Compiled for the host
+// and for the device, so nothing here may need the standard library.
 namespace espalier::osd::device {
 
-/// Lanes of a warp: threads that go together.
+/// Number of lanes of a warp, which are threads that run together.
 inline constexpr int kWarp = 32;
 
-/// Rows of a group that a lane evaluates at a time: as many as 16 bytes hold weights, which is the
-/// most that it can load at once.
+/// Number of rows of a group that a lane evaluates at a time: as many as have their weights in 16
+/// bytes, which is the most that a lane can load at once.
 template <class Real>
-inline constexpr int kRowsOfLane = static_cast<int>(16 / sizeof(Real));
+inline constexpr int kRowsPerLane = static_cast<int>(16 / sizeof(Real));
 
-/// Rows that share their columns, as in CompiledRows: panels of kernels::kLanes rows.
+/// Rows that share their columns, as in CompiledRows, in panels of kernels::kLanes rows.
 struct Group {
     Offset firstColumn;  ///< in Groups::columns
     Offset firstNumber;  ///< in Groups::numbers, which groups may share
     Offset firstRow;     ///< in Groups::rows
     Index columnCount;
     Index rowCount;
-    Index lowest, highest;  ///< row
-    Index size[3];          ///< of an outer product; zeros if these are panels of weights
+    Index lowest, highest;  ///< row numbers
+    Index size[3];          ///< of an outer product; zeros for panels of weights
 };
 
 template <class Real>
@@ -34,10 +34,10 @@ struct Groups {
     const Index* rows;
 };
 
-/// What a warp does of a group.
+/// The part of a group that one warp evaluates.
 struct Task {
     Index group;
-    Index part;  ///< the first of kWarp · kRowsOfLane rows; for the adjoint a tile of columns
+    Index part;  ///< the first of kWarp · kRowsPerLane rows; for the adjoint, a tile of columns
 };
 
 struct TaskList {
@@ -45,19 +45,19 @@ struct TaskList {
     Index count;
 };
 
-/// Rows in compressed form: row i is entries offsets[i] to offsets[i + 1] − 1.
+/// Compressed sparse rows: row i has entries offsets[i] to offsets[i + 1] − 1.
 template <class Real>
 struct SparseRows {
     const Offset* offsets;
     const Index* columns;
-    const Real* weights;  ///< 1 for each entry if null
-    const Index* rows;    ///< which row of the table, ascending; row i if null
+    const Real* weights;  ///< if null, all weights are 1
+    const Index* rows;    ///< the row numbers in the table, ascending; if null, row i is row i
     Index count;
-    int lanesLog2;  ///< 2 to this many lanes go through a row together
+    int lanesLog2;  ///< 2^lanesLog2 lanes work on a row together
 };
 
-/// How sizes of outer products are shared out: those of n × m × l factors with n, m and l up to 4
-/// by n, and all others to 0.
+/// Classes of outer products. A product whose largest size n is 2, 3 or 4 belongs to class n, any
+/// other to class 0.
 inline constexpr int kSizes[] = {4, 3, 2, 0};
 inline constexpr int kSizeCount = 4;
 
@@ -67,32 +67,35 @@ struct TableView {
     Index rowCount, columnCount;
     Groups<Real> groups;
     TaskList panels;
-    TaskList products[kSizeCount];  ///< in the order of kSizes
-    Index mostProductColumns;       ///< of a product of other sizes
-    SparseRows<Real> alone;         ///< the rows that are in no group
+    TaskList products[kSizeCount];  ///< one list for each class of kSizes
+    Index maxProductColumns;        ///< of any outer product of class 0
+    SparseRows<Real> ungrouped;     ///< rows that are in no group
 };
 
-/// Sums of results for each of some places, or of the columns of the table.
+/// One step of the adjoint: adds up earlier results, for some places or for the columns of the
+/// table.
 template <class Real>
 struct SumStep {
-    SparseRows<Real> rows;  ///< columns are places of earlier results
-    Offset firstPlace;      ///< of these results; those of the last step are the adjoint's
+    SparseRows<Real> rows;  ///< their columns are places of earlier results
+    Offset firstPlace;  ///< place of the first result; not used in the last step, whose results are
+                        ///< the adjoint
 };
 
-/// What the adjoint of a table reads besides. Results have places: first those of the groups for
-/// their columns, as in Groups::columns, then those of the segments, then those of the steps.
+/// The additional data of the adjoint. Each intermediate result has a place: first the sums of the
+/// groups, one for each element of Groups::columns; then the sums of the segments; then the results
+/// of the steps.
 template <class Real>
 struct AdjointView {
     TaskList panels, products;   ///< tiles of columns
-    SparseRows<Real> segments;   ///< of the columns of the rows that are in no group
-    Offset firstSegment;         ///< its place
+    SparseRows<Real> segments;   ///< of the columns of the ungrouped rows
+    Offset firstSegment;         ///< place of the sum of the first segment
     const SumStep<Real>* steps;  ///< in memory of the host
     int stepCount;
     Offset placeCount;
 };
 
-/// The values that a table is applied to, and where results go: component c of row r to
-/// destination[(r − destinationFirst) · stride + c].
+/// The source and the destination of an evaluation. Component c of row r goes to destination[(r −
+/// destinationFirst) · stride + c].
 template <class Real>
 struct Evaluation {
     const Real* source;
@@ -104,7 +107,7 @@ struct Evaluation {
     Index first, last;  ///< rows first to last − 1 are evaluated
 };
 
-/// Components that go through a kernel of some width: `count` times so many, from `from` on.
+/// `count` chunks of the kernel's width, starting at component `from`.
 struct Components {
     Offset from;
     Offset count;

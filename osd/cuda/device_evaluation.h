@@ -3,15 +3,15 @@
 
 #include "device_kernels.h"
 
-// Which kernels evaluate a table on a device, in which order. A Launch is called with a kernel, as
-// those of device_kernels.h, and starts it behind those before it: on the device in cuda_launch.cu,
-// in tests on the host.
+// Selects the kernels that evaluate a table on a device, and their order. A Launch is called with a
+// kernel of device_kernels.h and starts it after the previous ones: on the device in
+// cuda_launch.cu, on the host in tests.
 namespace espalier::osd::device {
 
-/// Warps of a block, at most: they share nothing but its memory.
-inline constexpr unsigned kWarpsOfBlock = 4;
+/// Maximum number of warps in a block. They share nothing but the memory of the block.
+inline constexpr unsigned kWarpsPerBlock = 4;
 
-/// Shared memory that any block may have on any device.
+/// Size in bytes of the shared memory that any block may have on any device.
 inline constexpr unsigned kMaxShared = 48 * 1024;
 
 struct Blocks {
@@ -19,28 +19,28 @@ struct Blocks {
     unsigned warps;  ///< of each
 };
 
-/// How warps go into blocks; each warp has so many bytes of shared memory, no more than
+/// Distributes warps over blocks. Each warp needs `sharedBytes` bytes of shared memory, at most
 /// kMaxShared.
 constexpr Blocks blocksOf(Index warpCount, unsigned sharedBytes) {
-    const unsigned fit = sharedBytes == 0 ? kWarpsOfBlock : kMaxShared / sharedBytes;
-    const unsigned warps = fit < kWarpsOfBlock ? fit : kWarpsOfBlock;
+    const unsigned fit = sharedBytes == 0 ? kWarpsPerBlock : kMaxShared / sharedBytes;
+    const unsigned warps = fit < kWarpsPerBlock ? fit : kWarpsPerBlock;
     return {(static_cast<unsigned>(warpCount) + warps - 1) / warps, warps};
 }
 
-// The largest outer products that are looked for, in the widest numbers.
+// The largest outer products, in double, fit in shared memory.
 static_assert(Entries<4, double>::bytes(kernels::kMaxProductColumns) + Results<4, double>::kBytes <=
               kMaxShared);
 
-/// Calls f.operator()<width>(components) for parts of `length` components, the widths being 1 to 4,
-/// or `most`, so that the same kernel takes as many as can be.
-template <int most, class F>
+/// Splits `length` components into chunks and calls f.operator()<width>(components) for each width
+/// that occurs: 1 to 4, or `widest`. Prefers few kernels with many chunks.
+template <int widest, class F>
 void forComponents(Offset length, F f) {
     Offset from = 0;
     const auto take = [&]<int width>(Offset count) {
         if (count > 0) f.template operator()<width>(Components{from, count});
         from += count * width;
     };
-    if constexpr (most > 4) take.template operator()<most>(length / most);
+    if constexpr (widest > 4) take.template operator()<widest>(length / widest);
     if ((length - from) % 3 == 0) return take.template operator()<3>((length - from) / 3);
     take.template operator()<4>((length - from) / 4);
     const Offset left = length - from;
@@ -49,7 +49,7 @@ void forComponents(Offset length, F f) {
     take.template operator()<1>(left == 1);
 }
 
-/// Components of rows that are read for each of them anew where there are more.
+/// Maximum number of components in one pass over the rows. More components need another pass.
 inline constexpr int kMaxComponents = 12;
 
 template <class Real, class Launch>
@@ -64,12 +64,12 @@ template <int n, class Real, class Launch>
 void launchProducts(const TableView<Real>& table, const TaskList& tasks,
                     const Evaluation<Real>& evaluation, Launch& launch) {
     forComponents<4>(evaluation.length, [&]<int width>(const Components& components) {
-        launch(ProductKernel<n, width, Real>{table.groups, tasks, table.mostProductColumns,
+        launch(ProductKernel<n, width, Real>{table.groups, tasks, table.maxProductColumns,
                                              evaluation, components});
     });
 }
 
-/// destination = table · source, for the rows of the evaluation.
+/// Computes destination = table · source for the rows of the evaluation.
 template <class Real, class Launch>
 void launchTable(const TableView<Real>& table, const Evaluation<Real>& evaluation,
                  Launch&& launch) {
@@ -80,21 +80,21 @@ void launchTable(const TableView<Real>& table, const Evaluation<Real>& evaluatio
     forComponents<kMaxComponents>(evaluation.length, [&]<int width>(const Components& components) {
         launch(PanelKernel<width, Real>{table.groups, table.panels, evaluation, components});
     });
-    const SparseRows<Real>& alone = table.alone;
-    if (alone.rows == nullptr)
-        launchSparse(alone, evaluation.first,
-                     evaluation.last < alone.count ? evaluation.last : alone.count, evaluation,
-                     launch);
+    const SparseRows<Real>& ungrouped = table.ungrouped;
+    if (ungrouped.rows == nullptr)
+        launchSparse(ungrouped, evaluation.first,
+                     evaluation.last < ungrouped.count ? evaluation.last : ungrouped.count,
+                     evaluation, launch);
     else
-        launchSparse(alone, 0, alone.count, evaluation, launch);
+        launchSparse(ungrouped, 0, ungrouped.count, evaluation, launch);
 }
 
-/// destination = tableᵀ · source, for the columns of the table that are rows of the evaluation.
-/// \param places room for placeCount · length numbers
+/// Computes destination = tableᵀ · source. The rows of the evaluation are columns of the table.
+/// \param places temporary memory for placeCount · length numbers
 template <class Real, class Launch>
 void launchAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoint,
                    const Evaluation<Real>& evaluation, Real* places, Launch&& launch) {
-    // To the places from one on, as if they were rows.
+    // Writes results to the places from `first` on, as if these were rows.
     const Offset length = evaluation.length;
     const auto toPlaces = [&](const Evaluation<Real>& from, Offset first, Index count) {
         return Evaluation<Real>{
@@ -111,7 +111,7 @@ void launchAdjoint(const TableView<Real>& table, const AdjointView<Real>& adjoin
     launchSparse(adjoint.segments, 0, segments,
                  toPlaces(evaluation, adjoint.firstSegment, segments), launch);
 
-    // Sums of sums.
+    // Adds up the results of earlier steps.
     Evaluation<Real> last = evaluation;
     last.source = places;
     last.sourceStride = length;

@@ -6,22 +6,22 @@
 
 #include "device_data.h"
 
-// The kernels of GPUs, as functions of one warp. Compiled for the device by cuda_launch.cu, and for
-// the host by tests, where they give the same results to the last bit: every product is added by
-// fma(), and every sum over lanes is made in one order.
+// The kernels of GPUs, as functions of one warp. They are compiled for the device by
+// cuda_launch.cu, and for the host by tests. Both give the same results to the last bit: every
+// product is added by fma(), and every sum over lanes has a fixed order.
 //
 // A Warp has
 //
-//     each(f)            calls f(lane) for all lanes, which are together again after it
+//     each(f)            calls f(lane) for all lanes, and synchronizes them afterwards
 //     PerLane<T>         a T for each lane: value[lane]
-//     sumOver(v, lanes)  v: PerLane<Values<Real, n>>; each lane has then the sums over its `lanes`
-//                        neighbours
-//     sumAll(v)          n a multiple of kWarp: v[lane].of[t] is then the sum of of[32 t + lane]
+//     sumOver(v, lanes)  v: PerLane<Values<Real, n>>; gives each lane the sums over its group of
+//                        `lanes` neighbours
+//     sumAll(v)          n a multiple of kWarp: sets v[lane].of[t] to the sum of of[32 t + lane]
 //                        over all lanes
-//     load<T>(address)   a T of 16 bytes, aligned to that, which is not soon read again
+//     load<T>(address)   loads a T of 16 bytes, aligned to 16, that is not soon read again
 //     prefetch(address)
 //
-// What one lane writes to memory others may read in the next each().
+// Memory that a lane writes in one each() may be read by other lanes in the next each().
 #if defined(__CUDACC__)
 #define ESPALIER_DEVICE __host__ __device__
 #define ESPALIER_UNROLL _Pragma("unroll")
@@ -46,19 +46,19 @@ struct Values {
     Real of[count];
 };
 
-/// A number of each of the rows of a lane.
+/// One number for each of the rows of a lane.
 template <class Real>
 struct alignas(16) RowNumbers {
-    Real of[kRowsOfLane<Real>];
+    Real of[kRowsPerLane<Real>];
 };
 
-/// Four components, which are loaded at once.
+/// Four components, which one instruction loads.
 template <class Real>
 struct alignas(16) Quad {
     Real of[4];
 };
 
-/// The entries of some columns, in memory that the lanes of a warp share.
+/// The source entries of some columns, in the shared memory of a warp.
 template <int width, class Real>
 class Entries {
 public:
@@ -98,12 +98,12 @@ private:
     Quad<Real>* quads_;
 };
 
-/// Results of the rows of a warp, on their way: lanes hold four rows each, and write one number
-/// after the other as they lie in memory.
+/// Collects the results of the rows of a warp in shared memory. From there, consecutive lanes write
+/// consecutive numbers of the destination.
 template <int width, class Real>
 class Results {
 public:
-    static constexpr int kRows = kWarp * kRowsOfLane<Real>;
+    static constexpr int kRows = kWarp * kRowsPerLane<Real>;
     static constexpr unsigned kBytes = kRows * (width | 1) * sizeof(Real);
 
     ESPALIER_DEVICE explicit Results(unsigned char* shared)
@@ -111,14 +111,14 @@ public:
 
     ESPALIER_DEVICE void set(int lane, const Values<RowNumbers<Real>, width>& sums) const {
         ESPALIER_UNROLL
-        for (int q = 0; q < kRowsOfLane<Real>; ++q) {
+        for (int q = 0; q < kRowsPerLane<Real>; ++q) {
             ESPALIER_UNROLL
             for (int c = 0; c < width; ++c)
-                numbers_[(lane * kRowsOfLane<Real> + q) * kPitch + c] = sums.of[c].of[q];
+                numbers_[(lane * kRowsPerLane<Real> + q) * kPitch + c] = sums.of[c].of[q];
         }
     }
 
-    /// \param count of the rows that there are
+    /// \param count number of rows, at most kRows
     template <class Warp>
     ESPALIER_DEVICE void store(Warp& warp, const Index* rows, Index count,
                                const Evaluation<Real>& e, Offset from) const {
@@ -133,18 +133,18 @@ public:
     }
 
 private:
-    static constexpr int kPitch = width | 1;  ///< odd, for fewer conflicts of banks
+    static constexpr int kPitch = width | 1;  ///< odd, so that there are fewer bank conflicts
 
     Real* numbers_;
 };
 
 template <class Real>
-ESPALIER_DEVICE bool isAnyWanted(const Group& group, const Evaluation<Real>& e) {
+ESPALIER_DEVICE bool isAnyInRange(const Group& group, const Evaluation<Real>& e) {
     return group.highest >= e.first && group.lowest < e.last;
 }
 
-/// Number k of a row of a group, where each row has `length`; those of the next rows lie behind it,
-/// up to the end of the panel.
+/// Returns the address of number k of a row of a group; each row has `length` numbers. The same
+/// number of the next rows, up to the end of the panel, follows it directly.
 template <class Real>
 ESPALIER_DEVICE const Real* numberOf(const Groups<Real>& table, const Group& group, Index row,
                                      Index length, Index k) {
@@ -153,34 +153,36 @@ ESPALIER_DEVICE const Real* numberOf(const Groups<Real>& table, const Group& gro
            row % lanes;
 }
 
-/// Adds the products of numbers of each row and the components of an entry.
+/// For each row of a lane, adds its number times the components of an entry.
 template <int width, class Real>
 ESPALIER_DEVICE void addEntry(Values<RowNumbers<Real>, width>& sums, const RowNumbers<Real>& number,
                               const Values<Real, width>& entry) {
     ESPALIER_UNROLL
     for (int c = 0; c < width; ++c) {
         ESPALIER_UNROLL
-        for (int q = 0; q < kRowsOfLane<Real>; ++q)
+        for (int q = 0; q < kRowsPerLane<Real>; ++q)
             sums.of[c].of[q] = addProduct(sums.of[c].of[q], number.of[q], entry.of[c]);
     }
 }
 
-/// The same of numbers of each row and sums of it.
+/// For each row of a lane, adds its number times sums of the same row.
 template <int width, class Real>
 ESPALIER_DEVICE void addSums(Values<RowNumbers<Real>, width>& sums, const RowNumbers<Real>& number,
                              const Values<RowNumbers<Real>, width>& others) {
     ESPALIER_UNROLL
     for (int c = 0; c < width; ++c) {
         ESPALIER_UNROLL
-        for (int q = 0; q < kRowsOfLane<Real>; ++q)
+        for (int q = 0; q < kRowsPerLane<Real>; ++q)
             sums.of[c].of[q] = addProduct(sums.of[c].of[q], number.of[q], others.of[c].of[q]);
     }
 }
 
-/// Rows that share their columns, a task a warp: one weight of each of a lane's rows at a time.
+/// Evaluates rows that share their columns. Each warp evaluates one task. A lane loads one weight
+/// of each of its rows at a time.
 template <int width, class Real>
 struct PanelKernel {
-    static constexpr Index kColumns = 64;  ///< whose entries are at hand at a time
+    static constexpr Index kColumns = 64;  ///< number of columns whose entries are in shared memory
+                                           ///< at a time
 
     Groups<Real> table;
     TaskList tasks;
@@ -196,7 +198,7 @@ struct PanelKernel {
     ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char* shared) const {
         const Task task = tasks.tasks[index];
         const Group group = table.groups[task.group];
-        if (!isAnyWanted(group, evaluation)) return;
+        if (!isAnyInRange(group, evaluation)) return;
         for (Offset i = 0; i < components.count; ++i)
             evaluate(warp, group, task.part, components.from + i * width, shared);
     }
@@ -216,7 +218,7 @@ private:
             entries.gather(warp, table.columns + group.firstColumn + first, count, evaluation,
                            from);
             warp.each([&](int lane) {
-                const Index row = firstRow + lane * kRowsOfLane<Real>;
+                const Index row = firstRow + lane * kRowsPerLane<Real>;
                 if (row >= group.rowCount) return;
                 const Real* number = numberOf(table, group, row, group.columnCount, first);
                 Sums own = sums[lane];
@@ -235,33 +237,33 @@ private:
     }
 };
 
-/// The factors of a lane's rows, of a product of up to 4 a side.
+/// The factors of the rows of a lane, for an outer product of at most 4 columns along each axis.
 template <int n, class Real>
 struct Factors {
     RowNumbers<Real> a[n], b[4], c[4];
 };
 
-/// Rows that are outer products, a task a warp: along axis 0, then what that gives along axis 1,
-/// then 2.
+/// Evaluates rows that are outer products: sums along axis 0, then sums of these along axis 1, then
+/// along axis 2. Each warp evaluates one task.
 ///
-/// Bound by memory: of 1,800 instructions that sm_90 has for 128 rows of three floats, 1,008 are
-/// the products, which take 460 cycles of a multiprocessor; the 8 KB that they read and write take
-/// it 630 on an H100.
+/// Memory bandwidth limits the speed: for 128 rows of three floats, sm_90 has 1,800 instructions,
+/// 1,008 of them for the products, which take a multiprocessor 460 cycles; reading and writing
+/// their 8 KB takes it 630 cycles on an H100.
 ///
-/// \tparam n the size along axis 0, the others being at most 4: factors are loaded once, all at a
-///         time, for any number of components. 0: any sizes
+/// \tparam n the size along axis 0, where the other sizes are at most 4: all factors are loaded at
+///         once, and once for any number of components. 0 allows any sizes
 template <int n, int width, class Real>
 struct ProductKernel {
     Groups<Real> table;
     TaskList tasks;
-    Index mostColumns;  ///< of a product, if n is 0
+    Index maxColumns;  ///< of any outer product, if n is 0
     Evaluation<Real> evaluation;
     Components components;
 
     Index warpCount() const { return tasks.count; }
     unsigned sharedBytes() const {
-        // Sizes descend.
-        return Entries<width, Real>::bytes(n > 0 ? n * n * n : mostColumns) +
+        // The other sizes are at most n.
+        return Entries<width, Real>::bytes(n > 0 ? n * n * n : maxColumns) +
                Results<width, Real>::kBytes;
     }
 
@@ -269,7 +271,7 @@ struct ProductKernel {
     ESPALIER_DEVICE void operator()(Warp& warp, Index index, unsigned char* shared) const {
         const Task task = tasks.tasks[index];
         const Group group = table.groups[task.group];
-        if (!isAnyWanted(group, evaluation)) return;
+        if (!isAnyInRange(group, evaluation)) return;
         const Results<width, Real> results(shared);
         const Entries<width, Real> entries(shared + Results<width, Real>::kBytes);
         const Index rowsLeft = group.rowCount - task.part;
@@ -282,7 +284,7 @@ struct ProductKernel {
             entries.gather(warp, table.columns + group.firstColumn, group.columnCount, evaluation,
                            from);
             warp.each([&](int lane) {
-                if (lane * kRowsOfLane<Real> >= rowCount) return;
+                if (lane * kRowsPerLane<Real> >= rowCount) return;
                 if constexpr (n > 0)
                     results.set(lane, multiply(group, factors[lane], entries));
                 else
@@ -299,7 +301,7 @@ private:
     template <class Warp>
     ESPALIER_DEVICE void load(Warp& warp, const Group& group, Index firstRow, int lane,
                               Factors<(n > 0 ? n : 1), Real>& factors) const {
-        const Index row = firstRow + lane * kRowsOfLane<Real>;
+        const Index row = firstRow + lane * kRowsPerLane<Real>;
         if (row >= group.rowCount) return;
         const Index m = group.size[1], l = group.size[2];
         const Real* number = numberOf(table, group, row, n + m + l, 0);
@@ -344,8 +346,8 @@ private:
                                      const Entries<width, Real>& entries) const {
         const Index sizeA = group.size[0], sizeB = group.size[1], sizeC = group.size[2];
         const Real* numbers =
-            numberOf(table, group, firstRow + lane * kRowsOfLane<Real>, sizeA + sizeB + sizeC, 0);
-        // Not Warp::load(): those of the first axis are read again for each line.
+            numberOf(table, group, firstRow + lane * kRowsPerLane<Real>, sizeA + sizeB + sizeC, 0);
+        // Not Warp::load(), since the factors of axis 0 are read again for each line.
         const auto factor = [&](Index which) -> const RowNumbers<Real>& {
             return *reinterpret_cast<const RowNumbers<Real>*>(numbers + which * kLanes<Real>);
         };
@@ -364,17 +366,17 @@ private:
     }
 };
 
-/// Rows with columns of their own: some lanes a row, which go through it side by side.
+/// Evaluates rows with their own columns. Several lanes work on a row together.
 template <int width, class Real>
 struct SparseKernel {
     SparseRows<Real> rows;
-    Index first, last;  ///< of the rows that are looked at
+    Index first, last;  ///< the range in `rows`
     Evaluation<Real> evaluation;
     Components components;
 
     Index warpCount() const {
-        const Index rowsOfWarp = kWarp >> rows.lanesLog2;
-        return (last - first + rowsOfWarp - 1) / rowsOfWarp;
+        const Index rowsPerWarp = kWarp >> rows.lanesLog2;
+        return (last - first + rowsPerWarp - 1) / rowsPerWarp;
     }
     unsigned sharedBytes() const { return 0; }
 
@@ -387,17 +389,17 @@ struct SparseKernel {
 private:
     using Sums = Values<Real, width>;
 
-    /// The row of a lane, in `rows`; at least `last` if it has none.
+    /// Returns the position in `rows` of the row of a lane; `last` or more if the lane has none.
     ESPALIER_DEVICE Offset rowOf(Index index, int lane) const {
         return first + Offset{index} * (kWarp >> rows.lanesLog2) + (lane >> rows.lanesLog2);
     }
 
-    /// In the table.
+    /// Returns the number of a row in the table.
     ESPALIER_DEVICE Index numberOfRow(Offset row) const {
         return rows.rows == nullptr ? static_cast<Index>(row) : rows.rows[row];
     }
 
-    ESPALIER_DEVICE bool isWanted(Offset row) const {
+    ESPALIER_DEVICE bool isInRange(Offset row) const {
         if (row >= last) return false;
         const Index number = numberOfRow(row);
         return number >= evaluation.first && number < evaluation.last;
@@ -411,7 +413,7 @@ private:
         warp.each([&](int lane) {
             Sums own = {};
             const Offset row = rowOf(index, lane);
-            const bool isHere = isWanted(row);
+            const bool isHere = isInRange(row);
             const Offset end = isHere ? rows.offsets[row + 1] : 0;
             Offset entry = isHere ? rows.offsets[row] + (lane & (lanes - 1)) : 0;
 #if defined(__CUDACC__)
@@ -429,7 +431,7 @@ private:
         warp.sumOver(sums, lanes);
         warp.each([&](int lane) {
             const Offset row = rowOf(index, lane);
-            if (!isWanted(row)) return;
+            if (!isInRange(row)) return;
             Real* to = e.destination +
                        (numberOfRow(row) - e.destinationFirst) * e.destinationStride + from;
             ESPALIER_UNROLL
@@ -439,12 +441,12 @@ private:
     }
 };
 
-/// The next multiple of kWarp, for Warp::sumAll().
+/// `count`, rounded up to a multiple of kWarp, for Warp::sumAll().
 template <int count>
-inline constexpr int kWholeWarps = (count + kWarp - 1) / kWarp* kWarp;
+inline constexpr int kRoundedUpToWarp = (count + kWarp - 1) / kWarp* kWarp;
 
-/// Σ over the rows of a group of weight times value, for 16 of its columns at a time; each task is
-/// such a tile. The results lie by columns, as evaluation.destination says of rows.
+/// Computes Σ weight · value over the rows of a group, for a tile of 16 of its columns at a time.
+/// Each task is a tile. Column k of all groups is row k of evaluation.destination.
 template <int width, class Real>
 struct AdjointPanelKernel {
     static constexpr Index kTile = 16;
@@ -472,7 +474,7 @@ private:
     ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index firstColumn,
                                   Offset from) const {
         const Evaluation<Real>& e = evaluation;
-        constexpr int kSums = kWholeWarps<kTile * width>;
+        constexpr int kSums = kRoundedUpToWarp<kTile * width>;
         using Sums = Values<Real, kSums>;
         typename Warp::template PerLane<Sums> sums;
         const Index columns = group.columnCount - firstColumn;
@@ -509,7 +511,7 @@ private:
     }
 };
 
-/// The same of outer products: tiles of 4 × 4 columns of one plane of their box.
+/// Does the same for outer products. A tile is 4 × 4 columns in one plane of their box.
 template <int width, class Real>
 struct AdjointProductKernel {
     Groups<Real> table;
@@ -533,37 +535,39 @@ struct AdjointProductKernel {
     }
 
 private:
-    /// Rows ahead that are asked for. The tiles of a group go side by side and read the same
-    /// factors, so that few bytes are on their way unless they ask early.
-    static constexpr Index kAhead = 4 * kWarp;
+    /// How many rows ahead to prefetch. The warps of a group run side by side and read the same
+    /// factors, so without early prefetches few bytes would be in flight.
+    static constexpr Index kRowsAhead = 4 * kWarp;
 
     template <class Warp>
     ESPALIER_DEVICE void prefetch(Warp& warp, const Group& group, Index row, Index length) const {
-        constexpr Index lanes = kLanes<Real>, bytesOfLine = 128;
-        // Each of the lanes a line of the numbers of the rows of a warp.
-        constexpr Index numbersOfLine = bytesOfLine / static_cast<Index>(sizeof(Real));
+        constexpr Index lanes = kLanes<Real>, bytesPerLine = 128;
+        // Each lane prefetches one cache line of the numbers of a warp's rows.
+        constexpr Index numbersPerLine = bytesPerLine / static_cast<Index>(sizeof(Real));
         const Index first = row / kWarp * kWarp;
         const Index panels = (group.rowCount - first + lanes - 1) / lanes;
         const Index wanted = panels < kWarp / lanes ? panels : kWarp / lanes;
-        for (Index i = (row - first) * numbersOfLine; i < wanted * lanes * length;
-             i += kWarp * numbersOfLine)
+        for (Index i = (row - first) * numbersPerLine; i < wanted * lanes * length;
+             i += kWarp * numbersPerLine)
             warp.prefetch(numberOf(table, group, first, length, 0) + i);
     }
 
     template <class Warp>
     ESPALIER_DEVICE void evaluate(Warp& warp, const Group& group, Index tile, Offset from) const {
         const Evaluation<Real>& e = evaluation;
-        constexpr int kSums = kWholeWarps<16 * width>;
+        constexpr int kSums = kRoundedUpToWarp<16 * width>;
         using Sums = Values<Real, kSums>;
         typename Warp::template PerLane<Sums> sums;
         const Index n = group.size[0], m = group.size[1], l = group.size[2];
-        const Index tilesOfLine = (n + 3) / 4, tilesOfPlane = tilesOfLine * ((m + 3) / 4);
-        const Index firstI = tile % tilesOfLine * 4, firstJ = tile % tilesOfPlane / tilesOfLine * 4;
-        const Index plane = tile / tilesOfPlane;
+        const Index tilesPerLine = (n + 3) / 4, tilesPerPlane = tilesPerLine * ((m + 3) / 4);
+        const Index firstI = tile % tilesPerLine * 4,
+                    firstJ = tile % tilesPerPlane / tilesPerLine * 4;
+        const Index plane = tile / tilesPerPlane;
         warp.each([&](int lane) {
             Sums own = {};
             for (Index r = lane; r < group.rowCount; r += kWarp) {
-                if (r + kAhead < group.rowCount) prefetch(warp, group, r + kAhead, n + m + l);
+                if (r + kRowsAhead < group.rowCount)
+                    prefetch(warp, group, r + kRowsAhead, n + m + l);
                 const Real* values =
                     e.source + table.rows[group.firstRow + r] * e.sourceStride + from;
                 const Real* factor = numberOf(table, group, r, n + m + l, 0);
@@ -581,11 +585,11 @@ private:
                     const Real b = factor[(n + firstJ + j) * kLanes<Real>];
                     ESPALIER_UNROLL
                     for (int d = 0; d < width; ++d) {
-                        const Real ofLine = b * value.of[d];
+                        const Real lineValue = b * value.of[d];
                         ESPALIER_UNROLL
                         for (int i = 0; i < 4; ++i) {
                             Real& sum = own.of[(j * 4 + i) * width + d];
-                            sum = addProduct(sum, a[i], ofLine);
+                            sum = addProduct(sum, a[i], lineValue);
                         }
                     }
                 }
@@ -607,7 +611,7 @@ private:
     }
 };
 
-/// Writes the values of some entries: component c of entry rows[i] is values[i · length + c].
+/// Writes the values of some entries: component c of entry rows[i] becomes values[i · length + c].
 template <class Real>
 struct ScatterKernel {
     const Index* rows;

@@ -17,13 +17,13 @@ namespace {
 
 using stencils::StencilTable;
 
-/// Entries of a segment, and places of a sum: a longer one would be at work when all others are
-/// done.
+/// Maximum number of entries of a segment, and of places of a sum. A longer one would still run
+/// when all others are done.
 constexpr Offset kMaxEntries = 1024;
 
-/// The rows of a table that lives longer.
+/// Returns the rows of a table without copying them. The table must live longer.
 template <class Real>
-SparseArrays<Real> viewedRows(const StencilTable<Real>& table) {
+SparseArrays<Real> borrowedRows(const StencilTable<Real>& table) {
     SparseArrays<Real> rows;
     rows.offsets = table.offsets();
     rows.columns = table.columns();
@@ -33,19 +33,20 @@ SparseArrays<Real> viewedRows(const StencilTable<Real>& table) {
 
 template <class Real>
 SparseArrays<Real> ownRows(StencilTable<Real> table) {
-    SparseArrays<Real> rows = viewedRows(table);
-    rows.table = std::move(table);  // which leaves its arrays where they are
+    SparseArrays<Real> rows = borrowedRows(table);
+    rows.table = std::move(table);  // The move leaves the arrays where they are, so the spans stay
+                                    // valid.
     return rows;
 }
 
-/// Rows cut into segments of no more than kMaxEntries entries.
-struct Cut {
-    std::vector<Offset> offsets = {0};       ///< of the segments in the entries
-    std::vector<Offset> firstSegments = {};  ///< of each row, and one behind the last
+/// Rows, cut into segments of at most kMaxEntries entries.
+struct RowSegments {
+    std::vector<Offset> offsets = {0};       ///< of the segments, in the entries
+    std::vector<Offset> firstSegments = {};  ///< of each row, and the number of segments at the end
 };
 
-Cut cutRows(std::span<const Offset> offsets) {
-    Cut cut;
+RowSegments splitRows(std::span<const Offset> offsets) {
+    RowSegments cut;
     for (std::size_t row = 0; row + 1 < offsets.size(); ++row) {
         cut.firstSegments.push_back(std::ssize(cut.offsets) - 1);
         for (Offset first = offsets[row]; first < offsets[row + 1]; first += kMaxEntries)
@@ -61,7 +62,7 @@ template <class Real>
 TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
     : rowCount(table.rowCount()), columnCount(table.columnCount()) {
     if (!isGrouped) {
-        alone = viewedRows(table);
+        ungrouped = borrowedRows(table);
         return;
     }
     CompiledRows<Real> compiled = compileRows(table);
@@ -82,16 +83,16 @@ TableArrays<Real>::TableArrays(const StencilTable<Real>& table, bool isGrouped)
         std::vector<Task>* tasks = &panels;
         if (size[0] > 0) {
             const auto* kind = std::find(std::begin(kSizes), std::end(kSizes) - 1, size[0]);
-            if (*kind == 0) mostProductColumns = std::max(mostProductColumns, group.columnCount);
+            if (*kind == 0) maxProductColumns = std::max(maxProductColumns, group.columnCount);
             tasks = &products[kind - std::begin(kSizes)];
         }
-        for (Index first = 0; first < group.rowCount; first += kWarp * kRowsOfLane<Real>)
+        for (Index first = 0; first < group.rowCount; first += kWarp * kRowsPerLane<Real>)
             tasks->push_back({number, first});
     }
     std::sort(compiled.rows.begin(), compiled.rows.end());
-    alone = ownRows(stencils::selectRows<Real>(table, compiled.rows));
-    alone.ownRows = std::move(compiled.rows);
-    alone.rows = alone.ownRows;
+    ungrouped = ownRows(stencils::selectRows<Real>(table, compiled.rows));
+    ungrouped.ownRows = std::move(compiled.rows);
+    ungrouped.rows = ungrouped.ownRows;
 }
 
 template <class Real>
@@ -106,18 +107,19 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
             (isProduct ? products : panels).push_back({number, tile});
     }
 
-    // The columns of the rows that are in no group.
-    segments = ownRows(arrays.groups.empty()
-                           ? stencils::transposeTable(table)
-                           : stencils::transposeTable(rowsOnly<Real>(table, arrays.alone.rows)));
-    Cut cut = cutRows(segments.offsets);
+    // The columns of the ungrouped rows.
+    segments =
+        ownRows(arrays.groups.empty()
+                    ? stencils::transposeTable(table)
+                    : stencils::transposeTable(rowsOnly<Real>(table, arrays.ungrouped.rows)));
+    RowSegments cut = splitRows(segments.offsets);
     segments.ownOffsets = std::move(cut.offsets);
     segments.offsets = segments.ownOffsets;
     firstSegment = std::ssize(arrays.groupColumns);
     placeCount = firstSegment + segments.count();
 
-    // Of each column the places of what is to be added up.
-    const PlacesOfColumns<Offset> places(table.columnCount(), [&](auto found) {
+    // For each column, the places of the sums that add up to its result.
+    const InverseIndex<Offset> places(table.columnCount(), [&](auto found) {
         for (Offset place = 0; place < firstSegment; ++place)
             found(arrays.groupColumns[place], place);
         for (Index column = 0; column < table.columnCount(); ++column)
@@ -142,13 +144,13 @@ AdjointArrays<Real>::AdjointArrays(const StencilTable<Real>& table,
         steps.push_back({std::move(rows), placeCount});
     };
     const auto longest = [&] {
-        Offset most = 0;
+        Offset maximum = 0;
         for (std::size_t i = 0; i + 1 < offsets.size(); ++i)
-            most = std::max(most, offsets[i + 1] - offsets[i]);
-        return most;
+            maximum = std::max(maximum, offsets[i + 1] - offsets[i]);
+        return maximum;
     };
     while (longest() > kMaxEntries) {
-        Cut parts = cutRows(offsets);
+        RowSegments parts = splitRows(offsets);
         addStep(std::move(parts.offsets));
         summands.resize(steps.back().rows.count());
         std::iota(summands.begin(), summands.end(), placeCount);

@@ -8,20 +8,20 @@
 #include <span>
 #include <vector>
 
-#include "../kernels/room.h"
+#include "../kernels/scratch.h"
 #include "device_data.h"
 
 namespace espalier::osd::device {
 
-/// Rows in compressed form, and sums of earlier results: what SparseRows points to.
+/// The arrays to which SparseRows points: compressed sparse rows, or sums of earlier results.
 template <class Real>
 struct SparseArrays {
     std::span<const Offset> offsets = kNone;
     std::span<const Index> columns = {};
-    std::span<const Real> weights = {};  ///< 1 for each entry if there are none
-    std::span<const Index> rows = {};    ///< row i is row i if there are none
+    std::span<const Real> weights = {};  ///< if empty, all weights are 1
+    std::span<const Index> rows = {};    ///< if empty, row i is row i
 
-    // What the spans are of, unless it is the caller's.
+    // The owned arrays to which the spans refer, unless they refer to arrays of the caller.
     stencils::StencilTable<Real> table = {};
     std::vector<Offset> ownOffsets = {};
     std::vector<Index> ownColumns = {}, ownRows = {};
@@ -36,8 +36,9 @@ private:
     static constexpr Offset kNone[] = {0};
 };
 
-/// A table in the form in which it goes to a device: the arrays of TableView. Rows that share their
-/// columns lie as in CompiledTable, outer products by their factors; all others in compressed form.
+/// The arrays of a TableView, which are copied to the device. Rows that share their columns are
+/// stored as in CompiledTable, outer products by their factors; all others as compressed sparse
+/// rows.
 template <class Real>
 struct ESPALIER_API TableArrays {
     Index rowCount, columnCount;
@@ -47,24 +48,25 @@ struct ESPALIER_API TableArrays {
     std::vector<Index> groupRows = {};
     std::vector<Task> panels = {};
     std::array<std::vector<Task>, kSizeCount> products = {};
-    Index mostProductColumns = 0;  ///< of those of kSizes 0
-    SparseArrays<Real> alone = {};
+    Index maxProductColumns = 0;  ///< of any outer product of class 0 (kSizes)
+    SparseArrays<Real> ungrouped = {};
 
-    /// \param table must live as long as this, unless it is grouped
-    /// \param isGrouped whether to look for rows that share their columns
-    /// \cost O(entries + rows log rows); ungrouped nothing, and no memory
+    /// \param table must live as long as this, unless isGrouped
+    /// \param isGrouped true to look for rows that share their columns
+    /// \cost O(entries + rows log rows); if not grouped, nothing, and no memory
     TableArrays(const stencils::StencilTable<Real>& table, bool isGrouped);
 };
 
-/// What the adjoint needs besides: the arrays of AdjointView.
+/// The arrays of an AdjointView: the additional data of the adjoint.
 ///
-/// No two warps add to the same number, so that results do not depend on which goes first: they
-/// leave sums of their own in places, and steps of sums follow until each column has one.
+/// No two warps add to the same number, so results do not depend on the order in which warps run.
+/// Each warp stores its own sums in places, and further steps add these up until each column has
+/// one sum.
 template <class Real>
 struct ESPALIER_API AdjointArrays {
     std::vector<Task> panels = {}, products = {};
     SparseArrays<Real> segments = {};
-    Offset firstSegment = 0;  ///< its place
+    Offset firstSegment = 0;  ///< place of the sum of the first segment
     struct Step {
         SparseArrays<Real> rows;
         Offset firstPlace;
@@ -72,19 +74,20 @@ struct ESPALIER_API AdjointArrays {
     std::vector<Step> steps = {};
     Offset placeCount = 0;
 
-    /// \param arrays of this table
-    /// \throws Error if there are more places than an Index counts
+    /// \param arrays made from the same table
+    /// \throws Error if the number of places exceeds the range of Index
     /// \cost O(entries)
     AdjointArrays(const stencils::StencilTable<Real>& table, const TableArrays<Real>& arrays);
 };
 
-/// How many lanes, as a power of 2, go through each of these rows side by side: as many as have
-/// four entries each in a row of the mean length, or more, up to a warp.
+/// Returns the logarithm to base 2 of the number of lanes that work on a row together: the largest
+/// number, up to a warp, that leaves each lane at least four entries in a row of mean length.
 template <class Real>
 ESPALIER_API int lanesLog2Of(const SparseArrays<Real>& rows);
 
-/// \param place gives where the elements of a vector lie on the device: nothing matters where it is
-///        empty, but for `offsets`
+/// Returns a view of the arrays on the device.
+/// \param place returns the address of the elements of a vector on the device. For an empty vector
+///        any address will do
 template <class Real, class Place>
 SparseRows<Real> viewOf(const SparseArrays<Real>& rows, Place place) {
     return {place(rows.offsets),
@@ -106,13 +109,14 @@ TableView<Real> viewOf(const TableArrays<Real>& arrays, Place place) {
                              place(arrays.groupNumbers), place(arrays.groupRows)},
                             tasks(arrays.panels),
                             {},
-                            arrays.mostProductColumns,
-                            viewOf(arrays.alone, place)};
+                            arrays.maxProductColumns,
+                            viewOf(arrays.ungrouped, place)};
     for (std::size_t i = 0; i < arrays.products.size(); ++i)
         view.products[i] = tasks(arrays.products[i]);
     return view;
 }
 
+/// Returns a view of the arrays on the device.
 /// \param steps is filled, and must live as long as the result
 template <class Real, class Place>
 AdjointView<Real> viewOf(const AdjointArrays<Real>& arrays, std::vector<SumStep<Real>>& steps,

@@ -3,7 +3,7 @@
 
 #include <espalier/osd/kernels/kernels.h>
 
-// The kernels of each kernels_*.cpp.
+// The kernels that each kernels_*.cpp defines.
 namespace espalier::osd::kernels {
 
 namespace baseline {

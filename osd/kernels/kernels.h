@@ -7,85 +7,88 @@
 
 #include <utility>
 
-// The inner loops of compiled tables, compiled once for each kind of processor and chosen when the
-// program runs. They see plain arrays only: nothing that is inline elsewhere may be compiled here
-// with instructions that other processors lack.
+// The inner loops of compiled tables. They are compiled once for each instruction set, and one is
+// selected when the program runs. They use plain arrays only: an inline function of another header,
+// compiled here, could spread instructions that some processors lack.
 namespace espalier::osd::kernels {
 
-/// Rows of a panel: as many as a register of AVX-512 holds numbers.
+/// Number of rows in a panel: as many numbers as an AVX-512 register holds.
 template <class Real>
 inline constexpr Index kLanes = static_cast<Index>(64 / sizeof(Real));
 
-/// The components of an entry take the room of a multiple of this. What lies behind them is read,
-/// and makes no difference.
+/// An entry of the source takes a multiple of this number of components. The padding is read, and
+/// has no effect on results.
 inline constexpr Offset kPadding = 4;
 
-/// Columns of rows that are outer products, at most.
+/// Maximum number of columns of rows that are outer products.
 inline constexpr Index kMaxProductColumns = 512;
 
-/// Where results go: component c of row r to values[r · stride + c], for rows first to last − 1.
+/// The destination of a kernel: component c of row r goes to values[r · stride + c]. Only rows
+/// first to last − 1 are written.
 template <class Real>
 struct Destination {
     Real* values;
     Offset stride;
     Offset length;
     Index first, last;
-    bool isWhole;  ///< whether that is all rows of the table, and need not be looked at
+    bool isWhole;  ///< true if the range covers all rows of the table, so that kernels skip the
+                   ///< range check
 };
 
-/// Rows that share their columns, kLanes by kLanes; the last panel may have fewer.
+/// A group of rows that share their columns, in panels of kLanes rows; the last panel may have
+/// fewer.
 template <class Real>
 struct PanelRun {
     const Real* weights;  ///< panels × columnCount × kLanes, aligned to 64 bytes
     const Real* points;   ///< columnCount × pointStride: the source entries of the columns
     Offset pointStride;   ///< a multiple of kPadding
     Index columnCount;
-    const Index* rows;  ///< rowCount
+    const Index* rows;  ///< the row numbers: rowCount
     Index rowCount;
 };
 
-/// Rows that share their columns and are outer products (outer_product.h), kLanes by kLanes; the
-/// last panel may have fewer.
+/// A group of rows that share their columns and are outer products (compile/outer_product.h), in
+/// panels of kLanes rows; the last panel may have fewer.
 template <class Real>
 struct ProductRun {
     const Real* factors;  ///< panels × (size[0] + size[1] + size[2]) × kLanes, aligned to 64 bytes
     const Real* points;   ///< size[0] · size[1] · size[2] × pointStride, in the product's order
     Offset pointStride;   ///< a multiple of kPadding
     Index size[3];
-    const Index* rows;  ///< rowCount
+    const Index* rows;  ///< the row numbers: rowCount
     Index rowCount;
 };
 
-/// Rows of the same number of entries, each with columns of its own.
+/// Rows of equal length, each with its own columns.
 template <class Real>
 struct RowRun {
-    const Real* weights;   ///< rowCount × length; or, if shared, length
-    bool isShared;         ///< whether all rows have the same weights
+    const Real* weights;   ///< rowCount × length; only length if isShared
+    bool isShared;         ///< true if all rows have the same weights
     const Index* columns;  ///< rowCount × length
     Index length;
     const Real* points;  ///< all source entries, aligned to kPadding numbers
     Offset pointStride;  ///< a multiple of kPadding
-    const Index* rows;   ///< rowCount
+    const Index* rows;   ///< the row numbers: rowCount
     Index rowCount;
 };
 
-/// Rows that share their columns, for the adjoint: panels of weights where size[0] is 0, else
-/// factors of outer products, both as above.
+/// A group of rows that share their columns, for the adjoint. Panels of weights if size[0] is 0,
+/// otherwise factors of outer products, both stored as above.
 template <class Real>
 struct AdjointRun {
     const Real* numbers;
     Index size[3];
     Index columnCount;
-    const Index* rows;  ///< rowCount
+    const Index* rows;  ///< the row numbers: rowCount
     Index rowCount;
 
-    // How many there are from `rows` and from `numbers` on that this run takes and those after it
-    // do: to look ahead at. 0 where that is not worth it.
-    Offset rowsToCome;
-    Offset numbersToCome;
+    // Numbers of elements that may be read from `rows` and from `numbers` on, by this run and by
+    // the runs after it. The kernel prefetches up to there. 0 if prefetching is not worthwhile.
+    Offset rowsAhead;
+    Offset numbersAhead;
 };
 
-/// Values of the rows: component c of row r is values[r · stride + c].
+/// The source of the adjoint: component c of row r is values[r · stride + c].
 template <class Real>
 struct RowValues {
     const Real* values;
@@ -98,14 +101,15 @@ struct ESPALIER_API Kernels {
     void (*panels)(const PanelRun<Real>& run, const Destination<Real>& to);
     void (*products)(const ProductRun<Real>& run, const Destination<Real>& to);
     void (*rows)(const RowRun<Real>& run, const Destination<Real>& to);
-    /// Σ over the rows of weight times value, for each column.
+    /// Computes Σ weight · value over the rows of the run, for each column.
     /// \param result columnCount × length, one column after the other
-    /// \param sums room for 4 · kLanes numbers a column, aligned to 64 bytes
+    /// \param sums temporary memory of 4 · kLanes numbers for each column, aligned to 64 bytes
     void (*adjoint)(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* result,
                     Real* sums);
 };
 
-/// \param simd one that hasSimd()
+/// Returns the kernels for an instruction set.
+/// \param simd must be supported: see hasSimd()
 template <class Real>
 ESPALIER_API const Kernels<Real>& kernelsFor(Simd simd);
 template <>

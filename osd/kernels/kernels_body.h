@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bodies of the kernels. Each kernels_*.cpp includes this once, inside its own namespace and
-// with its own processor flags. No #pragma once, and no includes.
+// The kernels. Each kernels_*.cpp includes this file once, inside its own namespace and with its
+// own processor flags. Hence there is no #pragma once, and there are no includes.
 
-/// So many numbers in a register, or in several where the processor's are shorter.
+/// A vector of `count` numbers, which takes several registers where those of the processor are
+/// shorter.
 template <class Real, int count>
 struct Vector {
     typedef Real Type __attribute__((vector_size(count * sizeof(Real)), may_alias));
 };
 
-/// Two numbers, anywhere.
+/// Two numbers that need no more alignment than one.
 template <class Real>
 struct PairOf {
     typedef Real Type
@@ -20,21 +21,21 @@ const V& at(const Real* address) {
     return *reinterpret_cast<const V*>(address);
 }
 
-/// Numbers in a register of this processor.
+/// How many numbers a register of this processor holds.
 template <class Real>
 constexpr int kRegister = ESPALIER_REGISTER_BYTES / sizeof(Real);
 
-/// Whether a row is to be evaluated.
+/// Returns true if a row is in the range to be evaluated.
 template <class Real>
-bool isWanted(Index row, const Destination<Real>& to) {
+bool isInRange(Index row, const Destination<Real>& to) {
     return to.isWhole || (row >= to.first && row < to.last);
 }
 
-/// Whether any row of a panel is.
+/// Returns true if any row of a panel is in the range.
 template <class Real>
-bool isAnyWanted(const Index* rows, Index count, const Destination<Real>& to) {
+bool isAnyInRange(const Index* rows, Index count, const Destination<Real>& to) {
     for (Index lane = 0; lane < count; ++lane)
-        if (isWanted(rows[lane], to)) return true;
+        if (isInRange(rows[lane], to)) return true;
     return false;
 }
 
@@ -42,7 +43,7 @@ bool isAnyWanted(const Index* rows, Index count, const Destination<Real>& to) {
 template <int width, class Real>
 void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, Index count,
                 Offset from, const Destination<Real>& to) {
-    // Two components at a time: a store costs as much as several sums.
+    // Stores two components at a time: one store costs as much as several additions.
     using Pair = typename PairOf<Real>::Type;
     const auto store = [&](Index lane, Offset stride) {
         Real* result = to.values + rows[lane] * stride + from;
@@ -55,23 +56,24 @@ void storeLanes(const Real (&results)[width][kLanes<Real>], const Index* rows, I
         for (Index lane = 0; lane < kLanes<Real>; ++lane) store(lane, 3);
     } else {
         for (Index lane = 0; lane < count; ++lane)
-            if (isWanted(rows[lane], to)) store(lane, to.stride);
+            if (isInRange(rows[lane], to)) store(lane, to.stride);
     }
 }
 
-/// Components `from` to `from` + width − 1 of one panel.
+/// Evaluates components `from` to `from` + width − 1 of one panel.
 template <int width, class Real>
 void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* rows, Index count,
                    Offset from, const Destination<Real>& to) {
-    constexpr int lanes = kLanes<Real>, each = kRegister<Real>, parts = lanes / each;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int lanes = kLanes<Real>, registerSize = kRegister<Real>,
+                  parts = lanes / registerSize;
+    using V = typename Vector<Real, registerSize>::Type;
     alignas(64) Real results[width][lanes];
-    // As many registers at a time as leave room for two sums a component: one sum would wait for
-    // itself.
+    // Evaluates one register of rows at a time, with two sums for each component: each addition to
+    // a single sum would have to wait for the one before.
     for (int part = 0; part < parts; ++part) {
         V even[width] = {}, odd[width] = {};
         const Real* points = run.points + from;
-        const Real* own = weights + part * each;
+        const Real* own = weights + part * registerSize;
         Index k = 0;
         for (; k + 1 < run.columnCount; k += 2) {
             const V& first = at<V>(own);
@@ -84,22 +86,24 @@ void evaluatePanel(const PanelRun<Real>& run, const Real* weights, const Index* 
         if (k < run.columnCount)
             for (int c = 0; c < width; ++c) even[c] += at<V>(own) * points[c];
         for (int c = 0; c < width; ++c)
-            *reinterpret_cast<V*>(results[c] + part * each) = even[c] + odd[c];
+            *reinterpret_cast<V*>(results[c] + part * registerSize) = even[c] + odd[c];
     }
     storeLanes<width>(results, rows, count, from, to);
 }
 
-/// The same of a panel of outer products: along axis 0, then what that gives along axis 1, then 2.
-/// \tparam fixed the size along axis 0, which the inner loop is unrolled for; any if 0
+/// Does the same for a panel of outer products: sums along axis 0, then sums of these along axis 1,
+/// then along axis 2.
+/// \tparam fixed the size along axis 0, for which the inner loop is unrolled; 0 for any size
 template <int width, int fixed, class Real>
 void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Index* rows,
                      Index count, Offset from, const Destination<Real>& to) {
-    constexpr int lanes = kLanes<Real>, each = kRegister<Real>, parts = lanes / each;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int lanes = kLanes<Real>, registerSize = kRegister<Real>,
+                  parts = lanes / registerSize;
+    using V = typename Vector<Real, registerSize>::Type;
     const Index n = fixed > 0 ? fixed : run.size[0], m = run.size[1], l = run.size[2];
     alignas(64) Real results[width][lanes];
     for (int part = 0; part < parts; ++part) {
-        const Real* a = factors + part * each;
+        const Real* a = factors + part * registerSize;
         const Real* b = a + n * lanes;
         const Real* c = b + m * lanes;
         const Real* points = run.points + from;
@@ -119,25 +123,26 @@ void evaluateProduct(const ProductRun<Real>& run, const Real* factors, const Ind
             const V& factor = at<V>(c + k * lanes);
             for (int d = 0; d < width; ++d) all[d] += factor * plane[d];
         }
-        for (int d = 0; d < width; ++d) *reinterpret_cast<V*>(results[d] + part * each) = all[d];
+        for (int d = 0; d < width; ++d)
+            *reinterpret_cast<V*>(results[d] + part * registerSize) = all[d];
     }
     storeLanes<width>(results, rows, count, from, to);
 }
 
-/// With more than four components and up to so many columns it pays to have components in the
-/// lanes, and to go row by row: they are read and written as they lie. Twelve poses of rows of 8
-/// entries take a third of the time; of rows of 42, no less than before.
+/// Panels with at most this many columns are evaluated row by row, with components in the lanes, if
+/// there are more than four components: these are then read and written contiguously. With twelve
+/// components, rows of 8 entries take a third of the time; rows of 42 entries gain nothing.
 constexpr Index kMaxWideColumns = 16;
 
-/// Components `from` to `from` + width − 1 of one row of a panel, width being of a register or of
-/// a few.
-/// \param weights of the first column; those of the others kLanes apart
+/// Evaluates components `from` to `from` + width − 1 of one row of a panel. `width` fills one
+/// register or a few.
+/// \param weights the weight of the first column; weights of consecutive columns are kLanes apart
 template <int width, class Real>
 void evaluateComponents(const Real* weights, const Real* points, Offset pointStride,
                         Index columnCount, Real* result) {
     using V = typename Vector<Real, width>::Type;
-    // Copied, since numbers may lie anywhere: a type of less alignment loses that as an argument of
-    // a template.
+    // Copied, since the address need not be aligned: a vector type with reduced alignment loses
+    // that attribute as a template argument.
     const auto add = [&](V& sum, Index k) {
         V own;
         __builtin_memcpy(&own, points + k * pointStride, sizeof own);
@@ -154,19 +159,19 @@ void evaluateComponents(const Real* weights, const Real* points, Offset pointStr
     __builtin_memcpy(result, &sum, sizeof sum);
 }
 
-/// A panel of few columns, row by row.
+/// Evaluates a panel of few columns row by row.
 template <class Real>
 void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStride,
                        Index columnCount, const Index* rows, Index count,
                        const Destination<Real>& to) {
-    constexpr int each = kRegister<Real>;
+    constexpr int registerSize = kRegister<Real>;
     for (Index lane = 0; lane < count; ++lane) {
-        if (!isWanted(rows[lane], to)) continue;
+        if (!isInRange(rows[lane], to)) continue;
         Real* result = to.values + rows[lane] * to.stride;
         Offset c = 0;
-        for (; c + each <= to.length; c += each)
-            evaluateComponents<each>(weights + lane, points + c, pointStride, columnCount,
-                                     result + c);
+        for (; c + registerSize <= to.length; c += registerSize)
+            evaluateComponents<registerSize>(weights + lane, points + c, pointStride, columnCount,
+                                             result + c);
         for (; c + 4 <= to.length; c += 4)
             evaluateComponents<4>(weights + lane, points + c, pointStride, columnCount, result + c);
         for (; c < to.length; ++c)
@@ -174,15 +179,15 @@ void evaluateWidePanel(const Real* weights, const Real* points, Offset pointStri
     }
 }
 
-/// The weights of a panel of outer products of few columns.
+/// Computes the weights of a panel of outer products with few columns.
 template <class Real>
 void multiplyOut(const Real* factors, const Index (&size)[3], Real* weights) {
-    constexpr int lanes = kLanes<Real>, each = kRegister<Real>;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int lanes = kLanes<Real>, registerSize = kRegister<Real>;
+    using V = typename Vector<Real, registerSize>::Type;
     const Real *a = factors, *b = a + size[0] * lanes, *c = b + size[1] * lanes;
     for (Index k = 0; k < size[2]; ++k)
         for (Index j = 0; j < size[1]; ++j)
-            for (int part = 0; part < lanes; part += each) {
+            for (int part = 0; part < lanes; part += registerSize) {
                 const V plane = at<V>(c + k * lanes + part) * at<V>(b + j * lanes + part);
                 Real* to = weights + (k * size[1] + j) * size[0] * lanes + part;
                 for (Index i = 0; i < size[0]; ++i)
@@ -190,7 +195,7 @@ void multiplyOut(const Real* factors, const Index (&size)[3], Real* weights) {
             }
 }
 
-/// Calls step<width>(from) for all components, up to 4 at a time.
+/// Calls step<width>(from) until all components are done, at most 4 at a time.
 template <class Step>
 void forComponents(Offset length, Step step) {
     Offset from = 0;
@@ -216,7 +221,7 @@ void evaluatePanels(const PanelRun<Real>& run, const Destination<Real>& to) {
         if (to.length > 4 && run.columnCount <= kMaxWideColumns)
             evaluateWidePanel(weights, run.points, run.pointStride, run.columnCount,
                               run.rows + first, count, to);
-        else if (isAnyWanted(run.rows + first, count, to))
+        else if (isAnyInRange(run.rows + first, count, to))
             forComponents(to.length, [&]<int width>(Offset from) {
                 evaluatePanel<width>(run, weights, run.rows + first, count, from, to);
             });
@@ -233,7 +238,7 @@ void evaluateProducts(const ProductRun<Real>& run, const Destination<Real>& to) 
     alignas(64) Real weights[kMaxWideColumns * lanes];
     for (Index first = 0; first < run.rowCount; first += lanes) {
         const Index count = run.rowCount - first < lanes ? run.rowCount - first : lanes;
-        if (!isAnyWanted(run.rows + first, count, to)) {
+        if (!isAnyInRange(run.rows + first, count, to)) {
             // Nothing to do.
         } else if (isWide) {
             multiplyOut(factors, run.size, weights);
@@ -258,13 +263,13 @@ void storeRow(const V& sum, Index row, Offset from, const Destination<Real>& to)
     for (int c = 0; c < width; ++c) result[c] = sum[c];
 }
 
-/// Components `from` to `from` + width − 1 of each row.
+/// Evaluates components `from` to `from` + width − 1 of each row.
 template <int width, class Real>
 void evaluateOwnWeights(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     using V = typename Vector<Real, kPadding>::Type;
     const Real* points = run.points + from;
     for (Index i = 0; i < run.rowCount; ++i) {
-        if (!isWanted(run.rows[i], to)) continue;
+        if (!isInRange(run.rows[i], to)) continue;
         const Offset step = run.isShared ? 0 : run.length;
         const Real* weights = run.weights + i * step;
         const Index* columns = run.columns + Offset{i} * run.length;
@@ -279,8 +284,8 @@ void evaluateOwnWeights(const RowRun<Real>& run, Offset from, const Destination<
     }
 }
 
-/// The same where all rows have the same weights, which stay in registers.
-/// \tparam length of the rows
+/// Does the same for rows that all have the same weights, which stay in registers.
+/// \tparam length number of entries of each row
 template <int width, int length, class Real>
 void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     using V = typename Vector<Real, kPadding>::Type;
@@ -289,7 +294,7 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
     for (int k = 0; k < length; ++k) weights[k] = V{} + run.weights[k];
     const Index* columns = run.columns;
     for (Index i = 0; i < run.rowCount; ++i, columns += length) {
-        if (!isWanted(run.rows[i], to)) continue;
+        if (!isInRange(run.rows[i], to)) continue;
         V sums[2] = {};
         for (int k = 0; k < length; ++k)
             sums[k % 2] += weights[k] * at<V>(points + columns[k] * run.pointStride);
@@ -297,10 +302,11 @@ void evaluateSharedWeights(const RowRun<Real>& run, Offset from, const Destinati
     }
 }
 
-/// The commonest lengths of rows of level tables have loops of their own: of surfaces 4, 6 and 9,
-/// of lattices 8 and 12. Those of 18 and 27 have more weights than there are registers.
+/// The most common row lengths of level tables have their own unrolled loops: 4, 6 and 9 on
+/// surfaces, 8 and 12 in lattices. Rows of 18 and 27 entries have more weights than there are
+/// registers.
 template <int width, class Real>
-void evaluateRowsOf(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
+void evaluateRowComponents(const RowRun<Real>& run, Offset from, const Destination<Real>& to) {
     if (run.isShared) switch (run.length) {
             case 4:
                 return evaluateSharedWeights<width, 4>(run, from, to);
@@ -318,11 +324,12 @@ void evaluateRowsOf(const RowRun<Real>& run, Offset from, const Destination<Real
 
 template <class Real>
 void evaluateRows(const RowRun<Real>& run, const Destination<Real>& to) {
-    forComponents(to.length, [&]<int width>(Offset from) { evaluateRowsOf<width>(run, from, to); });
+    forComponents(to.length,
+                  [&]<int width>(Offset from) { evaluateRowComponents<width>(run, from, to); });
 }
 
-/// The sum of the lanes of a register, by halves. Not by way of memory, which would keep what is
-/// summed there.
+/// Returns the sum of the lanes of a vector, by adding its halves. Reading the lanes through memory
+/// would force the compiler to keep the vector there while it is summed.
 template <class Real, int count>
 Real sumOf(const typename Vector<Real, count>::Type& vector) {
     if constexpr (count == 2) {
@@ -337,15 +344,16 @@ Real sumOf(const typename Vector<Real, count>::Type& vector) {
     }
 }
 
-/// So many columns at a time as leave their sums in registers.
+/// Number of columns that are summed at once: as many as leave their sums in registers.
 template <int width>
 constexpr Index kColumnsAtOnce = ESPALIER_REGISTER_BYTES == 64 || width < 4 ? 4 : 3;
 
-/// So many panels at a time as leave their numbers in the nearest cache, where the columns of an
-/// outer product read them again and again. Of rows without end, that takes twice the time.
+/// Number of panels that are summed at once: few enough for their numbers to stay in the level-1
+/// cache, since the columns of an outer product read them repeatedly. Without blocks, groups of
+/// very many rows take twice the time.
 constexpr Index kPanelsAtOnce = 16;
 
-/// Some panels of rows that share their columns.
+/// Some panels of a group, and the source values of their rows.
 template <class Real>
 struct PanelBlock {
     const Real* numbers;
@@ -353,22 +361,23 @@ struct PanelBlock {
     Index panelCount;
 };
 
-/// Adds to the sums of some columns of panels, from column `first` on.
-/// \param sums of all columns: columns × width × kRegister
+/// Adds the products of a block of panels to the sums of some columns, starting at column `first`.
+/// \param sums the sums of all columns: columns × width × kRegister
 template <int width, int columns, class Real>
 void addPanelColumns(const PanelBlock<Real>& block, Index columnCount, Index first, Real* sums) {
-    constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int registerSize = kRegister<Real>, lanes = kLanes<Real>;
+    using V = typename Vector<Real, registerSize>::Type;
     V* const to = reinterpret_cast<V*>(sums) + Offset{first} * width;
     V all[columns * width];
     for (int e = 0; e < columns * width; ++e) all[e] = to[e];
     const Real* weights = block.numbers + Offset{first} * lanes;
     const Real* values = block.values;
     for (Index panel = 0; panel < block.panelCount; ++panel) {
-        for (int part = 0; part < lanes; part += each) {
+        for (int part = 0; part < lanes; part += registerSize) {
             V own[width];
             for (int d = 0; d < width; ++d) own[d] = at<V>(values + d * lanes + part);
-            // One loop, which is unrolled before arrays become registers.
+            // A single loop, since the compiler unrolls it before it decides which arrays go into
+            // registers.
             for (int e = 0; e < columns * width; ++e)
                 all[e] += at<V>(weights + e / width * lanes + part) * own[e % width];
         }
@@ -378,12 +387,12 @@ void addPanelColumns(const PanelBlock<Real>& block, Index columnCount, Index fir
     for (int e = 0; e < columns * width; ++e) to[e] = all[e];
 }
 
-/// The same of outer products: columns from (i, j, k) on along axis 0.
+/// Does the same for outer products: for columns along axis 0, starting at (i, j, k).
 template <int width, int columns, class Real>
 void addProductColumns(const PanelBlock<Real>& block, const Index (&size)[3], Index i, Index j,
                        Index k, Real* sums) {
-    constexpr int each = kRegister<Real>, lanes = kLanes<Real>;
-    using V = typename Vector<Real, each>::Type;
+    constexpr int registerSize = kRegister<Real>, lanes = kLanes<Real>;
+    using V = typename Vector<Real, registerSize>::Type;
     const Index n = size[0], m = size[1], l = size[2];
     V* const to = reinterpret_cast<V*>(sums) + Offset{(k * m + j) * n + i} * width;
     V all[columns * width];
@@ -391,7 +400,7 @@ void addProductColumns(const PanelBlock<Real>& block, const Index (&size)[3], In
     const Real* factors = block.numbers;
     const Real* values = block.values;
     for (Index panel = 0; panel < block.panelCount; ++panel) {
-        for (int part = 0; part < lanes; part += each) {
+        for (int part = 0; part < lanes; part += registerSize) {
             const Real* own = factors + part;
             const V line = at<V>(own + (n + j) * lanes) * at<V>(own + (n + m + k) * lanes);
             V scaled[width];
@@ -414,7 +423,8 @@ void forColumns(Index count, Step step) {
     for (; first < count; ++first) step.template operator()<1>(first);
 }
 
-/// Components `from` to `from` + width − 1 of some rows, as PanelBlock has them; 0 beyond them.
+/// Loads components `from` to `from` + width − 1 of some rows in the layout of PanelBlock::values,
+/// padded with zeros to whole panels.
 template <int width, class Real>
 void loadLanes(const RowValues<Real>& source, Offset from, const Index* rows, Index rowCount,
                Real* values) {
@@ -432,26 +442,28 @@ void loadLanes(const RowValues<Real>& source, Offset from, const Index* rows, In
     for (Index lane = 0; lane < rowCount; ++lane) load(lane);
 }
 
-/// Asks the memory for what the next block takes, in as many steps as the columns of this one are
-/// summed in: else the first of these would wait for all of it, which takes a third of the time.
+/// Prefetches the data of the next block, in as many steps as the columns of the current block are
+/// summed in. Otherwise the first columns of the next block would wait for all of its data, which
+/// costs a third of the time.
 template <class Real>
-class Foresight {
+class Prefetcher {
 public:
-    Foresight(const Real* numbers, Offset numberCount, const Index* rows, Offset rowCount,
-              Offset steps)
+    Prefetcher(const Real* numbers, Offset numberCount, const Index* rows, Offset rowCount,
+               Offset steps)
         : numbers_(numbers),
           numbersEnd_(numbers + numberCount),
-          numbersEach_(numberCount / steps + 1),
+          numbersPerStep_(numberCount / steps + 1),
           rows_(rows),
           rowsEnd_(rows + rowCount),
-          rowsEach_(rowCount / steps + 1) {}
+          rowsPerStep_(rowCount / steps + 1) {}
 
     void step(const RowValues<Real>& source) {
         constexpr Offset line = 64 / sizeof(Real);
         const Real* const numbersUpTo =
-            numbersEnd_ - numbers_ < numbersEach_ ? numbersEnd_ : numbers_ + numbersEach_;
+            numbersEnd_ - numbers_ < numbersPerStep_ ? numbersEnd_ : numbers_ + numbersPerStep_;
         for (; numbers_ < numbersUpTo; numbers_ += line) __builtin_prefetch(numbers_);
-        const Index* const rowsUpTo = rowsEnd_ - rows_ < rowsEach_ ? rowsEnd_ : rows_ + rowsEach_;
+        const Index* const rowsUpTo =
+            rowsEnd_ - rows_ < rowsPerStep_ ? rowsEnd_ : rows_ + rowsPerStep_;
         for (; rows_ < rowsUpTo; ++rows_)
             __builtin_prefetch(source.values + *rows_ * source.stride);
     }
@@ -459,27 +471,27 @@ public:
 private:
     const Real* numbers_;
     const Real* numbersEnd_;
-    Offset numbersEach_;  ///< in a step
+    Offset numbersPerStep_;
     const Index* rows_;
     const Index* rowsEnd_;
-    Offset rowsEach_;
+    Offset rowsPerStep_;
 };
 
-/// Components `from` to `from` + width − 1.
+/// Evaluates components `from` to `from` + width − 1 of a group.
 template <int width, class Real>
-void evaluateAdjointOf(const AdjointRun<Real>& run, const RowValues<Real>& source, Offset from,
-                       Real* result, Real* sums) {
-    constexpr int each = kRegister<Real>;
+void evaluateAdjointComponents(const AdjointRun<Real>& run, const RowValues<Real>& source,
+                               Offset from, Real* result, Real* sums) {
+    constexpr int registerSize = kRegister<Real>;
     constexpr Index lanes = kLanes<Real>, rowsAtOnce = kPanelsAtOnce * lanes;
     const bool isProduct = run.size[0] > 0;
-    const Offset numbersOfRow =
+    const Offset numbersPerRow =
         isProduct ? run.size[0] + run.size[1] + run.size[2] : run.columnCount;
-    for (Offset e = 0; e < Offset{run.columnCount} * width * each; ++e) sums[e] = 0;
+    for (Offset e = 0; e < Offset{run.columnCount} * width * registerSize; ++e) sums[e] = 0;
     alignas(64) Real values[width * rowsAtOnce];
     for (Index first = 0; first < run.rowCount; first += rowsAtOnce) {
         const Index count = run.rowCount - first < rowsAtOnce ? run.rowCount - first : rowsAtOnce;
         loadLanes<width>(source, from, run.rows + first, count, values);
-        const PanelBlock<Real> block = {run.numbers + first * numbersOfRow, values,
+        const PanelBlock<Real> block = {run.numbers + first * numbersPerRow, values,
                                         (count + lanes - 1) / lanes};
         if (!isProduct) {
             forColumns<width>(run.columnCount, [&]<int columns>(Index column) {
@@ -488,31 +500,31 @@ void evaluateAdjointOf(const AdjointRun<Real>& run, const RowValues<Real>& sourc
             continue;
         }
         const Offset next = first + count, steps = Offset{run.size[1]} * run.size[2];
-        const Offset rowsLeft = run.rowsToCome - next;
-        const Offset numbersLeft = run.numbersToCome - next * numbersOfRow;
-        Foresight<Real> foresight(
-            run.numbers + next * numbersOfRow,
-            numbersLeft < rowsAtOnce * numbersOfRow ? numbersLeft : rowsAtOnce * numbersOfRow,
+        const Offset rowsLeft = run.rowsAhead - next;
+        const Offset numbersLeft = run.numbersAhead - next * numbersPerRow;
+        Prefetcher<Real> prefetcher(
+            run.numbers + next * numbersPerRow,
+            numbersLeft < rowsAtOnce * numbersPerRow ? numbersLeft : rowsAtOnce * numbersPerRow,
             run.rows + next, rowsLeft < rowsAtOnce ? rowsLeft : rowsAtOnce, steps);
         for (Index k = 0; k < run.size[2]; ++k)
             for (Index j = 0; j < run.size[1]; ++j) {
-                foresight.step(source);
+                prefetcher.step(source);
                 forColumns<width>(run.size[0], [&]<int columns>(Index i) {
                     addProductColumns<width, columns>(block, run.size, i, j, k, sums);
                 });
             }
     }
     for (Index column = 0; column < run.columnCount; ++column)
-        for (int d = 0; d < width; ++d, sums += each)
+        for (int d = 0; d < width; ++d, sums += registerSize)
             result[column * source.length + from + d] =
-                sumOf<Real, each>(at<typename Vector<Real, each>::Type>(sums));
+                sumOf<Real, registerSize>(at<typename Vector<Real, registerSize>::Type>(sums));
 }
 
 template <class Real>
 void evaluateAdjoint(const AdjointRun<Real>& run, const RowValues<Real>& source, Real* result,
                      Real* sums) {
     forComponents(source.length, [&]<int width>(Offset from) {
-        evaluateAdjointOf<width>(run, source, from, result, sums);
+        evaluateAdjointComponents<width>(run, source, from, result, sums);
     });
 }
 

@@ -4,17 +4,17 @@
 #include <espalier/base/api.h>
 namespace espalier::osd {
 
-/// Vector instructions that compiled tables are evaluated with.
+/// The vector instructions with which compiled tables are evaluated.
 enum class Simd {
-    Baseline,  ///< those that every processor of the target has: SSE2 on x86-64
+    Baseline,  ///< instructions that every processor of the target has: SSE2 on x86-64
     Avx2,      ///< AVX2 and FMA
     Avx512     ///< AVX-512 F
 };
 
-/// The most that this processor has.
+/// Returns the widest instructions that this processor and this build have.
 ESPALIER_API Simd bestSimd();
 
-/// Whether this processor, and this build, has them.
+/// Returns true if this processor and this build have these instructions.
 ESPALIER_API bool hasSimd(Simd simd);
 
 }  // namespace espalier::osd

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What programs have in them that were compiled with an earlier header: the numbers of constants,
- * and where the fields of structs are. None of it may change while the SOVERSION stays. Constants,
- * and fields of the options, may be added at the end. (symbols.txt has the functions.) */
+/* Checks what is compiled into programs that use the headers: the values of constants, and the
+ * offsets of fields in structs. None of these may change without a new SOVERSION. Constants, and
+ * fields of options, may be added at the end. (symbols.txt lists the functions.) */
 
 #include <assert.h>
 
@@ -47,7 +47,7 @@ static_assert(ESPALIER_SOLID_PRISM == 0 && ESPALIER_SOLID_PYRAMID == 1 &&
                   ESPALIER_SOLID_BIPYRAMID == 2,
               "polygonal solids");
 
-/* Fields lie one behind the other, with no more room than their alignment asks for. */
+/* Fields follow each other, with no more padding than their alignment needs. */
 #define IS_AT(type, field, place) static_assert(offsetof(type, field) == (place), #type "." #field)
 
 IS_AT(espalier_refine_options, size, 0);
@@ -134,7 +134,7 @@ static_assert(sizeof(espalier_arm_joint) == 40, "espalier_arm_joint cannot grow"
 IS_AT(espalier_cells, vertex_count, 0);
 IS_AT(espalier_cells, face_count, 4);
 IS_AT(espalier_cells, cell_count, 8);
-IS_AT(espalier_cells, cell_offsets, 16); /* of 12 bytes and, with pointers of 8, 4 of padding */
+IS_AT(espalier_cells, cell_offsets, 16); /* 12 bytes, and 4 of padding if pointers have 8 */
 IS_AT(espalier_cells, cell_faces, 16 + sizeof(void*));
 IS_AT(espalier_cells, face_offsets, 16 + 2 * sizeof(void*));
 IS_AT(espalier_cells, face_vertices, 16 + 3 * sizeof(void*));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// That an evaluation as espalier.h describes it for real time allocates nothing and takes no lock.
+// Checks that a real-time evaluation, as espalier.h describes it, allocates nothing and takes no
+// lock.
 #include <espalier.h>
 
 #include <vector>
@@ -15,7 +16,7 @@ int main() {
     constexpr std::int32_t kPoints = 20000;
     std::vector<double> points;
     for (int i = 0; i < 3 * kPoints; ++i) points.push_back(i * 7919 % 10007 / 10007.0);
-    points[0] = 2;  // Outside: kept in place.
+    points[0] = 2;  // Outside, so it is kept in place.
 
     espalier_lattice* lattice = nullptr;
     espalier_refiner* refiner = nullptr;
@@ -60,7 +61,7 @@ int main() {
     espalier_binding_destroy(binding);
     espalier_refiner_destroy(refiner);
     espalier_lattice_destroy(lattice);
-    // The first one did allocate: those of the library are counted.
+    // The first evaluation allocated, so allocations of the library are counted.
     const bool isRight = first.allocations > 0 && second == espalier::test::CallCounts{};
     return failed == ESPALIER_OK && isRight ? 0 : 1;
 }

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Points bound to a lattice: applied, carried back, saved and loaded. */
+/* Tests bindings: poses, gradients, saving and loading. */
 
 #include <math.h>
 
 #include "box.h"
 #include "check.h"
 
-/* Sums of up to 27 products of numbers up to 4: some units of 1e-16 each. */
+/* The rounding of up to 27 products of numbers up to 4: a few units of 1e-16 each. */
 static const double tolerance = 1e-13;
 
 enum { POINTS = 6, OUTSIDE = 4 };
 static const double points[3 * POINTS] = {0.1, 0.2, 0.3, 0.5, 0.5, 0.5, 0.9, 0.1, 0.7,
                                           0,   1,   0.5, 2,   2,   2,   0.3, 0.8, 0.05};
 
-/* What every test begins with. */
+/* The objects that every test uses. */
 typedef struct fixture {
     double rest[3 * BOX_VERTICES];
     double pose[3 * BOX_VERTICES];
@@ -39,7 +39,7 @@ static fixture set_up(void) {
 }
 
 static void tear_down(fixture* f) {
-    /* Lattice first: nothing depends on the order. */
+    /* The lattice first: objects can be destroyed in any order. */
     espalier_lattice_destroy(f->lattice);
     espalier_refiner_destroy(f->refiner);
     espalier_binding_destroy(f->binding);
@@ -50,7 +50,7 @@ static void apply(const espalier_binding* binding, const double* pose, double* m
     OK(espalier_binding_apply(binding, BOX_VERTICES, pose, POINTS, moved));
 }
 
-static void test_where_points_are(void) {
+static void test_point_statuses(void) {
     fixture f = set_up();
     int32_t count = 0;
     const uint8_t* statuses = NULL;
@@ -73,7 +73,7 @@ static void test_where_points_are(void) {
     tear_down(&f);
 }
 
-/* A lattice that moves takes its points along; at rest they stay. */
+/* A lattice that moves moves its points; at rest they stay. */
 static void test_apply(void) {
     fixture f = set_up();
     double moved[3 * POINTS];
@@ -86,13 +86,13 @@ static void test_apply(void) {
     tear_down(&f);
 }
 
-/* An evaluator gives what apply gives; in single precision as far as that goes; the kept point is
- * put back; and what lies between the entries stays. */
+/* An evaluator gives the same points as espalier_binding_apply(), in single precision with its
+ * accuracy. The kept point gets its rest position, and numbers between entries are not written. */
 static void test_evaluators(void) {
     fixture f = set_up();
     double moved[3 * POINTS];
     apply(f.binding, f.pose, moved);
-    /* The evaluators outlive the table, and the table the binding. */
+    /* The evaluators outlive the table, and the table outlives the binding. */
     espalier_evaluator_f64* f64 = NULL;
     espalier_evaluator_f32* f32 = NULL;
     OK(espalier_evaluator_f64_create(f.table, &f64));
@@ -116,10 +116,10 @@ static void test_evaluators(void) {
     OK(espalier_evaluator_f32_evaluate(f32, source, 3 * BOX_VERTICES, xyz, result, 3 * POINTS, xyz,
                                        0, POINTS, NULL));
     OK(espalier_binding_put_kept_f32(f.binding, result, 3 * POINTS, xyz));
-    /* Some units of 6e-8 in each of 27 products. */
+    /* A few units of 6e-8 for each of 27 products. */
     for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs((double)result[i] - moved[i]) < 1e-5);
 
-    /* One row alone. */
+    /* A single row. */
     double row[3 * POINTS] = {0};
     OK(espalier_evaluator_f64_evaluate(f64, f.pose, 3 * BOX_VERTICES, xyz, row, 3 * POINTS, xyz, 1,
                                        2, NULL));
@@ -132,8 +132,7 @@ static void test_evaluators(void) {
     espalier_evaluator_f32_destroy(f32);
 }
 
-/* What depends on the vertices that moved is as after a whole evaluation, and the rest untouched.
- */
+/* Rows that depend on the moved vertices equal a whole evaluation, and no others are written. */
 static void test_changes(void) {
     fixture f = set_up();
     const espalier_buffer_layout xyz = espalier_packed_layout(3);
@@ -217,7 +216,7 @@ static void test_adjoint(void) {
     for (int i = 0; i < 3 * POINTS; ++i) left += moved[i] * gradient[i];
     for (int i = 0; i < 3 * BOX_VERTICES; ++i) {
         right += f.pose[i] * carried[i];
-        /* Some units of 6e-8 in each of 6 products. */
+        /* A few units of 6e-8 for each of 6 products. */
         CHECK(fabs((double)carried_f32[i] - carried[i]) < 1e-5);
     }
     CHECK(fabs(left) > 0.1);
@@ -228,7 +227,7 @@ static void test_adjoint(void) {
     tear_down(&f);
 }
 
-/* What is loaded is what was saved, bit for bit. */
+/* A loaded binding equals the saved one, bit for bit. */
 static void test_save_and_load(const char* path) {
     fixture f = set_up();
     double before[3 * POINTS], after[3 * POINTS];
@@ -286,14 +285,14 @@ static void test_points_outside(void) {
         espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options, &none),
         "point 4");
     CHECK(none == NULL);
-    /* So large a tolerance that it counts as inside. */
+    /* With a tolerance this large, the point counts as inside. */
     options.tolerance = 2;
     OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options, &none));
     espalier_binding_destroy(none);
     tear_down(&f);
 }
 
-/* How far the points of a pose are from those of the limit, at most. */
+/* Returns the largest distance between the points of a pose and the points in the limit. */
 static double distance_from_limit(const fixture* f, int32_t level) {
     espalier_bind_options options = espalier_default_bind_options();
     double moved[2][3 * POINTS], largest = 0;
@@ -313,8 +312,8 @@ static double distance_from_limit(const fixture* f, int32_t level) {
     return largest;
 }
 
-/* Each level is about four times as close. */
-static void test_levels_go_to_the_limit(void) {
+/* Each level is about four times as close to the limit as the one before. */
+static void test_levels_converge_to_the_limit(void) {
     fixture f = set_up();
     for (int32_t level = 4; level < 6; ++level) {
         const double quotient = distance_from_limit(&f, level) / distance_from_limit(&f, level + 1);
@@ -323,7 +322,7 @@ static void test_levels_go_to_the_limit(void) {
     tear_down(&f);
 }
 
-/* What was compiled before there was a limit still binds to the level. */
+/* Programs that were compiled with the options of an earlier version still bind to the level. */
 static void test_options_of_an_earlier_version(void) {
     fixture f = set_up();
     espalier_bind_options options = espalier_default_bind_options();
@@ -334,7 +333,7 @@ static void test_options_of_an_earlier_version(void) {
     apply(binding, f.pose, expected);
     espalier_binding_destroy(binding);
     options.size = offsetof(espalier_bind_options, limit_tolerance);
-    options.limit_tolerance = 1e-6; /* not there, as far as `size` says */
+    options.limit_tolerance = 1e-6; /* ignored, since `size` ends before it */
     OK(espalier_binding_create(f.refiner, BOX_VERTICES, f.rest, POINTS, points, &options,
                                &binding));
     apply(binding, f.pose, moved);
@@ -343,8 +342,8 @@ static void test_options_of_an_earlier_version(void) {
     tear_down(&f);
 }
 
-/* A refiner with levels binds as one without. */
-static void test_levels_of_the_refiner_do_not_matter(void) {
+/* A refiner with more levels gives the same binding. */
+static void test_binding_ignores_levels_of_the_refiner(void) {
     fixture f = set_up();
     double before[3 * POINTS], after[3 * POINTS];
     apply(f.binding, f.pose, before);
@@ -361,15 +360,15 @@ static void test_levels_of_the_refiner_do_not_matter(void) {
 
 int main(int count, char** arguments) {
     CHECK(count == 2);
-    test_where_points_are();
+    test_point_statuses();
     test_apply();
     test_evaluators();
     test_changes();
     test_adjoint();
     test_save_and_load(arguments[1]);
     test_points_outside();
-    test_levels_go_to_the_limit();
+    test_levels_converge_to_the_limit();
     test_options_of_an_earlier_version();
-    test_levels_of_the_refiner_do_not_matter();
+    test_binding_ignores_levels_of_the_refiner();
     return 0;
 }

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Ends the program, with a word on where and why. */
+/* Ends the program with a message that says where and why. */
 static inline void fail(const char* file, int line, const char* what, const char* why) {
     printf("%s:%d: %s: %s\n", file, line, what, why);
     exit(1);
@@ -24,7 +24,7 @@ static inline void fail(const char* file, int line, const char* what, const char
         if ((call) != ESPALIER_OK) fail(__FILE__, __LINE__, #call, espalier_last_error()); \
     } while (0)
 
-/* That a call is refused with this status, and a message that holds this text. */
+/* Checks that a call fails with this status, and with a message that contains this text. */
 #define REFUSED(call, expected, text)                                              \
     do {                                                                           \
         if ((call) != (expected)) fail(__FILE__, __LINE__, #call, "wrong status"); \

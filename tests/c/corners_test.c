@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every number that a function takes, at the corners of its type: accepted or refused, but nothing
- * outside of an array is read or written, and nothing ends the program. symbols_test.py sees that
- * no function with a number is left out.
+/* Calls every function with the extreme values of the types of its numbers. Each is accepted or
+ * rejected, but nothing outside an array is read or written, and nothing ends the program.
+ * symbols_test.py checks that no function with a number is missing here.
  *
- * The library cannot know how long an array is: counts that are larger than an array, and that it
- * could be as long as, are not tried where the array is read to its end. */
+ * The library cannot know how long an array is. So where an array is read to its end, counts
+ * that exceed it but could be right are not tried. */
 
 #include <float.h>
 #include <limits.h>
@@ -17,7 +17,7 @@
 
 static const int32_t int32s[] = {INT32_MIN, INT32_MIN + 1, -2,       -1, 0, 1, 2, 3, 25, 27,
                                  28,        INT32_MAX - 1, INT32_MAX};
-/* Of lengths of arrays: each is refused, since no memory holds as many numbers. */
+/* Lengths of arrays. Each is rejected, since no memory holds that many numbers. */
 static const int64_t lengths[] = {INT64_MIN,        INT64_MIN + 1,    -1,
                                   (int64_t)1 << 61, (int64_t)1 << 62, INT64_MAX / 3,
                                   INT64_MAX / 2,    INT64_MAX - 2,    INT64_MAX - 1,
@@ -46,12 +46,12 @@ static const int64_t int64s[] = {INT64_MIN,
 static const double doubles[] = {NAN,     -INFINITY, INFINITY, -DBL_MAX, DBL_MAX, -1, -DBL_MIN, 0,
                                  DBL_MIN, 1e-300,    1e-14,    0.1,      1,       10, 1e300};
 
-/* Counts that are right or nearly so are read before they are found to be wrong. */
-#define ROOM 4096
-static double positions[ROOM], values[ROOM];
-static float singles[ROOM], single_results[ROOM];
-static int32_t cells[ROOM];
-static const double point[ROOM] = {0.5, 0.5, 0.5};
+/* Counts that are right or nearly right are read before they are found to be wrong. */
+#define MAX_COUNT 4096
+static double positions[MAX_COUNT], values[MAX_COUNT];
+static float singles[MAX_COUNT], single_results[MAX_COUNT];
+static int32_t cells[MAX_COUNT];
+static const double point[MAX_COUNT] = {0.5, 0.5, 0.5};
 static espalier_lattice* lattice;
 static espalier_refiner* refiner;
 static espalier_binding* binding;
@@ -59,15 +59,15 @@ static espalier_table* table;
 
 static int tried, accepted;
 
-/* What a call makes, until it is counted. */
+/* The object that a call made, until record() destroys it. */
 static espalier_lattice* made_lattice;
 static espalier_refiner* made_refiner;
 static espalier_binding* made_binding;
 static espalier_table* made_table;
 static espalier_validity* made_validity;
 
-/* Counts a call, and destroys what it made. */
-static int took(espalier_status status) {
+/* Counts a call, and destroys the object that it made. */
+static int record(espalier_status status) {
     espalier_lattice_destroy(made_lattice), made_lattice = NULL;
     espalier_refiner_destroy(made_refiner), made_refiner = NULL;
     espalier_binding_destroy(made_binding), made_binding = NULL;
@@ -81,7 +81,7 @@ static int took(espalier_status status) {
     return status == ESPALIER_OK;
 }
 
-#define REFUSES(call) CHECK(!took(call))
+#define REFUSES(call) CHECK(!record(call))
 
 static void set_up(void) {
     make_box(positions, cells);
@@ -93,7 +93,7 @@ static void set_up(void) {
     OK(espalier_binding_table(binding, &table));
 }
 
-static int32_t go_on(void* user, const espalier_progress* progress) {
+static int32_t keep_going(void* user, const espalier_progress* progress) {
     (void)user;
     (void)progress;
     return 1;
@@ -102,26 +102,26 @@ static int32_t go_on(void* user, const espalier_progress* progress) {
 static void test_host(void) {
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         espalier_progress_scope* progress = NULL;
-        CHECK(took(espalier_progress_scope_create(go_on, NULL, int32s[i], &progress)) ==
+        CHECK(record(espalier_progress_scope_create(keep_going, NULL, int32s[i], &progress)) ==
               (int32s[i] >= 0));
         if (progress != NULL)
             OK(espalier_binding_apply(binding, BOX_VERTICES, positions, 1, values));
         espalier_progress_scope_destroy(progress);
         espalier_thread_limit* threads = NULL;
-        CHECK(took(espalier_thread_limit_create(int32s[i], &threads)) == (int32s[i] >= 1));
+        CHECK(record(espalier_thread_limit_create(int32s[i], &threads)) == (int32s[i] >= 1));
         if (threads != NULL)
             OK(espalier_binding_apply(binding, BOX_VERTICES, positions, 1, values));
         espalier_thread_limit_destroy(threads);
     }
     for (size_t i = 0; i < COUNT(int64s); ++i) {
         espalier_memory_limit* memory = NULL;
-        CHECK(took(espalier_memory_limit_create(int64s[i], &memory)) == (int64s[i] >= 1));
+        CHECK(record(espalier_memory_limit_create(int64s[i], &memory)) == (int64s[i] >= 1));
         espalier_memory_limit_destroy(memory);
     }
 }
 
 static void try_cells(const espalier_cells* c) {
-    took(espalier_lattice_create(c, positions, &made_lattice));
+    record(espalier_lattice_create(c, positions, &made_lattice));
 }
 
 static void test_cells(void) {
@@ -169,21 +169,21 @@ static void test_cells(void) {
         try_cells(&good);
         tetrahedron[1] = 2;
 
-        CHECK(took(espalier_lattice_create_hexahedra(int32s[i], positions, BOX_CELLS, cells,
-                                                     &made_lattice)) ==
+        CHECK(record(espalier_lattice_create_hexahedra(int32s[i], positions, BOX_CELLS, cells,
+                                                       &made_lattice)) ==
               (int32s[i] == BOX_VERTICES));
         if (int32s[i] < BOX_CELLS)
             REFUSES(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, int32s[i], cells,
                                                       &made_lattice));
         cells[3] = int32s[i];
-        took(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells,
-                                               &made_lattice));
+        record(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells,
+                                                 &made_lattice));
         make_box(positions, cells);
     }
     for (size_t i = 0; i < COUNT(doubles); ++i) {
         positions[0] = doubles[i];
-        took(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells,
-                                               &made_lattice));
+        record(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells,
+                                                 &made_lattice));
     }
     make_box(positions, cells);
 }
@@ -193,19 +193,19 @@ static void test_lattice(void) {
     OK(espalier_lattice_create_hexahedra(BOX_VERTICES, positions, BOX_CELLS, cells, &own));
     const double sharp = ESPALIER_SHARP;
     for (size_t i = 0; i < COUNT(int32s); ++i) {
-        CHECK(took(espalier_lattice_set_positions(own, int32s[i], positions)) ==
+        CHECK(record(espalier_lattice_set_positions(own, int32s[i], positions)) ==
               (int32s[i] == BOX_VERTICES));
         const int32_t ends[2] = {0, int32s[i]}, vertex = int32s[i];
-        took(espalier_lattice_mark_edges(own, 1, ends, &sharp));
-        took(espalier_lattice_mark_vertices(own, 1, &vertex, &sharp));
+        record(espalier_lattice_mark_edges(own, 1, ends, &sharp));
+        record(espalier_lattice_mark_vertices(own, 1, &vertex, &sharp));
     }
     for (size_t i = 0; i < COUNT(lengths); ++i) {
         REFUSES(espalier_lattice_mark_edges(own, lengths[i], cells, &sharp));
         REFUSES(espalier_lattice_mark_vertices(own, lengths[i], cells, &sharp));
     }
     for (size_t i = 0; i < COUNT(doubles); ++i) {
-        took(espalier_lattice_mark_edges(own, 1, cells, &doubles[i]));
-        took(espalier_lattice_mark_vertices(own, 1, cells, &doubles[i]));
+        record(espalier_lattice_mark_edges(own, 1, cells, &doubles[i]));
+        record(espalier_lattice_mark_vertices(own, 1, cells, &doubles[i]));
     }
     espalier_lattice_destroy(own);
 }
@@ -228,7 +228,7 @@ static void test_refine_options(void) {
         for (int field = 0; field < 5; ++field) {
             espalier_refine_options options = espalier_default_refine_options();
             *(&options.rules + field) = int32s[i];
-            took(espalier_refiner_create(lattice, &options, &made_refiner));
+            record(espalier_refiner_create(lattice, &options, &made_refiner));
         }
 }
 
@@ -237,25 +237,25 @@ static void test_levels(void) {
     OK(espalier_refiner_create(lattice, NULL, &own));
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t level = int32s[i];
-        CHECK(took(espalier_refiner_refine(own, level)) == (level >= 0 && level <= 3));
+        CHECK(record(espalier_refiner_refine(own, level)) == (level >= 0 && level <= 3));
         int32_t counts[4];
         espalier_cells c;
         const int8_t* signs = NULL;
         const int is_there = level == 0 || level == 1;
-        CHECK(took(espalier_refiner_counts(refiner, level, counts)) == is_there);
-        CHECK(took(espalier_refiner_cells(refiner, level, &c)) == is_there);
-        CHECK(took(espalier_refiner_face_signs(refiner, level, &signs)) == is_there);
-        CHECK(took(espalier_table_create_stencils(refiner, level, &made_table)) == is_there);
-        CHECK(took(espalier_table_create_limits(refiner, level, &made_table)) == is_there);
-        CHECK(took(espalier_table_create_level(refiner, level, &made_table)) == (level == 1));
-        took(espalier_refiner_carry_values(refiner, level, 3, positions, 81, values, 81));
-        took(espalier_refiner_carry_values(refiner, 0, level, positions, 81, values, 81));
+        CHECK(record(espalier_refiner_counts(refiner, level, counts)) == is_there);
+        CHECK(record(espalier_refiner_cells(refiner, level, &c)) == is_there);
+        CHECK(record(espalier_refiner_face_signs(refiner, level, &signs)) == is_there);
+        CHECK(record(espalier_table_create_stencils(refiner, level, &made_table)) == is_there);
+        CHECK(record(espalier_table_create_limits(refiner, level, &made_table)) == is_there);
+        CHECK(record(espalier_table_create_level(refiner, level, &made_table)) == (level == 1));
+        record(espalier_refiner_carry_values(refiner, level, 3, positions, 81, values, 81));
+        record(espalier_refiner_carry_values(refiner, 0, level, positions, 81, values, 81));
     }
     for (size_t i = 0; i < COUNT(int64s); ++i) {
         const int64_t size = int64s[i];
-        CHECK(took(espalier_refiner_carry_values(refiner, 0, 3, positions, size, values, 81)) ==
+        CHECK(record(espalier_refiner_carry_values(refiner, 0, 3, positions, size, values, 81)) ==
               (size == 81));
-        CHECK(took(espalier_refiner_carry_values(refiner, 0, 3, positions, 81, values, size)) ==
+        CHECK(record(espalier_refiner_carry_values(refiner, 0, 3, positions, 81, values, size)) ==
               (size == 81));
         for (size_t k = 0; k < COUNT(int32s); ++k)
             if (int32s[k] != 3)
@@ -266,8 +266,8 @@ static void test_levels(void) {
 }
 
 static void try_bind(const espalier_bind_options* options) {
-    took(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, options,
-                                 &made_binding));
+    record(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, options,
+                                   &made_binding));
 }
 
 static void test_binding(void) {
@@ -285,15 +285,15 @@ static void test_binding(void) {
         options.outside = int32s[i];
         try_bind(&options);
 
-        CHECK(took(espalier_binding_create(refiner, int32s[i], positions, 1, point, NULL,
-                                           &made_binding)) == (int32s[i] == BOX_VERTICES));
+        CHECK(record(espalier_binding_create(refiner, int32s[i], positions, 1, point, NULL,
+                                             &made_binding)) == (int32s[i] == BOX_VERTICES));
         if (int32s[i] <= 1) {
-            CHECK(took(espalier_binding_create(refiner, BOX_VERTICES, positions, int32s[i], point,
-                                               NULL, &made_binding)) == (int32s[i] >= 0));
+            CHECK(record(espalier_binding_create(refiner, BOX_VERTICES, positions, int32s[i], point,
+                                                 NULL, &made_binding)) == (int32s[i] >= 0));
         }
-        CHECK(took(espalier_binding_apply(binding, int32s[i], positions, 1, values)) ==
+        CHECK(record(espalier_binding_apply(binding, int32s[i], positions, 1, values)) ==
               (int32s[i] == BOX_VERTICES));
-        CHECK(took(espalier_binding_apply(binding, BOX_VERTICES, positions, int32s[i], values)) ==
+        CHECK(record(espalier_binding_apply(binding, BOX_VERTICES, positions, int32s[i], values)) ==
               (int32s[i] == 1));
     }
     for (size_t i = 0; i < COUNT(doubles); ++i) {
@@ -304,17 +304,17 @@ static void test_binding(void) {
         options.limit_tolerance = doubles[i];
         try_bind(&options);
         const double odd[3] = {0.5, doubles[i], 0.5};
-        took(
+        record(
             espalier_binding_create(refiner, BOX_VERTICES, positions, 1, odd, NULL, &made_binding));
     }
 }
 
 static void test_tensor(void) {
     for (size_t i = 0; i < COUNT(int32s); ++i) {
-        took(espalier_binding_create_tensor(lattice, int32s[i], 1, point, NULL, &made_binding));
+        record(espalier_binding_create_tensor(lattice, int32s[i], 1, point, NULL, &made_binding));
         if (int32s[i] <= 1) {
-            CHECK(took(espalier_binding_create_tensor(lattice, 0, int32s[i], point, NULL,
-                                                      &made_binding)) == (int32s[i] >= 0));
+            CHECK(record(espalier_binding_create_tensor(lattice, 0, int32s[i], point, NULL,
+                                                        &made_binding)) == (int32s[i] >= 0));
         }
     }
     for (size_t i = 0; i < COUNT(doubles); ++i) {
@@ -322,10 +322,10 @@ static void test_tensor(void) {
         espalier_bind_options options = espalier_default_bind_options();
         for (int32_t outside = 0; outside < 3; ++outside) {
             options.outside = outside;
-            took(espalier_binding_create_tensor(lattice, 0, 1, odd, &options, &made_binding));
+            record(espalier_binding_create_tensor(lattice, 0, 1, odd, &options, &made_binding));
         }
         options.tolerance = doubles[i];
-        took(espalier_binding_create_tensor(lattice, 0, 1, point, &options, &made_binding));
+        record(espalier_binding_create_tensor(lattice, 0, 1, point, &options, &made_binding));
     }
 }
 
@@ -335,27 +335,28 @@ static void test_shapes(void) {
         for (int k = 0; k < 3; ++k) {
             int32_t counts[3] = {3, 1, 1};
             counts[k] = int32s[i];
-            took(espalier_lattice_create_box(counts, from, to, &made_lattice));
-            took(espalier_lattice_create_cylinder(3, 1, int32s[i], 1, 1, from, to, &made_lattice));
-            took(espalier_lattice_create_cylinder(counts[0], counts[1], 0, counts[2], 1, from, to,
-                                                  &made_lattice));
+            record(espalier_lattice_create_box(counts, from, to, &made_lattice));
+            record(
+                espalier_lattice_create_cylinder(3, 1, int32s[i], 1, 1, from, to, &made_lattice));
+            record(espalier_lattice_create_cylinder(counts[0], counts[1], 0, counts[2], 1, from, to,
+                                                    &made_lattice));
         }
     const espalier_lattice* both[2] = {lattice, lattice};
     for (size_t i = 0; i < COUNT(doubles); ++i) {
         const double odd[3] = {doubles[i], 0, 0};
         const int32_t ones[3] = {1, 1, 1};
-        took(espalier_lattice_create_box(ones, odd, to, &made_lattice));
-        took(espalier_lattice_create_cylinder(3, 1, 0, 1, doubles[i], from, to, &made_lattice));
-        took(espalier_lattice_create_merged(1, both, doubles[i], &made_lattice));
+        record(espalier_lattice_create_box(ones, odd, to, &made_lattice));
+        record(espalier_lattice_create_cylinder(3, 1, 0, 1, doubles[i], from, to, &made_lattice));
+        record(espalier_lattice_create_merged(1, both, doubles[i], &made_lattice));
     }
     for (size_t i = 0; i < COUNT(lengths); ++i)
         REFUSES(espalier_lattice_create_merged(lengths[i], both, 1e-6, &made_lattice));
     REFUSES(espalier_lattice_create_merged(0, both, 1e-6, &made_lattice));
 }
 
-/* A shape with options: each number at the corners of its type, and sizes of the struct. `create`
- * makes `l` of `options`; `field` is the first of `integers` int32_t; `length` the first of `reals`
- * doubles. */
+/* Tries a shape with options: each number with the extreme values of its type, and sizes of the
+ * struct. `create` makes `l` from `options`; `field` is the first of `integers` fields of type
+ * int32_t; `length` is the first of `reals` fields of type double. */
 #define TRY_SHAPE(shape, create, field, integers, length, reals)                       \
     do {                                                                               \
         static const size_t sizes[] = {0, 1, 4, SIZE_MAX / 2, SIZE_MAX - 1, SIZE_MAX}; \
@@ -368,13 +369,13 @@ static void test_shapes(void) {
             for (size_t i = 0; i < COUNT(int32s); ++i) {                               \
                 options = espalier_default_##shape##_options();                        \
                 *(&options.field + at) = int32s[i];                                    \
-                took(create);                                                          \
+                record(create);                                                        \
             }                                                                          \
         for (int at = 0; at < (reals); ++at)                                           \
             for (size_t i = 0; i < COUNT(doubles); ++i) {                              \
                 options = espalier_default_##shape##_options();                        \
                 *(&options.length + at) = doubles[i];                                  \
-                took(create);                                                          \
+                record(create);                                                        \
             }                                                                          \
     } while (0)
 
@@ -400,21 +401,22 @@ static void test_inventory(void) {
             *(at < 3    ? &joints[1].position[at]
               : at == 3 ? &joints[1].radius
                         : &joints[1].twist) = doubles[i];
-            took(espalier_lattice_create_arm(&options, &made_lattice));
+            record(espalier_lattice_create_arm(&options, &made_lattice));
         }
     for (size_t i = 0; i < COUNT(int32s); ++i)
         for (int at = 0; at < 3; ++at) {
-            took(at == 0 ? espalier_lattice_create_regular_solid(int32s[i], 1, &made_lattice)
-                 : at == 1
-                     ? espalier_lattice_create_polygonal_solid(int32s[i], 3, 1, 1, &made_lattice)
-                     : espalier_lattice_create_polygonal_solid(0, int32s[i], 1, 1, &made_lattice));
+            record(
+                at == 0 ? espalier_lattice_create_regular_solid(int32s[i], 1, &made_lattice)
+                : at == 1
+                    ? espalier_lattice_create_polygonal_solid(int32s[i], 3, 1, 1, &made_lattice)
+                    : espalier_lattice_create_polygonal_solid(0, int32s[i], 1, 1, &made_lattice));
         }
     for (size_t i = 0; i < COUNT(doubles); ++i)
         for (int at = 0; at < 3; ++at) {
-            took(at == 0 ? espalier_lattice_create_regular_solid(0, doubles[i], &made_lattice)
-                         : espalier_lattice_create_polygonal_solid(0, 3, at == 1 ? doubles[i] : 1,
-                                                                   at == 2 ? doubles[i] : 1,
-                                                                   &made_lattice));
+            record(at == 0 ? espalier_lattice_create_regular_solid(0, doubles[i], &made_lattice)
+                           : espalier_lattice_create_polygonal_solid(0, 3, at == 1 ? doubles[i] : 1,
+                                                                     at == 2 ? doubles[i] : 1,
+                                                                     &made_lattice));
         }
 }
 
@@ -428,15 +430,15 @@ static void test_nested(void) {
               : k == 2 ? &options.level
                        : &options.outside) = int32s[i];
             if (k == 4) options.tolerance = doubles[i % COUNT(doubles)];
-            took(espalier_table_create_nested(table, child, positions, refiner, parent, positions,
-                                              &options, &made_table));
+            record(espalier_table_create_nested(table, child, positions, refiner, parent, positions,
+                                                &options, &made_table));
         }
 }
 
 static void try_fit(int32_t targets, const int32_t* rows, const espalier_fit_options* options,
                     int32_t vertices) {
-    static const double miss[ROOM] = {0.1, 0, 0};
-    took(
+    static const double miss[MAX_COUNT] = {0.1, 0, 0};
+    record(
         espalier_lattice_fit(table, lattice, targets, rows, miss, options, vertices, values, NULL));
 }
 
@@ -473,7 +475,7 @@ static void test_fit(void) {
     }
 }
 
-/* What each function with layouts is called with. */
+/* The arguments of the functions with layouts. */
 typedef struct buffers {
     int64_t source_size;
     espalier_buffer_layout source;
@@ -482,12 +484,12 @@ typedef struct buffers {
     int32_t first, last;
 } buffers;
 
-/* For a table of 1 row and 27 columns, and for its adjoint. */
+/* Evaluators of a table of 1 row and 27 columns, and of its adjoint. */
 static espalier_evaluator_f64 *f64, *adjoint_f64;
 static espalier_evaluator_f32 *f32, *adjoint_f32;
 static espalier_change_evaluator_f64* changes_f64;
 static espalier_change_evaluator_f32* changes_f32;
-/* Of no point: neither table nor adjoint touches a number of that side. */
+/* Evaluators of a binding of no points, which read or write no number of the points. */
 static espalier_evaluator_f64 *empty_f64, *empty_adjoint_f64;
 static espalier_binding* empty;
 
@@ -508,64 +510,65 @@ static void set_up_evaluators(void) {
 
 static void evaluate_all(const buffers* b, const buffers* a) {
     const int32_t one = BOX_CENTRE;
-    took(espalier_evaluator_f64_evaluate(f64, positions, b->source_size, b->source, values,
-                                         b->destination_size, b->destination, b->first, b->last,
-                                         NULL));
-    took(espalier_evaluator_f32_evaluate(f32, singles, b->source_size, b->source, single_results,
-                                         b->destination_size, b->destination, b->first, b->last,
-                                         NULL));
-    took(espalier_change_evaluator_f64_evaluate(changes_f64, positions, b->source_size, b->source,
-                                                values, b->destination_size, b->destination, 1,
-                                                &one, NULL));
-    took(espalier_change_evaluator_f32_evaluate(changes_f32, singles, b->source_size, b->source,
-                                                single_results, b->destination_size, b->destination,
-                                                1, &one, NULL));
-    took(espalier_evaluator_f64_evaluate(adjoint_f64, positions, a->source_size, a->source, values,
-                                         a->destination_size, a->destination, a->first, a->last,
-                                         NULL));
-    took(espalier_evaluator_f32_evaluate(adjoint_f32, singles, a->source_size, a->source,
-                                         single_results, a->destination_size, a->destination,
-                                         a->first, a->last, NULL));
-    took(espalier_evaluator_f64_evaluate(empty_f64, positions, b->source_size, b->source, values,
-                                         b->destination_size, b->destination, 0, 0, NULL));
-    took(espalier_evaluator_f64_evaluate(empty_adjoint_f64, positions, a->source_size, a->source,
-                                         values, a->destination_size, a->destination, a->first,
-                                         a->last, NULL));
-    took(espalier_binding_put_kept_f64(binding, values, b->destination_size, b->destination));
-    took(espalier_binding_put_kept_f32(binding, single_results, b->destination_size,
-                                       b->destination));
-    took(espalier_binding_put_kept_f64(empty, values, b->destination_size, b->destination));
+    record(espalier_evaluator_f64_evaluate(f64, positions, b->source_size, b->source, values,
+                                           b->destination_size, b->destination, b->first, b->last,
+                                           NULL));
+    record(espalier_evaluator_f32_evaluate(f32, singles, b->source_size, b->source, single_results,
+                                           b->destination_size, b->destination, b->first, b->last,
+                                           NULL));
+    record(espalier_change_evaluator_f64_evaluate(changes_f64, positions, b->source_size, b->source,
+                                                  values, b->destination_size, b->destination, 1,
+                                                  &one, NULL));
+    record(espalier_change_evaluator_f32_evaluate(changes_f32, singles, b->source_size, b->source,
+                                                  single_results, b->destination_size,
+                                                  b->destination, 1, &one, NULL));
+    record(espalier_evaluator_f64_evaluate(adjoint_f64, positions, a->source_size, a->source,
+                                           values, a->destination_size, a->destination, a->first,
+                                           a->last, NULL));
+    record(espalier_evaluator_f32_evaluate(adjoint_f32, singles, a->source_size, a->source,
+                                           single_results, a->destination_size, a->destination,
+                                           a->first, a->last, NULL));
+    record(espalier_evaluator_f64_evaluate(empty_f64, positions, b->source_size, b->source, values,
+                                           b->destination_size, b->destination, 0, 0, NULL));
+    record(espalier_evaluator_f64_evaluate(empty_adjoint_f64, positions, a->source_size, a->source,
+                                           values, a->destination_size, a->destination, a->first,
+                                           a->last, NULL));
+    record(espalier_binding_put_kept_f64(binding, values, b->destination_size, b->destination));
+    record(espalier_binding_put_kept_f32(binding, single_results, b->destination_size,
+                                         b->destination));
+    record(espalier_binding_put_kept_f64(empty, values, b->destination_size, b->destination));
 }
 
 static void test_hold(void) {
-    static int32_t held[ROOM];
+    static int32_t held[MAX_COUNT];
     int32_t count = 0;
     const int32_t zero = 0;
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t n = int32s[i];
-        took(espalier_hold_faces(refiner, 1, &n, 1, BOX_VERTICES, held, &count));
-        took(espalier_hold_faces(refiner, 1, &zero, n, BOX_VERTICES, held, &count));
-        CHECK(took(espalier_hold_faces(refiner, 1, &zero, 1, n, held, &count)) ==
+        record(espalier_hold_faces(refiner, 1, &n, 1, BOX_VERTICES, held, &count));
+        record(espalier_hold_faces(refiner, 1, &zero, n, BOX_VERTICES, held, &count));
+        CHECK(record(espalier_hold_faces(refiner, 1, &zero, 1, n, held, &count)) ==
               (n == BOX_VERTICES));
-        if (n <= 1) took(espalier_hold_faces(refiner, n, &zero, 1, BOX_VERTICES, held, &count));
-        CHECK(took(espalier_hold_points(refiner, n, positions, 1, point, 1, NULL, held, &count)) ==
-              (n == BOX_VERTICES));
+        if (n <= 1) record(espalier_hold_faces(refiner, n, &zero, 1, BOX_VERTICES, held, &count));
+        CHECK(record(espalier_hold_points(refiner, n, positions, 1, point, 1, NULL, held,
+                                          &count)) == (n == BOX_VERTICES));
         if (n <= 1)
-            took(espalier_hold_points(refiner, BOX_VERTICES, positions, n, point, 1, NULL, held,
-                                      &count));
-        took(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, point, n, NULL, held,
-                                  &count));
+            record(espalier_hold_points(refiner, BOX_VERTICES, positions, n, point, 1, NULL, held,
+                                        &count));
+        record(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, point, n, NULL, held,
+                                    &count));
         espalier_bind_options options = espalier_default_bind_options();
         options.level = n;
-        took(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, point, 1, &options, held,
-                                  &count));
-        CHECK(took(espalier_hold_rows(table, 1, &n, BOX_VERTICES, held, &count)) == (n == 0));
-        CHECK(took(espalier_hold_rows(table, 1, NULL, n, held, &count)) == (n == BOX_VERTICES));
-        CHECK(took(espalier_hold_rows(table, n, NULL, BOX_VERTICES, held, &count)) == (n == 1));
+        record(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, point, 1, &options, held,
+                                    &count));
+        CHECK(record(espalier_hold_rows(table, 1, &n, BOX_VERTICES, held, &count)) == (n == 0));
+        CHECK(record(espalier_hold_rows(table, 1, NULL, n, held, &count)) == (n == BOX_VERTICES));
+        CHECK(record(espalier_hold_rows(table, n, NULL, BOX_VERTICES, held, &count)) == (n == 1));
     }
     for (size_t i = 0; i < COUNT(doubles); ++i) {
         const double odd[3] = {0.5, doubles[i], 0.5};
-        took(espalier_hold_points(refiner, BOX_VERTICES, positions, 1, odd, 1, NULL, held, &count));
+        record(
+            espalier_hold_points(refiner, BOX_VERTICES, positions, 1, odd, 1, NULL, held, &count));
     }
 }
 
@@ -573,51 +576,52 @@ static void test_validity(void) {
     espalier_validity* own = NULL;
     espalier_pose_validity result;
     espalier_largest_step step;
-    static double ratios[ROOM];
+    static double ratios[MAX_COUNT];
     int32_t base;
     espalier_validity_options options = espalier_default_validity_options();
     options.level = 1;
     OK(espalier_validity_create(refiner, BOX_VERTICES, positions, &options, &own));
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t n = int32s[i];
-        CHECK(took(espalier_validity_create(refiner, n, positions, &options, &made_validity)) ==
+        CHECK(record(espalier_validity_create(refiner, n, positions, &options, &made_validity)) ==
               (n == BOX_VERTICES));
         for (int32_t limit = 0; limit < 2; ++limit) {
             espalier_validity_options odd = {sizeof odd, n, limit};
-            took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd, &made_validity));
+            record(
+                espalier_validity_create(refiner, BOX_VERTICES, positions, &odd, &made_validity));
         }
         espalier_validity_options odd = {sizeof odd, 1, n};
-        CHECK(took(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd,
-                                            &made_validity)) == (n == 0 || n == 1));
-        CHECK(took(espalier_validity_base_cell(own, n, &base)) == (n >= 0 && n < 8 * BOX_CELLS));
-        CHECK(took(espalier_validity_check(own, n, positions, 64, ratios, &result)) ==
+        CHECK(record(espalier_validity_create(refiner, BOX_VERTICES, positions, &odd,
+                                              &made_validity)) == (n == 0 || n == 1));
+        CHECK(record(espalier_validity_base_cell(own, n, &base)) == (n >= 0 && n < 8 * BOX_CELLS));
+        CHECK(record(espalier_validity_check(own, n, positions, 64, ratios, &result)) ==
               (n == BOX_VERTICES));
         REFUSES(espalier_validity_check(own, BOX_VERTICES, positions, n, ratios, &result));
-        CHECK(took(espalier_validity_largest_step(own, n, positions, 1, &step)) ==
+        CHECK(record(espalier_validity_largest_step(own, n, positions, 1, &step)) ==
               (n == BOX_VERTICES));
     }
     for (size_t i = 0; i < COUNT(doubles); ++i) {
-        took(espalier_validity_largest_step(own, BOX_VERTICES, positions, doubles[i], &step));
+        record(espalier_validity_largest_step(own, BOX_VERTICES, positions, doubles[i], &step));
         memcpy(values, positions, sizeof values);
         values[5] = doubles[i];
-        took(espalier_validity_largest_step(own, BOX_VERTICES, values, 1, &step));
-        took(espalier_validity_check(own, BOX_VERTICES, values, 64, ratios, &result));
-        took(espalier_validity_create(refiner, BOX_VERTICES, values, &options, &made_validity));
+        record(espalier_validity_largest_step(own, BOX_VERTICES, values, 1, &step));
+        record(espalier_validity_check(own, BOX_VERTICES, values, 64, ratios, &result));
+        record(espalier_validity_create(refiner, BOX_VERTICES, values, &options, &made_validity));
     }
     espalier_validity_destroy(own);
 }
 
 static void try_limit_stencils(int32_t level, int32_t count, int32_t cell, double u,
-                               int32_t derivatives, double tolerance, int32_t room) {
+                               int32_t derivatives, double tolerance, int32_t table_count) {
     espalier_table* tables[10] = {NULL};
     const double uvw[3] = {u, 0.5, 0.5};
     espalier_limit_stencil_options options = espalier_default_limit_stencil_options();
     options.derivatives = derivatives;
     options.tolerance = tolerance;
-    const int made = took(espalier_table_create_limit_stencils(refiner, level, count, &cell, uvw,
-                                                               &options, room, tables));
+    const int made = record(espalier_table_create_limit_stencils(refiner, level, count, &cell, uvw,
+                                                                 &options, table_count, tables));
     for (int t = 0; t < 10; ++t) {
-        CHECK((tables[t] != NULL) == (made && t < room));
+        CHECK((tables[t] != NULL) == (made && t < table_count));
         espalier_table_destroy(tables[t]);
     }
 }
@@ -645,7 +649,8 @@ static void test_evaluators(void) {
     CHECK(accepted == before + 11);
     for (size_t i = 0; i < COUNT(int64s); ++i) {
         buffers b = good, a = adjoint;
-        /* Sizes beyond are lies, and harmless: the layout asks for what is there. */
+        /* A size beyond the array is wrong, but harmless: only what the layout covers is
+         * accessed. */
         b.source_size = a.source_size = int64s[i];
         evaluate_all(&b, &a);
         b = good, a = adjoint;
@@ -675,16 +680,16 @@ static void test_evaluators(void) {
     for (size_t i = 0; i < COUNT(int32s); ++i) {
         const int32_t column = int32s[i];
         const int is_column = column >= 0 && column < BOX_VERTICES;
-        CHECK(took(espalier_change_evaluator_f64_evaluate(changes_f64, positions, 81, xyz, values,
-                                                          3, xyz, 1, &column, NULL)) == is_column);
-        CHECK(took(espalier_change_evaluator_f32_evaluate(
+        CHECK(record(espalier_change_evaluator_f64_evaluate(
+                  changes_f64, positions, 81, xyz, values, 3, xyz, 1, &column, NULL)) == is_column);
+        CHECK(record(espalier_change_evaluator_f32_evaluate(
                   changes_f32, singles, 81, xyz, single_results, 3, xyz, 1, &column, NULL)) ==
               is_column);
         if (column > 1) continue;
-        CHECK(took(espalier_change_evaluator_f64_evaluate(changes_f64, positions, 81, xyz, values,
-                                                          3, xyz, column, cells, NULL)) ==
+        CHECK(record(espalier_change_evaluator_f64_evaluate(changes_f64, positions, 81, xyz, values,
+                                                            3, xyz, column, cells, NULL)) ==
               (column >= 0));
-        CHECK(took(espalier_change_evaluator_f32_evaluate(
+        CHECK(record(espalier_change_evaluator_f32_evaluate(
                   changes_f32, singles, 81, xyz, single_results, 3, xyz, column, cells, NULL)) ==
               (column >= 0));
     }
@@ -696,7 +701,7 @@ int main(void) {
     set_up_evaluators();
     test_host();
     test_cells();
-    /* Levels that would take more than the machine has. */
+    /* Levels that need more memory than the machine has. */
     OK(espalier_memory_limit_create((int64_t)1 << 30, &limit));
     test_levels();
     test_lattice();

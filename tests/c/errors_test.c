@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Each way in which a call fails: its status, its message, and that it wrote nothing. */
+/* Tests each way in which a call can fail: its status, its message, and that it wrote nothing. */
 
 #include <math.h>
 
@@ -27,7 +27,7 @@ static void set_up(void) {
     OK(espalier_evaluator_f32_create(table, &f32));
 }
 
-static void test_null_is_destroyed_in_peace(void) {
+static void test_destroying_null_does_nothing(void) {
     espalier_progress_scope_destroy(NULL);
     espalier_executor_scope_destroy(NULL);
     espalier_thread_limit_destroy(NULL);
@@ -43,14 +43,14 @@ static void test_null_is_destroyed_in_peace(void) {
     espalier_change_evaluator_f32_destroy(NULL);
 }
 
-static int32_t go_on(void* user, const espalier_progress* progress) {
+static int32_t keep_going(void* user, const espalier_progress* progress) {
     (void)user;
     (void)progress;
     return 1;
 }
 
-/* Every pointer of every function. */
-static void test_null_is_refused(void) {
+/* Passes null for every pointer of every function. */
+static void test_null_is_an_error(void) {
     const espalier_buffer_layout xyz = espalier_packed_layout(3);
     espalier_progress_scope* progress = NULL;
     espalier_lattice* l = NULL;
@@ -71,7 +71,7 @@ static void test_null_is_refused(void) {
     espalier_csr csr;
 
     INVALID(espalier_progress_scope_create(NULL, NULL, 20, &progress), "callback is null");
-    INVALID(espalier_progress_scope_create(go_on, NULL, 20, NULL), "scope is null");
+    INVALID(espalier_progress_scope_create(keep_going, NULL, 20, NULL), "scope is null");
     INVALID(espalier_executor_scope_create(NULL, NULL, NULL), "scope is null");
     INVALID(espalier_thread_limit_create(1, NULL), "limit is null");
     INVALID(espalier_memory_limit_create(1, NULL), "limit is null");
@@ -258,7 +258,7 @@ static void test_bad_marks(void) {
     INVALID(espalier_lattice_mark_vertices(lattice, 1, &beyond, &sharp), "27");
     INVALID(espalier_lattice_mark_vertices(lattice, 1, cells, &negative), "-1");
     INVALID(espalier_lattice_mark_vertices(lattice, -1, cells, &sharp), "-1");
-    /* Nothing was marked. */
+    /* Nothing has been marked. */
     espalier_refiner* r = NULL;
     OK(espalier_refiner_create(lattice, NULL, &r));
     espalier_refiner_destroy(r);
@@ -308,7 +308,7 @@ static void test_bad_options(void) {
     INVALID(espalier_binding_create(refiner, BOX_VERTICES, positions, 1, point, &bind, &b),
             "tolerance of the limit");
     espalier_progress_scope* progress = NULL;
-    INVALID(espalier_progress_scope_create(go_on, NULL, -1, &progress), "milliseconds is -1");
+    INVALID(espalier_progress_scope_create(keep_going, NULL, -1, &progress), "milliseconds is -1");
     espalier_thread_limit* limit = NULL;
     INVALID(espalier_thread_limit_create(0, &limit), "threads is 0");
     espalier_memory_limit* memory = NULL;
@@ -371,14 +371,14 @@ int main(void) {
     CHECK(strcmp(espalier_last_error(), "") == 0);
     set_up();
     CHECK(strcmp(espalier_last_error(), "") == 0);
-    test_null_is_destroyed_in_peace();
-    test_null_is_refused();
+    test_destroying_null_does_nothing();
+    test_null_is_an_error();
     test_bad_cells();
     test_bad_marks();
     test_bad_options();
     test_bad_sizes();
     test_files();
-    /* A call that goes well leaves the message of the last one that did not. */
+    /* A call that succeeds keeps the message of the last call that failed. */
     espalier_thread_limit* limit = NULL;
     OK(espalier_thread_limit_create(1, &limit));
     CHECK(strstr(espalier_last_error(), "no/such") != NULL);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of exceptions that no call of the C API can be made to throw at will.
+// Tests the statuses of exceptions that no call of the C API can be made to throw.
 #include "guard.h"
 
 #include <espalier/base/error.h>

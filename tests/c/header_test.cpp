@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// That the headers are C++ as well, as old as C++11.
+// Checks that the headers also compile as C++11.
 #include <espalier_shapes.h>
 #include <espalier_solve.h>
 

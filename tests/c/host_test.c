@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a host has a say in: threads, progress, and what is cancelled. Results stay the same, bit
+/* Tests the control of a host over threads, progress and cancelling. Results stay the same, bit
  * for bit. */
 
 #include "box.h"
 #include "check.h"
 
-/* So many that they are bound in more than one range. */
+/* Enough points to be bound in more than one range. */
 enum { POINTS = 17000 };
 static double points[3 * POINTS], before[3 * POINTS], after[3 * POINTS];
 static double pose[3 * BOX_VERTICES];
 static espalier_refiner* refiner;
 
-/* Some points of the cube, in no order. */
+/* Scattered points in the cube. */
 static void set_up(void) {
     int32_t cells[8 * BOX_CELLS];
     espalier_lattice* lattice = NULL;
@@ -26,7 +26,7 @@ static void set_up(void) {
     }
 }
 
-/* Binds, applies, and lets go again. */
+/* Binds, applies the binding, and destroys it. */
 static espalier_status deform(double* result) {
     espalier_bind_options options = espalier_default_bind_options();
     options.level = 1;
@@ -57,7 +57,7 @@ static void test_memory_limit(void) {
     CHECK(memcmp(before, after, sizeof before) == 0);
 }
 
-/* A host's loop, which happens to run backwards. */
+/* A loop of the host, which runs backwards. */
 static void run_backwards(void* user, int64_t count, espalier_task task, void* work) {
     ++*(int*)user;
     for (int64_t i = count; i > 0; --i) task(work, i - 1);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lattices from arrays and files, marks, levels and their tables. */
+/* Tests lattices from arrays and files, marks, levels and level tables. */
 
 #include <math.h>
 
 #include "box.h"
 #include "check.h"
 
-/* Sums of a few dozen products of numbers up to 1: some units of 1e-16 each. */
+/* The rounding of a few dozen products of numbers up to 1: a few units of 1e-16 each. */
 static const double tolerance = 1e-13;
 
 static espalier_lattice* make_box_lattice(void) {
@@ -36,7 +36,7 @@ static void check_counts(const int32_t counts[4], int32_t vertices, int32_t edge
     CHECK(counts[3] == cells);
 }
 
-/* A cube with a pyramid on top, each with faces of its own; some wind inwards. */
+/* A cube with a pyramid on top. Each cell has its own faces, and some of these wind inwards. */
 static void test_cells_of_any_shape(void) {
     static const double positions[27] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1,   0,   0, 0,
                                          1, 1, 0, 1, 1, 1, 1, 0, 1, 1, 0.5, 0.5, 2};
@@ -52,7 +52,7 @@ static void test_cells_of_any_shape(void) {
     OK(espalier_lattice_counts(lattice, counts));
     check_counts(counts, 9, 16, 10, 2);
 
-    /* The same by faces that the two share. */
+    /* The same lattice with the face between the cells given once. */
     static const int32_t cell_faces[11] = {0, 1, 2, 3, 4, 5, 1, 6, 7, 8, 9};
     static const int64_t shared_offsets[11] = {0, 4, 8, 12, 16, 20, 24, 27, 30, 33, 36};
     static const int32_t shared_vertices[36] = {0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4,
@@ -67,7 +67,8 @@ static void test_cells_of_any_shape(void) {
     OK(espalier_lattice_topology_hash(same, &same_hash));
     CHECK(hash == same_hash);
 
-    /* A vertex of a cube becomes a cell, and so does one of the base; the apex, of type 4, too. */
+    /* Each corner of a cell becomes a cell: those of the cube, and those of the pyramid, where
+     * the apex gives one of type 4. */
     espalier_refiner* refiner = make_refiner(same, 1);
     espalier_cells level;
     OK(espalier_refiner_cells(refiner, 1, &level));
@@ -109,7 +110,7 @@ static void test_positions_and_files(const char* rest_path, const char* pose_pat
     espalier_lattice_destroy(lattice);
 }
 
-/* How many vertices of the lattice a vertex of level 1 depends on. */
+/* Returns the number of vertices of the lattice on which a vertex of level 1 depends. */
 static int64_t entries_of(const espalier_lattice* lattice, int32_t vertex) {
     espalier_refiner* refiner = make_refiner(lattice, 1);
     espalier_table* table = NULL;
@@ -132,7 +133,7 @@ static void test_marks(void) {
     OK(espalier_lattice_clear_marks(lattice));
     CHECK(entries_of(lattice, BOX_CENTRE) == 27);
 
-    /* A line through the middle of the box: its vertex in the centre lies on a crease. */
+    /* A crease through the middle of the box, which contains the vertex in the centre. */
     const int32_t line[4] = {4, BOX_CENTRE, 22, BOX_CENTRE};
     const double both[2] = {ESPALIER_SHARP, ESPALIER_SHARP};
     OK(espalier_lattice_mark_edges(lattice, 2, line, both));
@@ -140,13 +141,13 @@ static void test_marks(void) {
     espalier_lattice_destroy(lattice);
 }
 
-/* Six times the volume of the pyramid from the origin to a triangle. */
+/* Returns six times the volume of the pyramid with its apex at the origin over a triangle. */
 static double determinant(const double* a, const double* b, const double* c) {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
            a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/* The cells of level 1 fill the cube, each turned outwards. */
+/* The cells of level 1 fill the cube, and the faces of each cell are oriented outwards. */
 static void test_level_topology(void) {
     espalier_lattice* lattice = make_box_lattice();
     espalier_refiner* refiner = make_refiner(lattice, 1);
@@ -184,7 +185,7 @@ static void test_level_topology(void) {
     }
     CHECK(fabs(whole - 1) < tolerance);
 
-    /* What comes out goes in, and arrays of a level outlive the next one. */
+    /* The arrays of a level can be passed in again, and stay valid when the next level is made. */
     espalier_lattice* again = NULL;
     OK(espalier_lattice_create(&cells, positions, &again));
     OK(espalier_refiner_refine(refiner, 2));
@@ -196,7 +197,7 @@ static void test_level_topology(void) {
     espalier_lattice_destroy(lattice);
 }
 
-/* table · values, one number a column. */
+/* Computes table · values, one number for each column. */
 static void multiply(const espalier_table* table, const double* values, double* result) {
     espalier_csr csr;
     OK(espalier_table_csr(table, &csr));
@@ -245,7 +246,7 @@ static void test_tables(void) {
     espalier_lattice_destroy(lattice);
 }
 
-/* Without boundary control the region shrinks. */
+/* Without boundary rules the region shrinks. */
 static void test_open_boundary(void) {
     espalier_lattice* lattice = make_box_lattice();
     espalier_refine_options options = espalier_default_refine_options();
@@ -254,7 +255,7 @@ static void test_open_boundary(void) {
     OK(espalier_refiner_create(lattice, &options, &refiner));
     OK(espalier_refiner_refine(refiner, 1));
     int32_t counts[4];
-    /* Of 2 × 2 × 2 cells the children of the inner vertex are left. */
+    /* Of 2 × 2 × 2 cells, only the children at the inner vertex remain. */
     OK(espalier_refiner_counts(refiner, 1, counts));
     CHECK(counts[3] == 8);
     espalier_refiner_destroy(refiner);

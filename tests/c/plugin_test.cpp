@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The library as plug-ins have it: loaded while the program runs. Then, too, an evaluation with a
-// workspace allocates nothing, on a thread that has not called the library before.
+// Tests the library as plug-ins use it: loaded while the program runs. In this case, too, an
+// evaluation with a workspace allocates nothing on a thread that has not called the library before.
 
 #include <dlfcn.h>
 #include <espalier.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The inventory with options, and the lattices of a single cell. */
+/* Tests the inventory with options, and lattices of a single cell. */
 
 #include <math.h>
 
 #include "check.h"
 
-/* Checks how many vertices and cells a lattice has, and destroys it. */
+/* Checks the numbers of vertices and cells of a lattice, and destroys it. */
 static void check_counts(espalier_lattice** lattice, int32_t vertices, int32_t cells) {
     int32_t counts[4];
     OK(espalier_lattice_counts(*lattice, counts));
@@ -14,7 +14,7 @@ static void check_counts(espalier_lattice** lattice, int32_t vertices, int32_t c
     *lattice = NULL;
 }
 
-/* The largest coordinate along an axis. */
+/* Returns the largest coordinate along an axis. */
 static double largest(const espalier_lattice* lattice, int axis) {
     int32_t count = 0;
     const double* positions = NULL;
@@ -33,7 +33,7 @@ static void test_torus(void) {
     options.segments = 5;
     options.sides = 7;
     OK(espalier_lattice_create_torus(&options, &l));
-    check_counts(&l, 5 * 8, 5 * 7); /* a vertex in the middle, and wedges */
+    check_counts(&l, 5 * 8, 5 * 7); /* a vertex in the middle, with wedges around it */
     options.core = ESPALIER_CORE_POLYGON;
     options.rings = 2;
     OK(espalier_lattice_create_torus(&options, &l));
@@ -83,7 +83,7 @@ static void test_star(void) {
     CHECK(l == NULL);
 }
 
-/* Memory that a limit refuses is not called input. */
+/* Exceeding a memory limit is not reported as an error of the input. */
 static void test_memory(void) {
     const int32_t many[3] = {100, 100, 100};
     const double min[3] = {0, 0, 0}, max[3] = {1, 1, 1};
@@ -96,7 +96,7 @@ static void test_memory(void) {
     CHECK(l == NULL);
 }
 
-/* A block is a pose of the barbell of the same numbers. */
+/* A block is a pose of the barbell with the same numbers of cells. */
 static void test_barbell(void) {
     espalier_lattice *l = NULL, *round = NULL;
     uint64_t hash = 0, other = 1;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lattices of the inventory, fitted and nested, and tables in files. */
+/* Tests fitting, holding, validity, nested lattices, and tables in files. */
 
 #include <math.h>
 
 #include "box.h"
 #include "check.h"
 
-/* Sums of some products of numbers up to 1: some units of 1e-16 each. */
+/* The rounding of a few products of numbers up to 1: a few units of 1e-16 each. */
 static const double tolerance = 1e-12;
 
 static double rest[3 * BOX_VERTICES];
@@ -34,7 +34,7 @@ static void tear_down(void) {
     espalier_lattice_destroy(lattice);
 }
 
-/* The points are carried by the displacements to where they are wanted. */
+/* The displacements carry the points to their targets. */
 static void test_fit(void) {
     const double misses[3 * POINTS] = {0.1, 0, 0, 0, -0.2, 0.05};
     double moved[3 * BOX_VERTICES], carried[3 * POINTS];
@@ -47,7 +47,7 @@ static void test_fit(void) {
     OK(espalier_binding_apply(binding, BOX_VERTICES, moved, POINTS, carried));
     for (int i = 0; i < 3 * POINTS; ++i) CHECK(fabs(carried[i] - points[i] - misses[i]) < 1e-9);
 
-    /* One row alone, and vertices that stay. */
+    /* A single row, and frozen vertices. */
     const int32_t second = 1, frozen[2] = {BOX_CENTRE, 0};
     espalier_fit_options options = espalier_default_fit_options();
     options.frozen = frozen;
@@ -77,7 +77,8 @@ static void test_fit(void) {
         "displacements is null");
 }
 
-/* The side x = 0 of the box: its 9 vertices in place, and the next layer for tangent planes. */
+/* Holds the side x = 0 of the box: its 9 vertices for positions, and the next layer for tangent
+ * planes. */
 static void test_hold(void) {
     int32_t held[BOX_VERTICES], count = -1, side[4], sides = 0;
     espalier_cells topology;
@@ -96,8 +97,8 @@ static void test_hold(void) {
     CHECK(count == 18);
     for (int i = 0; i < 18; ++i) CHECK(held[i] == 3 * (i / 2) + i % 2);
 
-    /* A corner of the box is a vertex of the lattice; to the vertices that hold a bound point,
-     * continuity adds others. */
+    /* A corner of the box is a vertex of the lattice. Continuity adds more vertices to those
+     * that hold a bound point. */
     const double corner[3] = {0, 0, 0};
     OK(espalier_hold_points(refiner, BOX_VERTICES, rest, 1, corner, ESPALIER_CONTINUITY_C0, NULL,
                             held, &count));
@@ -151,8 +152,8 @@ static void test_hold(void) {
     CHECK(count == -7 && held[0] == -7);
 }
 
-/* A box stretched to twice its length: all ratios are 2. Mirrored: all cells are inverted, and half
- * of the way is the last that is valid. */
+/* If the box is stretched to twice its length, all ratios are 2. If it is mirrored, all cells
+ * are inverted, and half of the way is the largest valid step. */
 static void check_poses(int32_t of_limit) {
     espalier_validity* validity = NULL;
     espalier_validity_options options = espalier_default_validity_options();
@@ -220,7 +221,7 @@ static void test_validity(void) {
     check_poses(0);
     check_poses(1);
 
-    /* The cell at the origin, flat at rest. */
+    /* The cell at the origin is flat at rest. */
     double flat[3 * BOX_VERTICES];
     memcpy(flat, rest, sizeof flat);
     for (int v = 1; v < 14; v += 3)
@@ -262,8 +263,8 @@ static void test_validity(void) {
     CHECK(validity == NULL);
 }
 
-/* A child that lies in a parent of twice its size: with the parent at rest the points stay, and
- * they follow a move of the parent. */
+/* A child lattice in a parent of twice its size. While the parent is at rest the points stay,
+ * and they follow a move of the parent. */
 static void test_nested(void) {
     double parent[3 * BOX_VERTICES], moved[3 * POINTS];
     for (int i = 0; i < 3 * BOX_VERTICES; ++i) parent[i] = 2 * rest[i] - 0.5;
@@ -299,7 +300,7 @@ static void test_shapes(void) {
     espalier_lattice *one = NULL, *two = NULL, *both = NULL, *round = NULL;
     uint64_t hash = 0, other = 1;
     int32_t counts[4];
-    /* The box of this test. */
+    /* The box of the other tests. */
     OK(espalier_lattice_create_box(cubes, origin, corner, &one));
     OK(espalier_lattice_topology_hash(lattice, &hash));
     OK(espalier_lattice_topology_hash(one, &other));
@@ -308,13 +309,14 @@ static void test_shapes(void) {
     const double* positions = NULL;
     OK(espalier_lattice_positions(one, &count, &positions));
     for (int i = 0; i < 3 * BOX_VERTICES; ++i) CHECK(positions[i] == rest[i]);
-    /* Two of them share 9 vertices. */
+    /* Two boxes share 9 vertices. */
     OK(espalier_lattice_create_box(cubes, beside, far, &two));
     const espalier_lattice* parts[2] = {one, two};
     OK(espalier_lattice_create_merged(2, parts, 1e-6, &both));
     OK(espalier_lattice_counts(both, counts));
     CHECK(counts[0] == 45 && counts[3] == 16);
-    /* 8 wedges round the axis in each of 3 layers; 4 times an axis and 8 vertices round it. */
+    /* 8 wedges around the axis in each of 3 layers; 4 times an axis vertex and 8 vertices around
+     * it. */
     OK(espalier_lattice_create_cylinder(8, 1, ESPALIER_CORE_WEDGES, 3, 0.5, origin, top, &round));
     OK(espalier_lattice_counts(round, counts));
     CHECK(counts[0] == 36 && counts[3] == 24);
@@ -331,8 +333,8 @@ static void test_shapes(void) {
     CHECK(one == NULL);
 }
 
-/* The middle of the box is where it was, by symmetry, and has the mask (1, 4, 1)/6 three times: its
- * own weight is (4/6)³. */
+/* By symmetry the vertex in the middle stays where it was. Its mask is (1, 4, 1)/6 along each
+ * axis, so its own weight is (4/6)³. */
 static void test_limits(void) {
     espalier_table* limits = NULL;
     espalier_csr csr;
@@ -349,7 +351,8 @@ static void test_limits(void) {
     CHECK(limits == NULL);
 }
 
-/* Where (0, 0, 0) of a cell of the box is, and its axes u, v, w, as espalier.h says. */
+/* The position of (0, 0, 0) in a cell of the box, and its axes u, v, w, as espalier.h defines
+ * them. */
 static void make_frame(int32_t cell, double frame[4][3]) {
     espalier_cells topology;
     const int8_t* signs = NULL;
@@ -365,14 +368,14 @@ static void make_frame(int32_t cell, double frame[4][3]) {
         frame[1][k] = rest[3 * u + k] - frame[0][k];
         frame[2][k] = rest[3 * v + k] - frame[0][k];
     }
-    /* The cells are cubes of side 0.5, and their axes right-handed. */
+    /* The cells are cubes of side 0.5, and their axes are right-handed. */
     for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3, m = (k + 2) % 3;
         frame[3][k] = 2 * (frame[1][l] * frame[2][m] - frame[1][m] * frame[2][l]);
     }
 }
 
-/* Positions at rest are the places, and their derivatives the edges of the cell. */
+/* Evaluated at rest, positions are the places, and their derivatives are the edges of the cell. */
 static void test_limit_stencils(void) {
     enum { TABLES = ESPALIER_LIMIT_STENCIL_TABLES(2), PLACES = 2 };
     const int32_t some[PLACES] = {0, 7};
@@ -393,7 +396,7 @@ static void test_limit_stencils(void) {
                 for (int k = 0; k < 3; ++k) at[k] += csr.weights[i] * rest[3 * csr.columns[i] + k];
             }
             CHECK(fabs(sum - (t == 0)) < tolerance);
-            /* The box is its own limit. */
+            /* The box equals its limit. */
             double frame[4][3];
             make_frame(some[row], frame);
             for (int k = 0; k < 3; ++k) {
@@ -448,8 +451,9 @@ static void test_limit_stencils(void) {
     for (int t = 0; t < TABLES; ++t) CHECK(tables[t] == NULL);
 }
 
-/* In the middle of an axis of 2 cells, the Bernstein polynomials of degree 2 are 1/4, 1/2, 1/4. In
- * that of an axis of 4 cells, at a grid point, the B-splines are 1/6, 4/6, 1/6. */
+/* In the middle of an axis with 2 cells, the Bernstein polynomials of degree 2 are 1/4, 1/2,
+ * 1/4. In the middle of an axis with 4 cells, which is a grid point, the B-splines are 1/6, 4/6,
+ * 1/6. */
 static void test_tensor(void) {
     espalier_binding* b = NULL;
     espalier_table* t = NULL;

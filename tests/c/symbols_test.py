@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""That libespalier.so has the functions of symbols.txt, of the headers of c/, and no other."""
+"""Checks that libespalier.so exports the functions of symbols.txt and of the headers of c/, and no others."""
 
 import pathlib
 import re
@@ -12,10 +12,9 @@ HERE = pathlib.Path(__file__).resolve().parent
 NM = LIBRARY = HEADERS = None  # set by main
 
 HOW_TO_CHANGE = """
-A function that is gone, or takes other arguments, breaks the programs that are linked to it: the
-SOVERSION must change, and so in CMakeLists.txt the minor version below 1.0, and the major one from
-there on. A function that is new takes a new minor version. When that is done, change
-tests/c/symbols.txt, too."""
+Removing a function, or changing its parameters, breaks the programs that are linked to it. The
+SOVERSION must change then: change the minor version in CMakeLists.txt below 1.0, and the major
+version from 1.0 on. A new function needs a new minor version. Then change tests/c/symbols.txt."""
 
 
 def names(path):

@@ -16,8 +16,8 @@ embed::Binding bindTo(const Lattice& lattice, int level, const std::vector<Point
         .binding;
 }
 
-// A cube sheared: points inside follow, the point outside is kept.
-TEST(Binding, MovesWhatIsInsideAndKeepsTheRest) {
+// The pose shears a cube: points inside follow, and the point outside stays in place.
+TEST(Binding, MovesPointsInsideAndKeepsPointsOutside) {
     const Lattice cube = shapes::box();
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {3, 3, 3}, {1, 1, 1}};
     const auto binding = bindTo(cube, 2, points);
@@ -30,8 +30,8 @@ TEST(Binding, MovesWhatIsInsideAndKeepsTheRest) {
         for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(moved[i][c], expected[i][c], 1e-14);
 }
 
-// D in factors moves the vertices of the level, and these the points.
-TEST(Binding, InFactorsMovesAndKeepsTheSame) {
+// In the factored D, the lattice moves the vertices of the level, and these move the points.
+TEST(Binding, FactoredBindingMovesAndKeepsTheSamePoints) {
     const Lattice lattice = shapes::cylinder({.sectors = 5});
     const std::vector<Point3> points = {{0.1, 0.2, 0.3}, {5, 5, 5}, {-0.3, 0.1, 0.9}, {0, 0, 0.5}};
     const TopologyRefiner base(lattice.complex);
@@ -48,7 +48,7 @@ TEST(Binding, InFactorsMovesAndKeepsTheSame) {
     EXPECT_THROW(evaluateBinding(factored.binding, shapes::octahedron().positions), Error);
 }
 
-TEST(Binding, FloatIsDoubleWithinItsPrecision) {
+TEST(Binding, SinglePrecisionAgreesWithDouble) {
     const Lattice torus = shapes::torus();
     std::vector<Point3> points;
     for (const double angle : {0.1, 1.0, 2.0, 4.0, 5.5})
@@ -60,18 +60,17 @@ TEST(Binding, FloatIsDoubleWithinItsPrecision) {
     const auto a = evaluateBinding(single, pose), b = evaluateBinding(exact, pose);
     for (std::size_t i = 0; i < points.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c)
-            // 64 products of size 1 in single precision.
+            // Rounding of up to 64 products of size 1 in single precision.
             EXPECT_NEAR(a[i][c], b[i][c], 64 * 6e-8);
 }
 
 // Section 8 of the paper: "as the lattice is deformed, the texture would be deformed along with the
-// object". A solid texture on the lattice vertices goes through the table that positions go
-// through.
-TEST(Binding, TableCarriesAnyAttribute) {
+// object". A solid texture on the lattice vertices is evaluated with the same table as positions.
+TEST(Binding, TableAppliesToAnyVertexAttribute) {
     const Lattice cube = shapes::box({.cells = {2, 2, 2}});
     const std::vector<Point3> points = {{0.5, 0.25, 0.75}, {0.1, 0.9, 0.3}};
     const auto binding = bindTo(cube, 2, points);
-    // Affine in space, so known everywhere: s = x + 2y, t = 1 − z.
+    // The texture is affine in space, so its values are known everywhere: s = x + 2y, t = 1 − z.
     std::vector<double> texture, values(4);
     for (const Point3& p : cube.positions) {
         texture.push_back(p[0] + 2 * p[1]);
@@ -83,7 +82,7 @@ TEST(Binding, TableCarriesAnyAttribute) {
     for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(values[i], expected[i], 1e-14);
 }
 
-TEST(Binding, RefusesOtherPointsThanWereEmbedded) {
+TEST(Binding, RejectsADifferentNumberOfPointsThanEmbedded) {
     const Lattice cube = shapes::box();
     const embed::TensorLattice tensor(cube.complex, cube.positions, embed::Basis::Bezier);
     const std::vector<Point3> points(3, Point3{0.5, 0.5, 0.5});
@@ -94,7 +93,7 @@ TEST(Binding, RefusesOtherPointsThanWereEmbedded) {
     }
 }
 
-TEST(Binding, RefusesAPoseOfAnotherSize) {
+TEST(Binding, RejectsAPoseOfAnotherSize) {
     const Lattice cube = shapes::box();
     const auto binding = bindTo(cube, 1, {{0.5, 0.5, 0.5}});
     EXPECT_THROW(evaluateBinding(binding, shapes::octahedron().positions), Error);

@@ -12,7 +12,8 @@
 
 namespace espalier::test {
 
-/// D of random points in a lattice: by default some thousand, so that most rows are in groups.
+/// Returns D of random points in a lattice: a few thousand by default, so that most rows are in
+/// groups.
 template <class Real>
 StencilTable<Real> boundTable(const Lattice& lattice, std::size_t pointCount = 4000,
                               int level = 3) {
@@ -23,8 +24,8 @@ StencilTable<Real> boundTable(const Lattice& lattice, std::size_t pointCount = 4
     return stencils::convertTable<Real>(bound.binding.table);
 }
 
-/// A table of all kinds of rows: outer products of a box, panels and rows alone of a cylinder,
-/// whose columns are behind those of the box.
+/// Returns a table with all kinds of rows: outer products from a box; panels and ungrouped rows
+/// from a cylinder, whose columns follow the columns of the box.
 template <class Real>
 StencilTable<Real> tableOfAllKinds() {
     const auto box = boundTable<Real>(shapes::box({.cells = {4, 3, 3}}));

@@ -15,7 +15,7 @@
 namespace espalier::osd {
 namespace {
 
-/// The rows with a weight for one of some columns, row by row.
+/// Returns the rows that have a weight other than 0 for one of some columns: a plain search.
 template <class Real>
 std::vector<Index> rowsWith(const StencilTable<Real>& table, const std::vector<Index>& changed) {
     std::vector<Index> rows;
@@ -32,7 +32,7 @@ std::vector<Index> rowsWith(const StencilTable<Real>& table, const std::vector<I
     return rows;
 }
 
-/// Some columns of a table, some of them twice, in no order.
+/// Returns random columns of a table, unordered and with duplicates.
 std::vector<Index> randomColumns(Index columnCount, std::size_t count, unsigned seed) {
     std::mt19937 random(seed);
     std::vector<Index> columns;
@@ -42,8 +42,8 @@ std::vector<Index> randomColumns(Index columnCount, std::size_t count, unsigned 
     return columns;
 }
 
-/// After a change the destination is that of a whole evaluation, bit for bit, and nothing is
-/// written but rows that depend on it.
+/// Checks that after a change the destination equals a whole evaluation, bit for bit, and that only
+/// dependent rows are written.
 template <class Real>
 void expectSame(const StencilTable<Real>& table, const CompiledTable<Real>& compiled,
                 Offset length) {
@@ -84,7 +84,7 @@ template <class Real>
 class ChangeEvaluatorTest : public ::testing::Test {};
 TYPED_TEST_SUITE(ChangeEvaluatorTest, Reals);
 
-TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOnTheZoo) {
+TYPED_TEST(ChangeEvaluatorTest, EqualsAWholeEvaluationOnTheZoo) {
     for (const auto& [name, lattice] : zoo()) {
         SCOPED_TRACE(name);
         TopologyRefiner refiner = refined(lattice.complex, 2, {.marks = lattice.marks});
@@ -97,9 +97,9 @@ TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOnTheZoo) {
     }
 }
 
-// Outer products; panels, of several sets of columns with zeros for those that a row lacks; rows
-// with columns of their own; all the kernels.
-TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOfEachForm) {
+// Covers outer products, panels (also with zeros for columns that a row lacks), rows with their own
+// columns, and all kernels.
+TYPED_TEST(ChangeEvaluatorTest, EqualsAWholeEvaluationForEachFormOfRows) {
     const auto box = boundTable<TypeParam>(shapes::box({.cells = {5, 4, 4}}), 6000);
     const auto cylinder = boundTable<TypeParam>(shapes::cylinder({.sectors = 5}), 3000);
     const Lattice torus = surfaceOf(shapes::torus());
@@ -114,11 +114,11 @@ TYPED_TEST(ChangeEvaluatorTest, AsAWholeEvaluationOfEachForm) {
     }
 }
 
-// So many that the numbers of a task do not lie on the stack.
+// Rows so long that the buffer of a task does not fit on the stack.
 TYPED_TEST(ChangeEvaluatorTest, LongRows) {
     const auto weights = randomValues(60 * 2500, 9);
     const auto table = tableOfLongRows<TypeParam>(60, 2500, [&](std::size_t entry) {
-        return entry % 3 == 0 ? 0 : weights[entry];  // entries that are 0
+        return entry % 3 == 0 ? 0 : weights[entry];  // some entries are 0
     });
     expectSame(table, CompiledTable<TypeParam>(table), 3);
 }
@@ -129,7 +129,7 @@ TYPED_TEST(ChangeEvaluatorTest, DoesNotDependOnThreads) {
         withThreads(threads, [&] { expectSame(table, CompiledTable<TypeParam>(table), 3); });
 }
 
-TYPED_TEST(ChangeEvaluatorTest, LivesLongerThanTheTable) {
+TYPED_TEST(ChangeEvaluatorTest, OutlivesTheCompiledTable) {
     const StencilTable<TypeParam> table(2, {0, 1, 2}, {1, 0}, {2, 3});
     const auto changes = [&] {
         const CompiledTable<TypeParam> compiled(table);
@@ -144,7 +144,7 @@ TYPED_TEST(ChangeEvaluatorTest, LivesLongerThanTheTable) {
     EXPECT_TRUE(none.rowsOf({}).empty());
 }
 
-TYPED_TEST(ChangeEvaluatorTest, RefusesBeforeItWrites) {
+TYPED_TEST(ChangeEvaluatorTest, RejectsBadArgumentsBeforeWriting) {
     const StencilTable<TypeParam> table(2, {0, 1, 2}, {1, 0}, {2, 3});
     const ChangeEvaluator<TypeParam> changes{CompiledTable<TypeParam>(table)};
     const std::vector<TypeParam> source = {5, 7};

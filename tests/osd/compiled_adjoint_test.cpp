@@ -7,7 +7,7 @@
 #include "support/test.h"
 #include "support/threads.h"
 
-// Tables as they come: the contract is tested in evaluator_test.cpp.
+// Tests real tables. evaluator_test.cpp tests the contract.
 namespace espalier::osd {
 namespace {
 
@@ -15,9 +15,9 @@ template <class Real>
 class CompiledAdjointTest : public ::testing::Test {};
 TYPED_TEST_SUITE(CompiledAdjointTest, Reals);
 
-TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
+TYPED_TEST(CompiledAdjointTest, EqualsProductsWithTheTranspose) {
     using Real = TypeParam;
-    // Outer products and panels; panels and rows alone; a few groups of very many rows.
+    // Outer products and panels; panels and ungrouped rows; a few groups of very many rows.
     for (const Lattice& lattice :
          {shapes::box({.cells = {4, 3, 3}}), shapes::cylinder({.sectors = 5}), shapes::box()}) {
         const auto table = boundTable<Real>(lattice);
@@ -33,8 +33,8 @@ TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
                 adjoint.evaluate(source, layout, result, layout, {0, adjoint.rowCount()});
             };
             evaluate();
-            // Of sums of thousands in lanes and groups: some 4 ulp for weights, as CompiledTable's,
-            // and for sums the square root of their lengths at most.
+            // Sums have thousands of terms, added in lanes and groups: some 4 ulp for the weights,
+            // as in CompiledTable, and for the sums at most the square root of their lengths.
             ASSERT_LE(errorOfSums<Real>(transpose, source, length, result), 20);
             const std::vector<Real> expected = result;
             for (const int threads : {1, 2, 8}) {
@@ -47,7 +47,7 @@ TYPED_TEST(CompiledAdjointTest, GivesTheSumsOfTheTranspose) {
 }
 
 // ⟨D x, g⟩ = ⟨x, Dᵀ g⟩.
-TYPED_TEST(CompiledAdjointTest, IsTheAdjointOfTheCompiledTable) {
+TYPED_TEST(CompiledAdjointTest, IsAdjointToTheCompiledTable) {
     using Real = TypeParam;
     const auto table = boundTable<Real>(shapes::cylinder({.sectors = 5}));
     const auto x = randomValues<Real>(table.columnCount(), 7);
@@ -65,10 +65,10 @@ TYPED_TEST(CompiledAdjointTest, IsTheAdjointOfTheCompiledTable) {
     EXPECT_NEAR(left, right, 20 * std::numeric_limits<Real>::epsilon() * size);
 }
 
-// What a regular region's numbers take, they take once.
-TYPED_TEST(CompiledAdjointTest, TakesNoMoreThanTheCompiledTable) {
+// The weights of a regular region are stored once, as in the compiled table.
+TYPED_TEST(CompiledAdjointTest, TakesLittleMoreMemoryThanTheCompiledTable) {
     const auto table = boundTable<TypeParam>(shapes::box({.cells = {4, 3, 3}}));
-    // And eight bytes for each column of each group.
+    // The adjoint adds eight bytes for each column of each group.
     EXPECT_LT(CompiledAdjoint<TypeParam>(table).byteCount(),
               CompiledTable<TypeParam>(table).byteCount() * 3 / 2);
 }

@@ -32,7 +32,7 @@ class CompiledChainTest : public ::testing::Test {};
 TYPED_TEST_SUITE(CompiledChainTest, Reals);
 
 // R_3 · R_2 · R_1 is S_3.
-TYPED_TEST(CompiledChainTest, LevelTablesInTurnAreTheirProduct) {
+TYPED_TEST(CompiledChainTest, ChainOfLevelTablesEqualsTheirProduct) {
     constexpr auto kEpsilon = std::numeric_limits<TypeParam>::epsilon();
     for (const auto& [name, lattice] : zoo()) {
         SCOPED_TRACE(name);
@@ -43,13 +43,13 @@ TYPED_TEST(CompiledChainTest, LevelTablesInTurnAreTheirProduct) {
         const CompiledChain<TypeParam> chain(levels);
         const CompiledTable<TypeParam> table(
             convertTable<TypeParam>(stencils::buildStencils(refiner, 2)));
-        // Values are up to 1, rows sum to 1 and are of the same sign but for some by a half: 4 ulp
-        // for each of the three tables, and one for the weights of each.
+        // Values are at most 1. Rows sum to 1, and nearly all weights have the same sign. So the
+        // error is at most 4 ulp for each of the three tables, plus one for the weights of each.
         expectNear(evaluate<TypeParam>(chain), evaluate<TypeParam>(table), 30 * kEpsilon);
     }
 }
 
-TYPED_TEST(CompiledChainTest, FactorsGiveWhatTheirProductDoes) {
+TYPED_TEST(CompiledChainTest, ChainOfFactorsEqualsTheirProduct) {
     constexpr auto kEpsilon = std::numeric_limits<TypeParam>::epsilon();
     const Lattice lattice = shapes::cylinder({.sectors = 5, .pattern = {.rings = 2}, .layers = 3});
     const Refined refined(lattice, 2);
@@ -64,13 +64,14 @@ TYPED_TEST(CompiledChainTest, FactorsGiveWhatTheirProductDoes) {
     EXPECT_EQ(chain.rowCount(), table.rowCount());
     EXPECT_EQ(chain.columnCount(), table.columnCount());
     expectNear(evaluate<TypeParam>(chain), evaluate<TypeParam>(table), 30 * kEpsilon);
-    // Some twenty points a cell: rows of eight where those of D have 24, near the boundary as most.
+    // With about twenty points in each cell, rows of the points have 8 entries and rows of D 24,
+    // since most are near the boundary.
     EXPECT_LT(factored.binding.table.entryCount(), bound.binding.table.entryCount() / 2);
     EXPECT_LT(chain.byteCount(), table.byteCount());
 }
 
 // ⟨W S x, g⟩ = ⟨x, Sᵀ Wᵀ g⟩.
-TYPED_TEST(CompiledChainTest, FactorsHaveTheirAdjoint) {
+TYPED_TEST(CompiledChainTest, ChainOfFactorsHasAnAdjoint) {
     using Real = TypeParam;
     const Lattice lattice = shapes::cylinder({.sectors = 5});
     const Refined refined(lattice, 2);
@@ -91,11 +92,11 @@ TYPED_TEST(CompiledChainTest, FactorsHaveTheirAdjoint) {
         size += std::abs(double{moved[i]} * g[i]);
     }
     for (std::size_t i = 0; i < x.size(); ++i) right += double{gradients[i]} * x[i];
-    // Some ulp of each of the sums, and the rounding of values to the precision.
+    // A few ulp for each of the sums, and the rounding of the values to Real.
     EXPECT_NEAR(left, right, 20 * std::numeric_limits<Real>::epsilon() * size);
 }
 
-TEST(CompiledChain, RefusesTablesThatDoNotFitTogether) {
+TEST(CompiledChain, RejectsTablesOfMismatchedSizes) {
     const StencilTable<double> two(3, {0, 1, 2}, {0, 2}, {1, 1});
     EXPECT_REFUSED(Error, "at least one",
                    CompiledChain<double>(std::span<const StencilTable<double>>()));

@@ -14,7 +14,7 @@
 namespace espalier::osd {
 namespace {
 
-/// D of random points in a lattice at level 3.
+/// Returns D of random points between `low` and `high`, bound to level 3 of a lattice.
 template <class Real>
 StencilTable<Real> tableOfPointsBetween(const Lattice& lattice, std::size_t count,
                                         const Point3& low, const Point3& high) {
@@ -34,7 +34,7 @@ double bytesOfCsr(const StencilTable<Real>& table) {
     return double(table.entryCount()) * (sizeof(Real) + sizeof(Index));
 }
 
-/// Results are off the sums by no more than `ulp` of the sum of |w · x|.
+/// Checks that results are within `ulp` ulp of the sums, relative to Σ |w · x|.
 template <class Real>
 void expectWithinUlp(const StencilTable<Real>& table, Real ulp) {
     const CompiledTable<Real> compiled(table);
@@ -58,7 +58,7 @@ void expectWithinUlp(const StencilTable<Real>& table, Real ulp) {
         }
 }
 
-/// The project's promise for rows of up to 64 entries.
+/// The bound that CompiledTable promises for rows of up to 64 entries.
 template <class Real>
 void expectWithinFourUlp(const StencilTable<Real>& table) {
     expectWithinUlp(table, Real{4});
@@ -68,7 +68,7 @@ template <class Real>
 class CompiledTableTest : public ::testing::Test {};
 TYPED_TEST_SUITE(CompiledTableTest, Reals);
 
-// Between the planes of the base vertices, points at level 3 depend on 4 × 4 × 4 of these.
+// Between the planes of the base vertices, points at level 3 depend on 4 × 4 × 4 base vertices.
 TYPED_TEST(CompiledTableTest, RegularCellsAreOuterProducts) {
     const Lattice box = shapes::box({.cells = {3, 3, 3}});
     const auto table =
@@ -76,10 +76,11 @@ TYPED_TEST(CompiledTableTest, RegularCellsAreOuterProducts) {
     const CompiledTable<TypeParam> compiled(table);
     EXPECT_EQ(table.entryCount(), 64 * Offset{table.rowCount()});
     EXPECT_GE(compiled.panelRowCount(), table.rowCount() - 8);
-    // Weights in double are themselves off by more than three roundings now and then.
+    // In double, some weights are themselves off by more than three roundings.
     const bool isFloat = sizeof(TypeParam) == sizeof(float);
     EXPECT_GT(compiled.productRowCount(), table.rowCount() * (isFloat ? 99 : 90) / 100);
-    // In float 12 numbers of 64 and a row number each, and the columns once a cell.
+    // In float, a row stores 12 numbers instead of 64, and its row number; columns are stored once
+    // for each cell.
     EXPECT_LT(double(compiled.byteCount()), (isFloat ? 0.13 : 0.25) * bytesOfCsr(table));
     expectWithinFourUlp(table);
 }
@@ -108,9 +109,9 @@ TYPED_TEST(CompiledTableTest, Surfaces) {
     }
 }
 
-// The rows of all regular faces have the same weights, which are there once: whatever the numbers
-// of the vertices and the order of the faces and their corners. Two numbers an entry, less the
-// rest.
+// The rows of all regular faces have the same weights, which are stored once, however the vertices
+// are numbered and the faces and their corners are ordered. Sizes are relative to CSR, which has
+// two numbers for each entry.
 TYPED_TEST(CompiledTableTest, RegularFacesShareTheirNumbers) {
     constexpr Index kSide = 24;
     std::mt19937 random(2);
@@ -133,15 +134,16 @@ TYPED_TEST(CompiledTableTest, RegularFacesShareTheirNumbers) {
         TopologyRefiner refiner = refined(far::buildMesh(kSide * kSide, loops), 3);
         const auto table = stencils::convertTable<TypeParam>(stencils::buildStencils(refiner, 3));
         const CompiledTable<TypeParam> compiled(table);
-        // Faces on the seams of the numbering have their columns in another order.
+        // Faces at the seams of the numbering have their columns in another order.
         EXPECT_LT(double(compiled.byteCount()), (isShuffled ? 0.25 : 0.1) * bytesOfCsr(table));
         expectWithinFourUlp(table);
         std::shuffle(numbers.begin(), numbers.end(), random);
     }
 }
 
-// Most rows of a level table are of a few masks. Columns and the row's number are left.
-TYPED_TEST(CompiledTableTest, RowsOfAMaskShareTheirWeights) {
+// Most rows of a level table belong to a few masks. Only columns and row numbers are stored for
+// each row.
+TYPED_TEST(CompiledTableTest, RowsOfTheSameMaskShareTheirWeights) {
     const Lattice torus = surfaceOf(shapes::torus());
     TopologyRefiner refiner = refined(torus.complex, 4);
     const auto table = convertTable<TypeParam>(stencils::buildLevelTable(refiner, 4));
@@ -152,7 +154,7 @@ TYPED_TEST(CompiledTableTest, RowsOfAMaskShareTheirWeights) {
     expectWithinFourUlp(table);
 }
 
-// Many rows with the same columns, as a lattice of one cell has: more than one thread gets some.
+// A lattice of one cell gives many rows with the same columns, which are divided among threads.
 TYPED_TEST(CompiledTableTest, OneCell) {
     const auto table = tableOfPointsBetween<TypeParam>(shapes::box({}), 5000, {0.01, 0.01, 0.01},
                                                        {0.99, 0.99, 0.99});
@@ -161,15 +163,15 @@ TYPED_TEST(CompiledTableTest, OneCell) {
     expectWithinFourUlp(table);
 }
 
-// Rows at a pole have columns for all of its edges, and rows beside it few of these: they are not
-// filled up with zeros.
-TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
+// A row at a pole has columns for all of its edges, and rows beside it have a few of these. The
+// latter are not padded with zeros.
+TYPED_TEST(CompiledTableTest, PolesAreNotPaddedWithZeros) {
     const Lattice pole = test::pole(500, false);
     TopologyRefiner refiner = refined(pole.complex, 1);
     const auto table = stencils::convertTable<TypeParam>(stencils::buildStencils(refiner, 1));
     EXPECT_LT(double(CompiledTable<TypeParam>(table).byteCount()), 1.2 * bytesOfCsr(table));
 
-    // One row of all columns, and many of two.
+    // One row has all columns, and many rows have two.
     Array<Offset> offsets = {0, 1000};
     Array<Index> columns(1000);
     std::iota(columns.begin(), columns.end(), Index{0});
@@ -179,11 +181,11 @@ TYPED_TEST(CompiledTableTest, PolesTakeNoMoreThanTheTable) {
     }
     const StencilTable<TypeParam> arrow(1000, offsets, columns,
                                         Array<TypeParam>(columns.size(), TypeParam(0.5)));
-    // Rows of two entries have a row number each, and runs of their own.
+    // Rows of two entries form runs, in which each row stores its number.
     EXPECT_LT(double(CompiledTable<TypeParam>(arrow).byteCount()), 1.3 * bytesOfCsr(arrow));
 }
 
-// The bound of long rows: 4 ulp and one for each 32 entries.
+// The bound for long rows is 4 ulp, plus one for each 32 entries.
 TYPED_TEST(CompiledTableTest, LongRows) {
     constexpr Index kLength = 2000;
     constexpr Index kRows = 60;
@@ -198,14 +200,15 @@ TYPED_TEST(CompiledTableTest, EmptyTables) {
     EXPECT_EQ(none.rowCount(), 0);
     const auto layout = BufferDescriptor::packed(3);
     none.evaluate({}, layout, {}, layout, {0, 0});
-    // Rows without entries give 0, also so many that they are panels.
+    // Rows without entries give 0, also when there are enough of them to form panels.
     const CompiledTable<TypeParam> zeros{StencilTable<TypeParam>(2, Array<Offset>(41, 0), {}, {})};
     std::vector<TypeParam> result(40, 9);
     zeros.evaluate(std::vector<TypeParam>(2, 1), {0, 1, 1}, result, {0, 1, 1}, {0, 40});
     EXPECT_EQ(result, std::vector<TypeParam>(40, 0));
 }
 
-/// Outer products with columns in a random order, rows × columns, and the places of the columns.
+/// Rows of outer products, rows × columns, with the columns in a random order; and the place of
+/// each column in the box.
 struct Products {
     std::vector<std::vector<double>> rows;
     std::vector<std::size_t> places;
@@ -244,75 +247,76 @@ TEST(OuterProduct, IsFoundInAnyOrderOfTheColumns) {
         ASSERT_TRUE(found) << sides[0] << sides[1] << sides[2];
         EXPECT_TRUE(std::equal(sides.begin(), sides.end(), found->size.begin()));
         std::vector<double> factors(sides[0] + sides[1] + sides[2]);
-        for (const auto& row : products.rows) EXPECT_TRUE(factorsOf<double>(*found, row, factors));
+        for (const auto& row : products.rows)
+            EXPECT_TRUE(factorizeRow<double>(*found, row, factors));
     }
 }
 
-// As derivatives have them: factors of either sign, whose sum may be 0.
-TEST(OuterProduct, MayHaveEitherSign) {
+// Derivatives have factors of either sign, whose sum may be 0.
+TEST(OuterProduct, HasFactorsOfEitherSign) {
     Products products = randomProducts({4, 4, 3}, 10);
     const auto arrangement = find(products.rows);
     ASSERT_TRUE(arrangement);
     for (std::size_t r = 0; r < products.rows.size(); r += 2)
         for (std::size_t i = 0; i < arrangement->order.size(); ++i) {
-            // The first two of the first axis, and the last of the last, whose places are i % 4 and
-            // i / 16.
+            // Negative are the first two factors of axis 0 and the last one of axis 2. The position
+            // of column i along these axes is i % 4 and i / 16.
             const bool isNegative = (i % 4 < 2) != (i / 16 == 2);
             products.rows[r][arrangement->order[i]] *= isNegative ? -1 : 1;
         }
     const auto found = find(products.rows);
     ASSERT_TRUE(found);
     std::vector<double> factors(11);
-    for (const auto& row : products.rows) EXPECT_TRUE(factorsOf<double>(*found, row, factors));
-    EXPECT_TRUE(factorsOf<double>({{2, 2, 1}, {0, 1, 2, 3}}, std::vector{-0.5, 0.5, 0.5, -0.5},
-                                  std::span(factors).first(5)));
-    // One sign alone is no product.
+    for (const auto& row : products.rows) EXPECT_TRUE(factorizeRow<double>(*found, row, factors));
+    EXPECT_TRUE(factorizeRow<double>({{2, 2, 1}, {0, 1, 2, 3}}, std::vector{-0.5, 0.5, 0.5, -0.5},
+                                     std::span(factors).first(5)));
+    // A row with one changed sign is not an outer product.
     auto wrong = products.rows[0];
     wrong[7] *= -1;
-    EXPECT_FALSE(factorsOf<double>(*found, wrong, factors));
+    EXPECT_FALSE(factorizeRow<double>(*found, wrong, factors));
 }
 
-TEST(OuterProduct, IsNotFoundWhereThereIsNone) {
+TEST(OuterProduct, IsNotFoundInOtherRows) {
     Products products = randomProducts({4, 4, 4}, 10);
     EXPECT_FALSE(find({}));
-    EXPECT_FALSE(find(randomProducts({7, 1, 1}, 10).rows));  // an axis alone
+    EXPECT_FALSE(find(randomProducts({7, 1, 1}, 10).rows));  // a single axis
     const auto found = find(products.rows);
     ASSERT_TRUE(found);
-    // A row that is none, though the others are.
+    // One row is not an outer product, though the others are.
     std::vector<double> factors(12);
     auto wrong = products.rows[3];
     wrong[17] *= 1 + 1e-14;
-    EXPECT_FALSE(factorsOf<double>(*found, wrong, factors));
+    EXPECT_FALSE(factorizeRow<double>(*found, wrong, factors));
     for (auto& row : products.rows) row[17] *= 1.001;
     EXPECT_FALSE(find(products.rows));
     products = randomProducts({4, 4, 4}, 10);
-    // A row with a zero says nothing; the others do.
+    // A row with a zero is skipped; the other rows are enough.
     products.rows[0][5] = 0;
     const auto others = find(products.rows);
     ASSERT_TRUE(others);
-    EXPECT_FALSE(factorsOf<double>(*others, products.rows[0], factors));
+    EXPECT_FALSE(factorizeRow<double>(*others, products.rows[0], factors));
     for (auto& row : products.rows) row[5] = 0;
     EXPECT_FALSE(find(products.rows));
     for (auto& row : products.rows) row[5] = -1;
     EXPECT_FALSE(find(products.rows));
-    // Columns that are the same in all rows may be in any order.
+    // If two columns are the same in all rows, their order is unknown.
     products = randomProducts({4, 4, 4}, 10);
     for (auto& row : products.rows) row[7] = row[6];
     EXPECT_FALSE(find(products.rows));
     EXPECT_FALSE(find(std::vector<std::vector<double>>(3, std::vector<double>(400, 0.0025))));
 }
 
-// Of weights that are all but 0 the products have no digits: they are not taken for them.
-TEST(OuterProduct, TinyRowsAreNone) {
+// If nearly all weights are 0, products of factors have no accuracy, so the row is rejected.
+TEST(OuterProduct, RejectsRowsOfTinyWeights) {
     const OuterProduct product{{2, 2, 1}, {0, 1, 2, 3}};
     std::vector<float> factors(5);
     const std::vector<float> tiny = {1e-38F, 3e-39F, 2e-39F, 1.1e-38F};
-    EXPECT_FALSE(factorsOf<float>(product, tiny, factors));
+    EXPECT_FALSE(factorizeRow<float>(product, tiny, factors));
     const std::vector<float> one = {0.5F, 0.5F, 1e-39F, 1e-39F};
-    EXPECT_TRUE(factorsOf<float>(product, one, factors));
+    EXPECT_TRUE(factorizeRow<float>(product, one, factors));
 }
 
-TEST(Simd, TheBestIsThereAndTheBaselineAlways) {
+TEST(Simd, BestAndBaselineAreSupported) {
     EXPECT_TRUE(hasSimd(bestSimd()));
     EXPECT_TRUE(hasSimd(Simd::Baseline));
     for (const Simd simd : {Simd::Avx2, Simd::Avx512})

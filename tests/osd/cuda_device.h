@@ -8,8 +8,8 @@
 
 namespace espalier::test {
 
-/// Why tests of the device cannot be run here; empty if they can.
-inline std::string whyNoCuda() {
+/// Returns why tests on a device cannot run here; empty if they can.
+inline std::string cudaSkipReason() {
     if (osd::cudaDeviceCount() > 0) return {};
     try {
         const osd::CudaBuffer<float> buffer(1);
@@ -19,7 +19,7 @@ inline std::string whyNoCuda() {
     }
 }
 
-/// A stream of the test's own, of the current device, which waits for no other.
+/// A stream of the current device that does not synchronize with the default stream.
 class Stream {
 public:
     Stream() {
@@ -36,11 +36,11 @@ private:
     cudaStream_t stream_ = nullptr;
 };
 
-/// Tests of a device: skipped where there is none.
+/// The base of tests that need a device; skips them if there is none.
 class CudaTest : public ::testing::Test {
 protected:
     void SetUp() override {
-        if (const std::string reason = whyNoCuda(); !reason.empty()) GTEST_SKIP() << reason;
+        if (const std::string reason = cudaSkipReason(); !reason.empty()) GTEST_SKIP() << reason;
     }
 };
 

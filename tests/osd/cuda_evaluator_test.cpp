@@ -10,8 +10,8 @@
 #include "sums.h"
 #include "support/test.h"
 
-// What goes beyond the contract of all evaluators, which is tested in cuda_suite_test.cpp. Of a
-// device, and of one that is the host (fake_cuda.h).
+// Tests what goes beyond the contract of all evaluators, which cuda_suite_test.cpp tests. Runs on a
+// device, and on a fake device that is the host (fake_cuda.h).
 namespace espalier::osd {
 namespace {
 
@@ -41,8 +41,8 @@ template <class Real>
 class CudaEvaluatorTest : public CudaTest {};
 TYPED_TEST_SUITE(CudaEvaluatorTest, Reals);
 
-// The kernels add the same products in the same order.
-TYPED_TEST(CudaEvaluatorTest, GivesTheBitsOfTheHost) {
+// The device and the host add the same products in the same order.
+TYPED_TEST(CudaEvaluatorTest, EqualsTheHostBitForBit) {
     using Real = TypeParam;
     for (const Lattice& lattice :
          {shapes::box({.cells = {4, 3, 3}}), shapes::cylinder({.sectors = 5})}) {
@@ -73,8 +73,8 @@ TYPED_TEST(CudaEvaluatorTest, GivesTheBitsOfTheHost) {
     }
 }
 
-// Source and destination each on the host or on the device, with room between entries.
-TYPED_TEST(CudaEvaluatorTest, TakesAnyPlaces) {
+// Source and destination are each on the host or on the device, with gaps between entries.
+TYPED_TEST(CudaEvaluatorTest, AcceptsSourcesAndDestinationsOnHostOrDevice) {
     using Real = TypeParam;
     const auto& table = someTable<Real>();
     const CudaEvaluator<Real> cuda(table);
@@ -111,8 +111,9 @@ TYPED_TEST(CudaEvaluatorTest, TakesAnyPlaces) {
     }
 }
 
-// One evaluation behind the other on a stream, without waiting: points of the first pose go on.
-TYPED_TEST(CudaEvaluatorTest, IsOrderedByItsStream) {
+// Evaluations follow each other on a stream without waiting; each uses the results of the one
+// before.
+TYPED_TEST(CudaEvaluatorTest, RunsInTheOrderOfItsStream) {
     using Real = TypeParam;
     const auto& table = someTable<Real>();
     const CudaEvaluator<Real> cuda(table, {.hasAdjoint = true});
@@ -126,7 +127,7 @@ TYPED_TEST(CudaEvaluatorTest, IsOrderedByItsStream) {
     CudaBuffer<Real> back{std::span<const Real>(pose)};
     const std::size_t bytes = workspace.byteCount();
     EXPECT_GT(bytes, 0U);
-    // DᵀD of the pose, twice.
+    // Applies DᵀD to the pose twice.
     for (int i = 0; i < 2; ++i) {
         cuda.evaluate(back, xyz, there, xyz, points, workspace);
         cuda.evaluateAdjoint(there, xyz, back, xyz, vertices, workspace);
@@ -145,8 +146,8 @@ TYPED_TEST(CudaEvaluatorTest, IsOrderedByItsStream) {
     EXPECT_EQ(result, expected);
 }
 
-// One evaluation as a CUDA graph, which is launched again for another pose at the same place.
-TYPED_TEST(CudaEvaluatorTest, IsCapturedInAGraph) {
+// A CUDA graph of two evaluations is launched again after the pose has changed in place.
+TYPED_TEST(CudaEvaluatorTest, CanBeCapturedInAGraph) {
     using Real = TypeParam;
     const auto& table = someTable<Real>();
     const CudaEvaluator<Real> cuda(table, {.hasAdjoint = true});
@@ -181,7 +182,7 @@ TYPED_TEST(CudaEvaluatorTest, IsCapturedInAGraph) {
     cudaGraphDestroy(graph);
 }
 
-TEST_F(Device, AWorkspaceDoesNotGrowWhileItsStreamIsCaptured) {
+TEST_F(Device, WorkspaceCannotGrowWhileItsStreamIsCaptured) {
     const auto& table = someTable<float>();
     const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
     const Stream stream;
@@ -201,8 +202,8 @@ TEST_F(Device, AWorkspaceDoesNotGrowWhileItsStreamIsCaptured) {
     cudaGraphDestroy(graph);
 }
 
-// The graph knows where its memory is.
-TEST_F(Device, AWorkspaceDoesNotGrowOnceItIsInAGraph) {
+// The graph holds the address of the memory.
+TEST_F(Device, WorkspaceCannotGrowOnceAGraphUsesIt) {
     const auto& table = someTable<float>();
     const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
     const Stream stream;
@@ -241,7 +242,7 @@ private:
     std::span<float> values_;
 };
 
-// Copies from and to there are on the stream, in their order with the products.
+// Copies from and to page-locked memory run on the stream, in order with the products.
 TEST_F(Device, PageLockedMemoryIsCopiedOnTheStream) {
     const auto& table = someTable<float>();
     const CudaEvaluator<float> cuda(table);
@@ -264,7 +265,7 @@ TEST_F(Device, PageLockedMemoryIsCopiedOnTheStream) {
                            second.values().begin()));
 }
 
-TEST_F(Device, WhatIsMovedStaysWhole) {
+TEST_F(Device, MovedObjectsStayValid) {
     const StencilTable<float> twice(1, {0, 1}, {0}, {2}), thrice(1, {0, 1}, {0}, {3});
     CudaEvaluator<float> cuda(twice);
     cuda = CudaEvaluator<float>(thrice);
@@ -283,7 +284,7 @@ TEST_F(Device, WhatIsMovedStaysWhole) {
     EXPECT_THAT(value, ElementsAre(42));
 }
 
-TEST_F(Device, AnAdjointHasToBeAskedFor) {
+TEST_F(Device, AdjointMustBeRequested) {
     const auto& table = someTable<float>();
     const CudaEvaluator<float> cuda(table);
     const CudaEvaluator<float> both(table, {.hasAdjoint = true});
@@ -298,7 +299,7 @@ TEST_F(Device, AnAdjointHasToBeAskedFor) {
                                         {0, table.columnCount()}, workspace));
 }
 
-TEST_F(Device, KeptPointsStayWhereTheyWere) {
+TEST_F(Device, KeptPointsGetTheirRestPositions) {
     embed::Binding binding;
     binding.table = StencilTable<double>(2, {0, 1, 1, 2, 2}, {1, 0}, {1, 1});
     binding.kept = {1, 3};
@@ -317,12 +318,12 @@ TEST_F(Device, KeptPointsStayWhereTheyWere) {
     workspace.synchronize();
     EXPECT_THAT(result, ElementsAre(99, 40, 50, 60, 99, 1, 2, 3, 99, 10, 20, 30, 99, 4, 5, 6, 99));
     EXPECT_THROW(kept.write(points, {3, 3, 4}, stream), Error);  // one number too few
-    EXPECT_THROW(kept.write(points, {0, 4, 4}, stream), Error);  // not xyz
+    EXPECT_THROW(kept.write(points, {0, 4, 4}, stream), Error);  // not 3 components
     EXPECT_THROW(CudaKeptPoints<float>(3, binding.kept, binding.keptAt), Error);
     EXPECT_THROW(CudaKeptPoints<float>(4, binding.kept, {}), Error);
 }
 
-TEST_F(Device, BuffersHoldWhatTheyAreGiven) {
+TEST_F(Device, BuffersHoldUploadedValues) {
     const std::vector<float> values = {1, 2, 3};
     CudaBuffer<float> buffer{std::span<const float>(values)};
     EXPECT_EQ(buffer.size(), 3U);
@@ -340,7 +341,7 @@ TEST_F(Device, BuffersHoldWhatTheyAreGiven) {
     EXPECT_EQ(empty.data(), nullptr);
 }
 
-TEST_F(Device, TablesWithoutRowsOrEntriesAreEvaluated) {
+TEST_F(Device, EvaluatesTablesWithoutRowsOrEntries) {
     CudaWorkspace workspace;
     std::vector<float> none, two(2, 99);
     const CudaEvaluator<float> nothing((StencilTable<float>()), {.hasAdjoint = true});
@@ -354,8 +355,8 @@ TEST_F(Device, TablesWithoutRowsOrEntriesAreEvaluated) {
     EXPECT_THAT(two, ElementsAre(0, 0));
 }
 
-// Not skipped where there is no device, but run there alone.
-TEST(NoDevice, IsSaidByTheCallThatFails) {
+// Runs only where there is no device.
+TEST(NoDevice, IsReportedByTheFailingCall) {
     if (cudaDeviceCount() > 0) GTEST_SKIP() << "there is a device";
     try {
         const CudaEvaluator<float> evaluator(StencilTable<float>(1, {0, 1}, {0}, {1}));

@@ -7,7 +7,7 @@
 namespace espalier::osd {
 namespace {
 
-/// Copies what a test has on the host to the device and back, where the arguments are to be there.
+/// Copies an array of a test to the device, for tests with arguments on the device, and back.
 template <class Real>
 class OnDevice {
 public:
@@ -24,10 +24,10 @@ private:
     CudaBuffer<Real> buffer_;
 };
 
-/// An evaluator for GPUs, with source and destination both on the device, or both on the host.
+/// A CudaEvaluator, with source and destination both on the device or both on the host.
 template <bool isGrouped, bool isAdjoint, bool isOnDevice>
 struct Cuda {
-    static std::string skipReason() { return test::whyNoCuda(); }
+    static std::string skipReason() { return test::cudaSkipReason(); }
 
     template <class Real>
     class Of {

@@ -3,10 +3,10 @@
 
 #include <espalier/osd/cuda/cuda_evaluator.h>
 
-// A program of somebody's who writes CUDA, and has points of ours on the device.
+// A user's program that has CUDA code of its own, and uses our points on the device.
 namespace user {
 
-/// Evaluates, and raises all points by a kernel behind that on the stream.
+/// Evaluates, and then raises all points by a kernel on the same stream.
 void raise(const espalier::osd::CudaEvaluator<float>& table,
            const espalier::osd::CudaBuffer<float>& pose, espalier::osd::CudaBuffer<float>& points,
            float height, espalier::osd::CudaWorkspace& workspace);

@@ -9,8 +9,8 @@ namespace {
 
 using CudaUser = CudaTest;
 
-// And its code compiles without warnings, by the compiler of CUDA.
-TEST_F(CudaUser, ReadsAndWritesThePointsWhereTheyAre) {
+// Also tests that the user's code compiles without warnings by the CUDA compiler.
+TEST_F(CudaUser, UsesThePointsOnTheDevice) {
     const CudaEvaluator<float> table(
         stencils::StencilTable<float>(2, {0, 1, 3}, {0, 0, 1}, {2, 1, 1}));
     const Stream stream;

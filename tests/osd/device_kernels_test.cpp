@@ -6,8 +6,8 @@
 #include "sums.h"
 #include "support/test.h"
 
-// The kernels of GPUs on the host, for tables as they come: the contract is tested in
-// evaluator_test.cpp, and that a device gives the same bits in cuda_evaluator_test.cpp.
+// Tests the kernels of GPUs on the host, with real tables. evaluator_test.cpp tests the contract,
+// and cuda_evaluator_test.cpp that a device gives the same bits.
 namespace espalier::osd {
 namespace {
 
@@ -34,9 +34,9 @@ protected:
 };
 TYPED_TEST_SUITE(DeviceKernels, Reals);
 
-// Outer products of 4 × 4 × 4 and, at boundaries, of fewer; panels; rows alone. 7 components are 4
-// and 3, 12 go through panels at a time, 26 are two times that and a rest.
-TYPED_TEST(DeviceKernels, GiveTheSumsOfTablesAndOfTheirTransposes) {
+// Covers outer products of 4 × 4 × 4 and, at boundaries, smaller ones; panels; and ungrouped rows.
+// 7 components are split into 4 and 3; 12 go through panels in one pass; 26 are 12, 12 and 2.
+TYPED_TEST(DeviceKernels, EvaluateTablesAndTheirTransposes) {
     using Real = TypeParam;
     for (const Lattice& lattice :
          {shapes::box({.cells = {4, 3, 3}}), shapes::cylinder({.sectors = 5}), shapes::box()}) {
@@ -50,7 +50,7 @@ TYPED_TEST(DeviceKernels, GiveTheSumsOfTablesAndOfTheirTransposes) {
                 EXPECT_LE(
                     errorOfSums<Real>(table, poses, length,
                                       this->evaluated(device, table.rowCount(), poses, length)),
-                    20);  // rows have some 64 entries: by what is promised, 68
+                    20);  // rows have about 64 entries, for which the promise is 68
                 const auto gradients = randomValues<Real>(table.rowCount() * length, 7);
                 EXPECT_LE(errorOfSums<Real>(
                               transpose, gradients, length,
@@ -61,7 +61,7 @@ TYPED_TEST(DeviceKernels, GiveTheSumsOfTablesAndOfTheirTransposes) {
     }
 }
 
-/// Rows over all columns, outer products of random factors.
+/// Returns rows over all columns that are outer products of random factors.
 template <class Real>
 StencilTable<Real> productTable(const std::array<Index, 3>& size, Index rowCount) {
     const Index columnCount = size[0] * size[1] * size[2];
@@ -85,9 +85,9 @@ StencilTable<Real> productTable(const std::array<Index, 3>& size, Index rowCount
     return {columnCount, std::move(offsets), std::move(columns), std::move(weights)};
 }
 
-// Each size has its kernel; those of more than 4 a side go through one for any, and their tiles are
-// cut off at the ends.
-TYPED_TEST(DeviceKernels, TakeOuterProductsOfAnySize) {
+// Each size up to 4 has its own kernel. Larger sizes share a kernel, and their last tiles are
+// partly empty.
+TYPED_TEST(DeviceKernels, EvaluateOuterProductsOfAnySize) {
     using Real = TypeParam;
     for (const auto& [size, kernel] :
          std::vector<std::pair<std::array<Index, 3>, std::size_t>>{{{4, 4, 4}, 0},
@@ -101,7 +101,7 @@ TYPED_TEST(DeviceKernels, TakeOuterProductsOfAnySize) {
                                                                    {{9, 3, 3}, 3}}) {
         const auto table = productTable<Real>(size, 300);
         const HostDevice<Real> device(table, true);
-        // Tasks of 128 rows, of doubles of 64.
+        // A task has 128 rows in float, and 64 in double.
         EXPECT_EQ(device.arrays().products[kernel].size(), sizeof(Real) == 4 ? 3U : 5U);
         const auto pose = randomValues<Real>(table.columnCount() * 3, 1);
         EXPECT_LE(
@@ -114,27 +114,27 @@ TYPED_TEST(DeviceKernels, TakeOuterProductsOfAnySize) {
     }
 }
 
-// A column that 1,100 groups of rows have, and 3,000 rows alone: its sums need sums of their own.
-TYPED_TEST(DeviceKernels, AddUpLongColumnsInSteps) {
+// Column 0 is in 1,100 groups of rows and in 3,000 ungrouped rows, so its sums need two steps.
+TYPED_TEST(DeviceKernels, SumLongColumnsInSteps) {
     using Real = TypeParam;
-    constexpr Index kGroups = 1100, kRowsOfGroup = 16, kAlone = 3000;
+    constexpr Index kGroups = 1100, kRowsPerGroup = 16, kUngrouped = 3000;
     Array<Offset> offsets = {0};
     Array<Index> columns;
     for (Index group = 0; group < kGroups; ++group)
-        for (Index row = 0; row < kRowsOfGroup; ++row) {
+        for (Index row = 0; row < kRowsPerGroup; ++row) {
             columns.insert(columns.end(), {0, 2 * group + 1, 2 * group + 2});
             offsets.push_back(Offset(columns.size()));
         }
-    for (Index row = 0; row < kAlone; ++row) {
+    for (Index row = 0; row < kUngrouped; ++row) {
         columns.insert(columns.end(), {0, 2 * kGroups + row + 1});
         offsets.push_back(Offset(columns.size()));
     }
     const auto random = randomValues<Real>(Offset(columns.size()), 3);
-    const StencilTable<Real> table(2 * kGroups + kAlone + 1, offsets, columns,
+    const StencilTable<Real> table(2 * kGroups + kUngrouped + 1, offsets, columns,
                                    {random.begin(), random.end()});
     const HostDevice<Real> device(table, true);
     EXPECT_EQ(device.arrays().groups.size(), std::size_t{kGroups});
-    EXPECT_EQ(device.adjointArrays().segments.count(), 3 + kAlone);
+    EXPECT_EQ(device.adjointArrays().segments.count(), 3 + kUngrouped);
     EXPECT_EQ(device.adjointArrays().steps.size(), 2U);
     const auto gradients = randomValues<Real>(table.rowCount(), 4);
     EXPECT_LE(errorOfSums<Real>(stencils::transposeTable(table), gradients, 1,
@@ -142,12 +142,12 @@ TYPED_TEST(DeviceKernels, AddUpLongColumnsInSteps) {
               20);
 }
 
-// The warps of a block have no more shared memory than any block may have; and of few columns or
-// none as many are in a block as may be.
-TEST(DeviceBlocks, HoldTheSharedMemoryOfTheirWarps) {
+// The warps of a block together have no more shared memory than any block may have. If they need
+// little or none, a block has as many warps as it may have.
+TEST(DeviceBlocks, FitTheSharedMemoryOfTheirWarps) {
     using device::blocksOf;
     device::ProductKernel<0, 4, double> largest = {};
-    largest.mostColumns = kernels::kMaxProductColumns;
+    largest.maxColumns = kernels::kMaxProductColumns;
     for (const unsigned shared :
          {largest.sharedBytes(), device::ProductKernel<4, 3, float>{}.sharedBytes(),
           device::PanelKernel<12, double>{}.sharedBytes(), 0U}) {
@@ -164,9 +164,9 @@ TEST(DeviceBlocks, HoldTheSharedMemoryOfTheirWarps) {
     EXPECT_EQ(blocksOf(10, largest.sharedBytes()).warps, 2U);
 }
 
-// What lies on the device for a row of a regular region: 12 factors and the number of the row, and
-// a little for each group.
-TYPED_TEST(DeviceKernels, KeepTwelveNumbersOfARegularRow) {
+// A row of a regular region stores 12 factors and its row number on the device, plus a little for
+// each group.
+TYPED_TEST(DeviceKernels, StoreTwelveNumbersForARegularRow) {
     using Real = TypeParam;
     const auto table = boundTable<Real>(shapes::box({.cells = {3, 3, 3}}), 20'000);
     const device::TableArrays<Real> arrays(table, true);

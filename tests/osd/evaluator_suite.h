@@ -5,22 +5,23 @@
 
 #include <utility>
 
-#include "osd/kernels/room.h"
+#include "osd/kernels/scratch.h"
 #include "sums.h"
 #include "support/tables.h"
 #include "support/test.h"
 #include "support/threads.h"
 
-// What every evaluator does: its contract, in osd/evaluation.h.
+// Tests the contract of all evaluators, in osd/evaluation.h.
 namespace espalier::osd {
 
-/// One suite for every evaluator: instantiate it with other pairs to test another back end.
+/// A pair of evaluator and precision. Instantiate the suite with other pairs to test another back
+/// end.
 template <class E, class R>
 struct Case {
     using Evaluator = typename E::template Of<R>;
     using Real = R;
 
-    /// Why the suite cannot be run here; empty if it can.
+    /// Returns why the suite cannot run here; empty if it can.
     static std::string skipReason() {
         if constexpr (requires { E::skipReason(); })
             return E::skipReason();
@@ -56,7 +57,7 @@ protected:
         return StencilTable<Real>(columnCount, offsets, columns, weights);
     }
 
-    /// Some of the columns, ascending.
+    /// Returns some random columns, ascending.
     static std::vector<Index> randomColumns(Index columnCount, std::size_t count,
                                             std::mt19937& random) {
         std::vector<Index> columns(columnCount);
@@ -67,8 +68,8 @@ protected:
         return columns;
     }
 
-    /// Rows of which some share their columns, 1 to 40 each; of every third set, the weights are
-    /// outer products. In a random order.
+    /// Returns sets of 1 to 40 rows with the same columns, in a random order. In every third set,
+    /// the rows are outer products.
     static StencilTable<Real> tableOfSets(Index columnCount, unsigned seed) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<Real> weight(Real(0.1), 1);
@@ -99,8 +100,8 @@ protected:
         return tableOf(columnCount, rows);
     }
 
-    /// Rows of 1 to 30 entries, some 30 of each length: most with the same weights, over columns of
-    /// their own. In a random order.
+    /// Returns about 30 rows of each length from 1 to 30, in a random order. Most rows of a length
+    /// have the same weights; each has its own columns.
     static StencilTable<Real> tableOfMasks(Index columnCount, unsigned seed) {
         std::mt19937 random(seed);
         std::vector<Row> rows;
@@ -115,8 +116,8 @@ protected:
         return tableOf(columnCount, rows);
     }
 
-    /// 10 sets of 25 rows, each over columns of its own. Those of five sets have the same weights,
-    /// in another order of rows; those of the others, but for one number.
+    /// Returns 10 sets of 25 rows; each set has its own columns. Five sets have the same weights,
+    /// in different orders of rows; the others differ from them in one number.
     static StencilTable<Real> tableOfEqualSets(Index columnCount, unsigned seed) {
         std::mt19937 random(seed);
         std::vector<std::vector<Real>> weights(25);
@@ -141,7 +142,7 @@ TYPED_TEST_P(EvaluatorTest, ByHand) {
     EXPECT_THAT(destination, ElementsAre(16, 160, 0, 0, -1, -10));
 }
 
-// What lies between entries, before the offset and behind the last row stays as it was.
+// Numbers between entries, before the offset and after the last row are not written.
 TYPED_TEST_P(EvaluatorTest, OffsetsAndStrides) {
     using R = typename TestFixture::Real;
     const std::vector<R> source = {-7, 1, 10, -7, 2, 20, -7, 3, 30, -7, 4, 40};
@@ -151,8 +152,8 @@ TYPED_TEST_P(EvaluatorTest, OffsetsAndStrides) {
     EXPECT_THAT(destination, ElementsAre(99, 99, 16, 160, 99, 99, 0, 0, 99, 99, -1, -10, 99, 99));
 }
 
-// Positions that lie as xyz? are read where they are.
-TYPED_TEST_P(EvaluatorTest, WhatLiesBetweenEntriesOfTheSourceMakesNoDifference) {
+// Positions with the layout xyz? are read without a copy.
+TYPED_TEST_P(EvaluatorTest, IgnoresValuesBetweenSourceEntries) {
     using R = typename TestFixture::Real;
     constexpr std::size_t kColumns = 90;
     const auto table = TestFixture::tableOfSets(Index(kColumns), 3);
@@ -173,7 +174,7 @@ TYPED_TEST_P(EvaluatorTest, WhatLiesBetweenEntriesOfTheSourceMakesNoDifference) 
     }
 }
 
-TYPED_TEST_P(EvaluatorTest, SubRangeWritesItsRowsOnly) {
+TYPED_TEST_P(EvaluatorTest, SubRangeWritesOnlyItsRows) {
     using R = typename TestFixture::Real;
     const std::vector<R> source = {1, 2, 3, 4};
     std::vector<R> destination(3, 99);
@@ -183,15 +184,15 @@ TYPED_TEST_P(EvaluatorTest, SubRangeWritesItsRowsOnly) {
     typename TestFixture::Evaluator(this->small)
         .evaluate(source, {0, 1, 1}, destination, {0, 1, 1}, {1, 1});
     EXPECT_THAT(destination, ElementsAre(99, 99, -1));
-    // The destination need not reach beyond the range.
+    // The destination need not be longer than the range.
     std::vector<R> first(1, 99);
     typename TestFixture::Evaluator(this->small)
         .evaluate(source, {0, 1, 1}, first, {0, 1, 1}, {0, 1});
     EXPECT_THAT(first, ElementsAre(16));
 }
 
-/// Compares with sums in long double, for several numbers of components; in any number of threads
-/// and any range of rows, to the last bit.
+/// Compares results with sums in long double, for several numbers of components. Checks that any
+/// number of threads and any range of rows give the same bits.
 template <class Evaluator, class R>
 void expectSums(const StencilTable<R>& table, const std::vector<R>& values) {
     const Index rowCount = table.rowCount();
@@ -201,7 +202,7 @@ void expectSums(const StencilTable<R>& table, const std::vector<R>& values) {
         const auto source = std::span(values).first(table.columnCount() * length);
         std::vector<R> destination(rowCount * length);
         evaluator.evaluate(source, layout, destination, layout, {0, rowCount});
-        // One rounding a product and a sum; rows have at most 60 entries.
+        // One rounding for each product and sum; rows have at most 60 entries.
         ASSERT_LE(test::errorOfSums<R>(table, source, length, destination), 61);
         for (const int threads : {1, 2, 8}) {
             std::vector<R> again(destination.size());
@@ -210,8 +211,8 @@ void expectSums(const StencilTable<R>& table, const std::vector<R>& values) {
             });
             ASSERT_EQ(again, destination);
         }
-        // A range in the middle, with room between entries and none behind the last: what is not of
-        // the range stays as it was.
+        // A range in the middle, with gaps between entries and none after the last. Everything
+        // outside the range stays as it was.
         const Index first = rowCount / 3, last = rowCount / 2;
         const BufferDescriptor spaced{1, length, length + 2};
         const R untouched = 99;
@@ -238,20 +239,20 @@ TYPED_TEST_P(EvaluatorTest, RowsThatShareTheirColumns) {
                                                    randomValues<R>(90 * 12, 4));
 }
 
-TYPED_TEST_P(EvaluatorTest, RowsOfTheSameWeights) {
+TYPED_TEST_P(EvaluatorTest, RowsWithEqualWeights) {
     using R = typename TestFixture::Real;
     expectSums<typename TestFixture::Evaluator, R>(TestFixture::tableOfMasks(90, 5),
                                                    randomValues<R>(90 * 12, 6));
 }
 
-// Groups of rows with the same weights, each over columns of its own.
-TYPED_TEST_P(EvaluatorTest, SetsOfTheSameWeights) {
+// Groups of rows have the same weights, but different columns.
+TYPED_TEST_P(EvaluatorTest, GroupsWithEqualWeights) {
     using R = typename TestFixture::Real;
     expectSums<typename TestFixture::Evaluator, R>(TestFixture::tableOfEqualSets(90, 7),
                                                    randomValues<R>(90 * 12, 8));
 }
 
-TYPED_TEST_P(EvaluatorTest, RefusesWhatDoesNotFitAndWritesNothing) {
+TYPED_TEST_P(EvaluatorTest, RejectsBadArgumentsAndWritesNothing) {
     using R = typename TestFixture::Real;
     const std::vector<R> source(8, 1);
     std::vector<R> destination(6, 99);
@@ -276,13 +277,13 @@ TYPED_TEST_P(EvaluatorTest, RefusesWhatDoesNotFitAndWritesNothing) {
     expectRefused("length 0", from, {0, 0, 2}, to, pairs, {0, 3});
     expectRefused("offset -1", from, {-1, 2, 2}, to, pairs, {0, 3});
     expectRefused("2 components, destination entries 1", from, pairs, to, {0, 1, 2}, {0, 3});
-    // A stride whose product with the number of entries overflows.
+    // The product of this stride and the number of entries overflows.
     expectRefused("too few", from, {0, 2, Offset{1} << 62}, to, pairs, {0, 3});
 }
 
-// Layouts with the corner values of their type are accepted or refused as arithmetic without
-// overflow says; nothing is read or written outside.
-TYPED_TEST_P(EvaluatorTest, LayoutsOfCornerValues) {
+// Layouts with the extreme values of their type are accepted or rejected as exact arithmetic
+// decides; nothing outside the buffers is read or written.
+TYPED_TEST_P(EvaluatorTest, LayoutsWithExtremeValues) {
     using R = typename TestFixture::Real;
     __extension__ typedef __int128 Wide;
     constexpr Offset kMax = std::numeric_limits<Offset>::max();
@@ -320,7 +321,7 @@ TYPED_TEST_P(EvaluatorTest, LayoutsOfCornerValues) {
         } catch (const Error&) {
             EXPECT_FALSE(isGood) << layout.offset << ' ' << layout.length << ' ' << layout.stride;
         } catch (const std::bad_alloc&) {
-            // Memory for entries of 2³¹ components, of which there are none.
+            // The padded copy would need entries of 2³¹ components, for which there is no memory.
             EXPECT_GE(layout.length, kIndexMax);
         }
     };
@@ -337,9 +338,9 @@ TYPED_TEST_P(EvaluatorTest, LayoutsOfCornerValues) {
 }
 
 REGISTER_TYPED_TEST_SUITE_P(EvaluatorTest, ByHand, OffsetsAndStrides,
-                            WhatLiesBetweenEntriesOfTheSourceMakesNoDifference,
-                            SubRangeWritesItsRowsOnly, RandomTables, RowsThatShareTheirColumns,
-                            RowsOfTheSameWeights, SetsOfTheSameWeights,
-                            RefusesWhatDoesNotFitAndWritesNothing, LayoutsOfCornerValues);
+                            IgnoresValuesBetweenSourceEntries, SubRangeWritesOnlyItsRows,
+                            RandomTables, RowsThatShareTheirColumns, RowsWithEqualWeights,
+                            GroupsWithEqualWeights, RejectsBadArgumentsAndWritesNothing,
+                            LayoutsWithExtremeValues);
 
 }  // namespace espalier::osd

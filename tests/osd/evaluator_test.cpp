@@ -14,7 +14,7 @@
 namespace espalier::osd {
 namespace {
 
-/// An evaluator that takes the table as it is.
+/// An evaluator that uses the table as it is.
 template <class E>
 struct Direct {
     template <class Real>
@@ -33,8 +33,8 @@ struct Direct {
     };
 };
 
-/// One that compiles it. On a processor without these instructions, to those it has: the suite is
-/// then run on them twice.
+/// An evaluator that compiles the table. A processor without these instructions uses its best ones,
+/// so the suite then runs on these twice.
 template <Simd simd>
 struct Compiled {
     template <class Real>
@@ -45,7 +45,7 @@ struct Compiled {
     };
 };
 
-/// The adjoint of the transpose.
+/// Evaluates the adjoint of the transpose, which is the table again.
 template <Simd simd>
 struct Adjoint {
     template <class Real>
@@ -66,7 +66,7 @@ StencilTable<Real> identity(Index count) {
     return {count, std::move(offsets), columns, Array<Real>(columns.size(), Real{1})};
 }
 
-/// One that applies the table, and then the identity to what that gave.
+/// A chain of the table and the identity.
 struct Chained {
     template <class Real>
     class Of : public CompiledChain<Real> {
@@ -76,7 +76,7 @@ struct Chained {
     };
 };
 
-/// The adjoint of the identity and the transpose.
+/// The adjoint of a chain of the identity and the transpose.
 struct AdjointChained {
     template <class Real>
     class Of : public CompiledAdjointChain<Real> {
@@ -88,7 +88,7 @@ struct AdjointChained {
 };
 
 /// The kernels of GPUs, run on the host.
-/// \tparam isGrouped whether rows that share their columns are looked for
+/// \tparam isGrouped true to group rows that share their columns
 template <bool isGrouped>
 struct OnHost {
     template <class Real>

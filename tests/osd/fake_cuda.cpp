@@ -24,7 +24,8 @@ using Work = std::vector<std::function<void()>>;
 struct CUstream_st {
     int device = 0;
     Work queue;
-    CUgraph_st* captured = nullptr;  ///< what is put on it goes there
+    CUgraph_st* captured = nullptr;  ///< receives the work instead of the queue while the stream is
+                                     ///< captured
 };
 struct CUgraph_st {
     Work work;
@@ -40,16 +41,16 @@ constexpr std::align_val_t kAlignment{256};
 
 struct Device {
     std::vector<std::string> calls;
-    int failing = 0;  ///< calls from here on
+    int failing = 0;  ///< number of the call from now on that is to fail; 0: none
     std::string failed;
     cudaError_t lastError = cudaSuccess;
     int current = 0;
     CUstream_st defaultStreams[kDeviceCount] = {{0, {}, nullptr}, {1, {}, nullptr}};
-    std::set<CUstream_st*> streams;  ///< others
+    std::set<CUstream_st*> streams;  ///< streams other than the default ones
     std::map<void*, std::size_t> memory, pageLocked;
 } device;
 
-/// What every call begins with: whether it is to fail.
+/// Begins every call: records it, and returns an error if it is the call that is to fail.
 cudaError_t enter(const char* name, cudaError_t how = cudaErrorUnknown) {
     device.calls.emplace_back(name);
     if (device.failing == 0 || --device.failing > 0) return cudaSuccess;
@@ -65,7 +66,7 @@ void setAccess([[maybe_unused]] bool isOpen) {
 #endif
 }
 
-/// While something may touch memory of the device.
+/// Allows access to memory of the device within a scope.
 struct DeviceAccess {
     DeviceAccess() { setAccess(true); }
     ~DeviceAccess() { setAccess(false); }
@@ -90,14 +91,14 @@ void finishAll() {
     for (CUstream_st* const stream : device.streams) finish(*stream);
 }
 
-/// What was given back on a stream, and not waited for, goes at the end.
+/// Frees memory at the end that was given back on a stream for which nothing waited.
 struct AtExit {
     ~AtExit() { finishAll(); }
 } atExit;
 
 void* allocate(std::size_t size) {
     void* const memory = ::operator new(size, kAlignment);
-    std::memset(memory, 0xFF, size);  // no numbers
+    std::memset(memory, 0xFF, size);  // fills it with NaNs
     device.memory.emplace(memory, size);
     setAccess(false);
     return memory;
@@ -110,7 +111,7 @@ void release(void* memory) {
     setAccess(false);
 }
 
-/// Whether a range is in one of these.
+/// Returns true if a range is within one of these allocations.
 bool isIn(const std::map<void*, std::size_t>& all, const void* first, std::size_t bytes) {
     const auto* const address = static_cast<const std::byte*>(first);
     for (const auto& [memory, size] : all) {
@@ -120,7 +121,7 @@ bool isIn(const std::map<void*, std::size_t>& all, const void* first, std::size_
     return false;
 }
 
-/// Copies rows, of which those of the host are one behind the other or apart.
+/// Copies rows between host and device. Rows on the host may be contiguous or a pitch apart.
 cudaError_t copy(void* to, std::size_t toPitch, const void* from, std::size_t fromPitch,
                  std::size_t width, std::size_t height, cudaMemcpyKind kind, cudaStream_t stream) {
     if (height == 0 || width == 0) return cudaSuccess;
@@ -140,7 +141,7 @@ cudaError_t copy(void* to, std::size_t toPitch, const void* from, std::size_t fr
     if (isPageLocked) {
         put(stream, [=] { rows(to, toPitch, from, fromPitch); });
     } else if (isUpload) {
-        // Read before the call returns; on the device later.
+        // The host's memory is read before the call returns, the device's is written later.
         auto staged = std::make_shared<std::vector<std::byte>>(width * height);
         rows(staged->data(), width, from, fromPitch);
         put(stream, [=] { rows(to, toPitch, staged->data(), width); });
@@ -221,7 +222,7 @@ cudaError_t cudaMallocAsync(void** memory, std::size_t size, cudaStream_t) {
 
 cudaError_t cudaFreeAsync(void* memory, cudaStream_t stream) {
     device.calls.emplace_back("cudaFreeAsync");
-    // What a graph frees must have been allocated in it.
+    // A graph may free only memory that was allocated in it.
     if (streamOf(stream).captured != nullptr) return device.lastError = cudaErrorInvalidValue;
     put(stream, [=] {
         release(memory);
@@ -242,7 +243,7 @@ cudaError_t cudaFreeHost(void* memory) {
     return cudaSuccess;
 }
 
-// To the device it returns before what it has read is there.
+// A copy to the device returns before the data has arrived there.
 cudaError_t cudaMemcpy(void* to, const void* from, std::size_t size, cudaMemcpyKind kind) {
     if (const auto error = enter("cudaMemcpy")) return error;
     return copy(to, size, from, size, size, 1, kind, nullptr);

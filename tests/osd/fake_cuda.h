@@ -5,23 +5,23 @@
 #include <string>
 #include <vector>
 
-// A device that is the host, behind the calls of CUDA's runtime that we make (fake_cuda.cpp): to
-// test what we do with these on machines without a GPU.
+// A fake device that is the host: it implements the calls of CUDA's runtime that we make
+// (fake_cuda.cpp), to test our use of them on machines without a GPU.
 //
-// What is put on a stream runs when something waits for the stream, and no earlier; there are two
-// devices, whose streams are not ordered with each other. Memory of the host is read and written at
-// that time, too, where it is page-locked. Under the address sanitizer, memory of a device may be
-// touched by what runs on a stream and by nothing else.
+// Work on a stream runs only when something waits for the stream. There are two devices, whose
+// streams are not ordered with each other. Page-locked memory of the host is read and written when
+// the work runs, too. Under the address sanitizer, only work on a stream may access memory of a
+// device.
 namespace espalier::test::fake_cuda {
 
-/// The calls since the last time that this was called, by name.
+/// Returns the names of the calls since it was last called.
 std::vector<std::string> takeCalls();
 
-/// Lets the call with this number fail, counted from 1 from here on; 0: none.
-/// \return the name of the one that has failed since this was called before; empty if none has
+/// Lets a later call fail: 1 is the next one, 0 none.
+/// \return the name of the call that has failed since this was last called; empty if none has
 std::string failCall(int number);
 
-/// Allocations that have not been freed.
+/// Returns the number of allocations that have not been freed.
 std::size_t allocationCount();
 
 }  // namespace espalier::test::fake_cuda

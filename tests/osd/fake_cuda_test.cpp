@@ -7,7 +7,7 @@
 #include "host_device.h"
 #include "support/test.h"
 
-// Which calls of CUDA's are made, and what becomes of it if they fail: seen by a device that is the
+// Tests which calls to CUDA are made, and what happens if they fail, on a fake device that is the
 // host.
 namespace espalier::osd {
 namespace {
@@ -26,23 +26,23 @@ std::vector<std::string> callsOf(const auto& work) {
     fake::takeCalls();
     work();
     std::vector<std::string> calls = fake::takeCalls();
-    // These are no work of a device's.
+    // These are not work for a device.
     std::erase_if(calls, [](const std::string& call) {
         return call == "cudaGetDevice" || call == "cudaStreamIsCapturing";
     });
     return calls;
 }
 
-// A kernel for each kind of rows that the table has, and for each step of sums. Nothing waits, and
+// One kernel for each kind of rows in the table, and one for each step of sums. Nothing waits, and
 // nothing is allocated.
-TEST(CudaCalls, BetweenBuffersOfTheDeviceAreKernelsAlone) {
+TEST(CudaCalls, DeviceToDeviceLaunchesOnlyKernels) {
     const auto& table = someTable();
     const HostDevice<float> host(table, true);
     const auto& arrays = host.arrays();
     std::ptrdiff_t kinds = arrays.panels.empty() ? 0 : 1;
     for (const auto& products : arrays.products) kinds += products.empty() ? 0 : 1;
     ASSERT_GE(kinds, 2);
-    ASSERT_GT(arrays.alone.count(), 0);
+    ASSERT_GT(arrays.ungrouped.count(), 0);
     const CudaEvaluator<float> cuda(table, {.hasAdjoint = true});
     const Stream stream;
     CudaWorkspace workspace = cuda.workspace(3, stream);
@@ -64,7 +64,7 @@ TEST(CudaCalls, BetweenBuffersOfTheDeviceAreKernelsAlone) {
         kernels(3 + std::ssize(adjoint.steps)));
 }
 
-TEST(CudaCalls, FromAndToTheHostAreTwoCopies) {
+TEST(CudaCalls, HostToHostCopiesTwice) {
     const auto& table = someTable();
     const CudaEvaluator<float> cuda(table);
     CudaWorkspace workspace;
@@ -80,7 +80,7 @@ TEST(CudaCalls, FromAndToTheHostAreTwoCopies) {
     EXPECT_EQ(std::count(calls.begin(), calls.end(), "cudaLaunchKernel"), std::ssize(calls) - 2);
 }
 
-// What is put on a stream does not run before something waits for it.
+// Work on a stream does not run before something waits for it.
 TEST(CudaCalls, WaitForNothing) {
     const auto& table = someTable();
     const CudaEvaluator<float> cuda(table);
@@ -102,8 +102,8 @@ TEST(CudaCalls, WaitForNothing) {
     EXPECT_EQ(std::count(calls.begin(), calls.end(), "cudaFreeAsync"), 2);
 }
 
-// The device of the table, whatever the calling thread's is.
-TEST(CudaCalls, MakeTheTablesDeviceCurrentAndTheOtherOneAgain) {
+// Each call makes the device of its table current, whatever device the calling thread uses.
+TEST(CudaCalls, RestoreTheCurrentDevice) {
     ASSERT_EQ(cudaSetDevice(1), cudaSuccess);
     const CudaEvaluator<float> cuda(StencilTable<float>(1, {0, 1}, {0}, {2}));
     EXPECT_EQ(cuda.device(), 1);
@@ -121,7 +121,7 @@ TEST(CudaCalls, MakeTheTablesDeviceCurrentAndTheOtherOneAgain) {
     EXPECT_EQ(current, 0);
     EXPECT_THAT(result, ElementsAre(42));
 
-    // Also what waits, and what copies behind it.
+    // The same holds for calls that wait or copy.
     ASSERT_EQ(cudaSetDevice(1), cudaSuccess);
     CudaBuffer<float> there(1);
     ASSERT_EQ(cudaSetDevice(0), cudaSuccess);
@@ -138,9 +138,9 @@ TEST(CudaCalls, MakeTheTablesDeviceCurrentAndTheOtherOneAgain) {
                    other.evaluate(source, {0, 1, 1}, result, {0, 1, 1}, {0, 1}, workspace));
 }
 
-// Each call fails in its turn: that is an exception, which names it, unless it was made to give
-// memory back; and nothing leaks.
-TEST(CudaCalls, ThatFailAreExceptions) {
+// Every call to CUDA fails once. The failure is an exception that names the call, except where the
+// call was to free memory; and nothing leaks.
+TEST(CudaCalls, FailuresAreExceptions) {
     const auto& table = someTable();
     std::vector<std::string> failed;
     for (int number = 1;; ++number) {
@@ -186,8 +186,8 @@ TEST(CudaCalls, ThatFailAreExceptions) {
         EXPECT_THAT(failed, Contains(call));
 }
 
-// What is refused for its arguments has called nothing.
-TEST(CudaCalls, AreNotMadeForWhatIsRefused) {
+// Arguments that are rejected cause no calls.
+TEST(CudaCalls, RejectedArgumentsCallNothing) {
     const CudaEvaluator<float> cuda(StencilTable<float>(1, {0, 1}, {0}, {2}));
     CudaWorkspace workspace;
     CudaBuffer<float> one(1);

@@ -12,10 +12,10 @@
 #include "support/threads.h"
 #include "support/zoo.h"
 
-// Tables, bindings and what the reference evaluator makes of them are the same bits wherever they
-// are made: by any compiler, on any number of threads, with whatever instructions the processor
-// has. The numbers here are hashes of those bits, as this code gave them when it was written. There
-// is nothing to derive by hand: a change of rounding is what they are to show.
+// Tables, bindings and results of the reference evaluator have the same bits everywhere: with any
+// compiler, any number of threads and any instruction set of the processor. The numbers below are
+// hashes of these bits, recorded when the test was written. They cannot be derived by hand; they
+// reveal changes of rounding.
 
 namespace espalier::osd {
 namespace {
@@ -51,7 +51,7 @@ void add(const stencils::StencilTable<Real>& table, Hash& hash) {
     hash.add(table.weights());
 }
 
-/// Of coordinates that no library function has rounded.
+/// Returns lattices whose coordinates are exact: no library function has rounded them.
 std::vector<Lattice> exactLattices() {
     Lattice marked = shapes::box({.cells = {2, 2, 2}});
     marked.marks = {.edges = {{{0, 1}, far::kSmooth}, {{1, 4}, 2.3}, {{4, 13}, 0.7}},
@@ -59,7 +59,7 @@ std::vector<Lattice> exactLattices() {
     return {mixedLattice(), shapes::box({.cells = {3, 2, 1}}), marked};
 }
 
-/// A grid through the box of all of them and beyond.
+/// Returns a grid through the bounding box of all lattices and beyond.
 std::vector<Point3> exactPoints() {
     std::vector<Point3> points;
     for (int i = -1; i < 9; ++i)

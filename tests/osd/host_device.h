@@ -13,7 +13,7 @@
 
 namespace espalier::osd {
 
-/// A table as it goes to a GPU, evaluated by the kernels of GPUs on the host.
+/// A table in the form for GPUs, evaluated on the host by the kernels of GPUs.
 template <class Real>
 class HostDevice {
 public:

@@ -10,8 +10,8 @@
 
 namespace espalier::osd::device {
 
-/// A warp on the host (device_kernels.h), lane by lane: every other time from the last lane to the
-/// first, so that results change with what lanes do to each other between two each().
+/// A warp on the host (device_kernels.h). It runs the lanes one by one, and reverses their order in
+/// every other each(). So results change if lanes depend on each other within one each().
 class HostWarp {
 public:
     template <class T>
@@ -52,7 +52,7 @@ public:
     template <class T, class Real>
     static T load(const Real* address) {
         static_assert(sizeof(T) == 16);
-        // A fault on a device.
+        // A device would fault here.
         if (reinterpret_cast<std::uintptr_t>(address) % 16 != 0)
             throw std::logic_error("16 bytes are loaded at an address that is no multiple of 16");
         T value;
@@ -65,7 +65,8 @@ public:
 private:
     static std::size_t at(int i) { return std::size_t(i); }
 
-    /// As lanes add what their partners have, at distances that are halved.
+    /// Adds as the lanes of a device do: each adds the sum of its partner, at distances that are
+    /// halved.
     template <class Real, class ValueOf>
     static std::array<Real, kWarp> sumsOf(ValueOf valueOf, int lanes) {
         std::array<Real, kWarp> sums;
@@ -81,7 +82,7 @@ private:
     bool isForward_ = false;
 };
 
-/// Starts kernels on the host: warp after warp, each with shared memory that holds no numbers.
+/// Starts kernels on the host, warp after warp. Shared memory is filled with NaNs for each warp.
 struct HostLaunch {
     template <class Kernel>
     void operator()(const Kernel& kernel) const {

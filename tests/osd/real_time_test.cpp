@@ -21,7 +21,7 @@
 #include "support/thread_pool.h"
 #include "support/zoo.h"
 
-// What hosts of real time ask: after binding, nothing is allocated and nothing locked.
+// Real-time hosts need this: after binding, evaluations allocate nothing and take no lock.
 namespace espalier::osd {
 namespace {
 
@@ -37,7 +37,8 @@ TEST(RealTime, CallsAreCounted) {
     EXPECT_EQ(callsOf([&] { const std::lock_guard lock(mutex); }), (CallCounts{0, 1}));
 }
 
-/// Tables of all forms: outer products, panels, rows alone, and rows too long for the stack.
+/// Tables with all forms of rows: outer products, panels, ungrouped rows, and rows too long for the
+/// stack.
 template <class Real>
 struct Tables {
     std::vector<StencilTable<Real>> tables;
@@ -60,7 +61,8 @@ struct Tables {
     }
 };
 
-/// Calls evaluate(source, destination, layout) for packed xyz, for padded, and for twelve poses.
+/// Calls evaluate(source, destination, layout) for packed xyz, for padded xyz, and for twelve
+/// poses.
 template <class Real, class Evaluate>
 void forEachLayout(Index rowCount, Index columnCount, Evaluate evaluate) {
     for (const BufferDescriptor layout :
@@ -71,8 +73,8 @@ void forEachLayout(Index rowCount, Index columnCount, Evaluate evaluate) {
     }
 }
 
-/// With a workspace of the evaluator's, from the first evaluation on; with an empty one, from the
-/// second on.
+/// Checks that evaluations make no calls: with a workspace from the evaluator from the first
+/// evaluation on, with an empty workspace from the second on.
 template <class Real, class Evaluator>
 void expectNoCalls(const Evaluator& evaluator) {
     const RowRange rows{0, evaluator.rowCount()};
@@ -152,7 +154,7 @@ TYPED_TEST(RealTimeTest, Changes) {
     }
 }
 
-// Where the source lies as the kernels want it, there is nothing to hold.
+// A source with the padded layout needs no copy.
 TYPED_TEST(RealTimeTest, PaddedSourcesNeedNoWorkspace) {
     using Real = TypeParam;
     const ExecutorScope scope(this->serial);
@@ -174,8 +176,8 @@ TYPED_TEST(RealTimeTest, PaddedSourcesNeedNoWorkspace) {
     EXPECT_EQ(evaluate(packed), (CallCounts{1, 0}));
 }
 
-// On threads of the host's: they have locks of their own.
-TYPED_TEST(RealTimeTest, AHostsExecutorAllocatesNothingEither) {
+// Runs on threads of the host, which have locks of their own.
+TYPED_TEST(RealTimeTest, HostExecutorAllocatesNothing) {
     using Real = TypeParam;
     ThreadPool pool(2);
     const ExecutorScope scope(pool);
@@ -192,7 +194,7 @@ TYPED_TEST(RealTimeTest, AHostsExecutorAllocatesNothingEither) {
         0);
 }
 
-// A model's pose by way of real time is that of evaluateBinding().
+// A pose evaluated in real time equals evaluateBinding().
 TYPED_TEST(RealTimeTest, KeptPoints) {
     using Real = TypeParam;
     const Lattice cube = shapes::box();
@@ -221,7 +223,7 @@ TYPED_TEST(RealTimeTest, KeptPoints) {
     EXPECT_EQ(result[6], Real(3.25));
     EXPECT_EQ(result[4], 99);
     std::vector<float> single(result.size(), 99);
-    writeKept<float>(binding, single, to);  // whatever the binding is in
+    writeKept<float>(binding, single, to);  // The precision of the binding does not matter.
     EXPECT_THAT(single, ElementsAre(99, 99, 99, 99, 99, 3, 3.25F, 3, 99, 99, 99, 99, 99));
     EXPECT_THROW(writeKept<Real>(binding, std::span(result).first(11), to), Error);
     EXPECT_THROW(writeKept<Real>(binding, result, {0, 2, 4}), Error);

@@ -11,9 +11,9 @@
 
 namespace espalier::test {
 
-/// How far packed results are from table · source, summed in long double: in ε · Σ |w · x|, the
-/// largest of all rows and components. Infinite where there is nothing to add up and something has
-/// come out.
+/// Returns the largest error of packed results, over all rows and components, relative to table ·
+/// source in long double, in units of ε · Σ |w · x|. Infinite if a row without terms gives anything
+/// but 0.
 template <class Real>
 double errorOfSums(const stencils::StencilTable<Real>& table, std::span<const Real> source,
                    Offset length, std::span<const Real> result) {

@@ -168,7 +168,7 @@ TEST(Figures, BlockBecomesABarbellWithoutBreaks) {
 // Figure 9: an arm that lifts and a hand that twists. Beyond the bend and the twist, the lattice of
 // the hand moves rigidly, and so does the hand. The body end of the lattice does not move, and the
 // model there stays. "It was necessary to construct the lattice about the appendage": points
-// outside do not move (Binding.MovesWhatIsInsideAndKeepsTheRest).
+// outside do not move (Binding.MovesPointsInsideAndKeepsPointsOutside).
 TEST(Figures, ArmLiftsAndHandTwists) {
     const double lift = 0.9, twist = pi / 2;
     shapes::ArmOptions options;

@@ -10,13 +10,11 @@
 #include <span>
 #include <vector>
 
-// How values lie in memory that kernels read.
-
-// How the memory of a workspace is shared out.
+// The memory layout of values that kernels read, and the division of a workspace into parts.
 
 namespace espalier::osd {
 
-/// Memory at an address that registers are loaded from.
+/// Allocates memory aligned to 64 bytes, the size of the widest register.
 template <class T>
 struct Aligned {
     using value_type = T;
@@ -35,33 +33,34 @@ struct Aligned {
 template <class T>
 using AlignedVector = std::vector<T, Aligned<T>>;
 
-/// Numbers from one entry of so many components to the next.
+/// Returns the distance between entries of `length` components that are padded for the kernels.
 inline Offset paddedLength(Offset length) {
     return (length + kernels::kPadding - 1) / kernels::kPadding * kernels::kPadding;
 }
 
-/// Bytes of `count` times `each` values in a Room: a multiple of `alignment`. A few of these
-/// can be added without overflow.
-/// \throws std::bad_array_new_length if that is more than any memory holds
+/// Returns the number of bytes that Scratch::take() uses for `count` · `length` values, rounded up
+/// to a multiple of `alignment`. The result is small enough that a few of them add up without
+/// overflow.
+/// \throws std::bad_array_new_length if no memory could hold that many values
 template <class T, std::size_t alignment = 64>
-constexpr std::size_t roomOf(Offset count, Offset each = 1) {
+constexpr std::size_t scratchBytes(Offset count, Offset length = 1) {
     constexpr std::size_t kMaxBytes = std::size_t{1} << 60;
     std::size_t bytes = 0;
-    if (__builtin_mul_overflow(count, each, &bytes) ||
+    if (__builtin_mul_overflow(count, length, &bytes) ||
         __builtin_mul_overflow(bytes, sizeof(T), &bytes) || bytes > kMaxBytes)
         throw std::bad_array_new_length();
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
-/// Memory that is handed out part by part, each aligned to 64 bytes. Not initialized.
-class Room {
+/// Divides a block of memory into parts, each aligned to 64 bytes. The parts are not initialized.
+class Scratch {
 public:
-    explicit Room(std::byte* memory) : memory_(memory) {}
+    explicit Scratch(std::byte* memory) : memory_(memory) {}
 
     template <class T>
     std::span<T> take(Offset count) {
         T* const values = reinterpret_cast<T*>(memory_);
-        memory_ += roomOf<T>(count);
+        memory_ += scratchBytes<T>(count);
         return {values, static_cast<std::size_t>(count)};
     }
 
@@ -69,32 +68,32 @@ private:
     std::byte* memory_;
 };
 
-/// What each task of a parallel loop holds its numbers in: on its stack if that is not much, and
-/// else in a part of the room that it has for itself.
+/// Gives each task of a parallel loop a buffer for its numbers: on the stack of the task if it is
+/// small, otherwise in a part of the workspace that belongs to the task.
 template <class Real>
-class TaskNumbers {
+class TaskBuffers {
 public:
-    /// So many at a time.
-    TaskNumbers(Offset taskCount, Offset count)
+    /// \param count numbers in the buffer of each task
+    TaskBuffers(Offset taskCount, Offset count)
         : taskCount_(taskCount), count_(count <= kOnStack ? 0 : count) {}
 
     std::size_t bytes() const {
-        return roomOf<std::byte>(taskCount_, static_cast<Offset>(roomOf<Real>(count_)));
+        return scratchBytes<std::byte>(taskCount_, static_cast<Offset>(scratchBytes<Real>(count_)));
     }
 
-    /// Before the tasks.
-    void takeFrom(Room& room) {
-        if (count_ > 0) values_ = room.take<std::byte>(static_cast<Offset>(bytes())).data();
+    /// Must be called before the loop.
+    void allocateFrom(Scratch& scratch) {
+        if (count_ > 0) values_ = scratch.take<std::byte>(static_cast<Offset>(bytes())).data();
     }
 
-    /// On the stack of a task.
+    /// The buffer of one task, to be created on its stack.
     class Local {
     public:
-        Local(const TaskNumbers& all, Offset task)
-            : values_(all.count_ == 0
-                          ? onStack_
-                          : reinterpret_cast<Real*>(all.values_ + static_cast<std::size_t>(task) *
-                                                                      roomOf<Real>(all.count_))) {}
+        Local(const TaskBuffers& all, Offset task)
+            : values_(all.count_ == 0 ? onStack_
+                                      : reinterpret_cast<Real*>(
+                                            all.values_ + static_cast<std::size_t>(task) *
+                                                              scratchBytes<Real>(all.count_))) {}
         Local(const Local&) = delete;
         Local& operator=(const Local&) = delete;
         Real* data() { return values_; }
@@ -108,11 +107,12 @@ private:
     static constexpr Offset kOnStack = (1 << 14) / sizeof(Real);
 
     Offset taskCount_;
-    Offset count_;  ///< 0 if they are on the stack
+    Offset count_;  ///< 0 if the buffers are on the stacks
     std::byte* values_ = nullptr;
 };
 
-/// Whether entries lie as the kernels want them: apart by their length as padded, and aligned.
+/// Returns true if the source has the layout that kernels read directly: its stride is padded and
+/// its first entry is aligned.
 template <class Real>
 bool isPadded(Index count, std::span<const Real> source, const BufferDescriptor& layout) {
     return layout.stride == paddedLength(layout.length) &&
@@ -122,7 +122,7 @@ bool isPadded(Index count, std::span<const Real> source, const BufferDescriptor&
                0;
 }
 
-/// An entry as the kernels want it, with zeros behind.
+/// Copies an entry and fills the padding behind it with zeros.
 template <class Real>
 void copyPadded(const Real* entry, Offset length, Offset paddedStride, Real* to) {
     std::fill(std::copy_n(entry, length, to), to + paddedStride, Real{0});
