@@ -75,9 +75,10 @@ void checkRange(const BenchOptions& options, const Lattice& lattice) {
         for (const double coordinate : lattice.positions[vertex])
             if (std::abs(coordinate) > kLargest)
                 throw io::FileError(
-                    options.rest, fmt::format("vertex {} is at {:.3g}: too far out to be measured "
-                                              "in single precision",
-                                              vertex, coordinate));
+                    options.rest,
+                    fmt::format("vertex {} has the coordinate {:.3g}, which is too large "
+                                "for a measurement in single precision",
+                                vertex, coordinate));
 }
 
 /// The measured times of applying.
@@ -146,7 +147,12 @@ void printText(const RunReport& run, const BenchReport& bench) {
                    timing.bytesPerSecond() / 1e9, timing.speedup, shareOfTriad(bench, timing));
     for (const auto& [threads, bytesPerSecond] : bench.triad)
         fmt::print("{:<25} {:>7} {:>40.3f}\n", "triad", threads, bytesPerSecond / 1e9);
-    fmt::print("kernels: {}\n", nameOf(bench.simd));
+    fmt::print(
+        "csr: plain sparse product; compiled: osd::CompiledTable, by its {} kernels; factors: the "
+        "same for the two factors of the matrix\n"
+        "speed-up: over csr with one thread; triad: bandwidth of the memory; of triad: GB/s as a "
+        "fraction of it\n",
+        nameOf(bench.simd));
 }
 
 /// Prints the report on binding, as the other commands do, with the peak memory before the triad;
@@ -201,7 +207,7 @@ void runBench(const BenchOptions& options) {
 void addBenchCommand(CLI::App& program) {
     const auto [command, options] = addCommand(
         program, "bench",
-        "Bind a model to a lattice, and measure that and applying poses: nothing is written",
+        "Measure how long it takes to bind a model to a lattice and to apply poses; writes no file",
         runBench);
     addModelAndRest(command, options);
     addBindingOptions(command, options);
@@ -211,12 +217,12 @@ void addBenchCommand(CLI::App& program) {
             double number = 0;
             const bool isOne =
                 CLI::detail::lexical_cast(text, number) && number > 0 && number <= 3600;
-            return isOne ? std::string() : "expected more than 0, to 3600, got " + text;
+            return isOne ? std::string() : "expected more than 0 and at most 3600, got " + text;
         },
         "");
     command
         .add_option("--seconds", options.seconds,
-                    "For the repeated runs of each measurement, of which the quickest counts")
+                    "How long to repeat each measurement; the quickest run counts")
         ->check(isDuration)
         ->capture_default_str();
     addRunOptions(command, options.common);

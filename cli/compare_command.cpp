@@ -47,17 +47,18 @@ compare::ReportedShape compareFile(const CompareOptions& options, const std::str
     return shape;
 }
 
-/// "1602", or "1602 (theirs 1600)".
+/// "1602", or "1602 (OpenSubdiv 1600)".
 std::string countText(Index ours, Index theirs) {
-    return ours == theirs ? fmt::format("{}", ours) : fmt::format("{} (theirs {})", ours, theirs);
+    return ours == theirs ? fmt::format("{}", ours)
+                          : fmt::format("{} (OpenSubdiv {})", ours, theirs);
 }
 
 void print(const compare::ReportedShape& shape, std::size_t nameWidth,
            const compare::Bounds& bounds) {
     for (const compare::LevelAgreement& level : shape.agreement.levels) {
         fmt::print(
-            "{:<{}}  level {}  {:>8} vertices {:>8} faces  position {:<7.1e}  "
-            "weight {:<7.1e}  evaluators {:<7.1e}  {}\n",
+            "{:<{}}  level {}  {:>8} vertices {:>8} faces  differences: positions {:<7.1e}  "
+            "weights {:<7.1e}  evaluators {:<7.1e}  {}\n",
             shape.name, nameWidth, level.level,
             countText(level.counts[0], level.openSubdivCounts[0]),
             countText(level.counts[2], level.openSubdivCounts[2]), level.positionDifference,
@@ -136,14 +137,15 @@ void runCompare(const CompareOptions& options) {
 void addCompareCommand(CLI::App& program) {
     const auto [command, options] = addCommand(
         program, "compare",
-        "Compare meshes, and the boundaries of lattices, with OpenSubdiv's refinement of them, "
-        "level by level; exit code 3 if they differ, 1 for bad input",
+        "Refine meshes, and boundary surfaces of lattices, with Espalier and with OpenSubdiv, and "
+        "compare the levels; exit code 3 if they differ",
         runCompare);
     command.add_option("FILE", options.files, "Meshes: .obj; lattices: .ovm, .vtu or .vtk")
         ->required();
     addLevelOption(command, options.level, 1);
-    command.add_option("--html", options.html,
-                       "Write a report: all shapes and levels, and pictures of the error");
+    command.add_option(
+        "--html", options.html,
+        "Write a report in HTML with all files, levels and pictures of the differences");
     addRefinementOptions(command, options.common, RulesFor::OpenSubdiv);
     addRunOptions(command, options.common);
 }
@@ -156,8 +158,8 @@ namespace espalier::cli {
 
 /// In a build without OpenSubdiv: the command says so.
 void addCompareCommand(CLI::App& program) {
-    CLI::App& command =
-        *program.add_subcommand("compare", "Not in this build, which has no OpenSubdiv");
+    CLI::App& command = *program.add_subcommand(
+        "compare", "Not available: this program was built without OpenSubdiv");
     command.allow_extras();
     command.callback([] {
         throw Error(

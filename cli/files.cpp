@@ -65,9 +65,9 @@ void refuseDash(const std::vector<Input>& inputs) {
         if (input.path == "-" && std::ranges::count(arguments, input.argument) == 0)
             arguments.push_back(input.argument);
     if (arguments.empty() || statusOf("-")) return;
-    throw io::FileError("-", "is no file (given for " + list(arguments) +
-                                 "); to read standard input, for one argument, name a link to "
-                                 "/dev/stdin with the extension of the format");
+    throw io::FileError("-", "does not exist (given for " + list(arguments) +
+                                 "). To read one argument from standard input, make a link to "
+                                 "/dev/stdin with the extension of the format, and name the link");
 }
 
 /// The path behind all links, those to what does not exist yet too.
@@ -102,8 +102,8 @@ void checkInputs(const std::vector<Input>& inputs) {
         const std::string alias =
             first.path == input.path ? "" : " (also called " + io::shownPath(first.path) + ")";
         throw io::FileError(input.path, "is given " + given + alias +
-                                            ", but is no regular file and can be read only once; "
-                                            "copy it to a file first");
+                                            ", but can be read only once, since it is not a "
+                                            "regular file; copy it to a file first");
     }
 }
 
@@ -115,7 +115,7 @@ void checkOutput(const std::filesystem::path& output, const std::vector<Input>& 
         for (const Input& input : inputs)
             if (const auto other = statusOf(input.path); other && isSameFile(*status, *other))
                 throw io::FileError(output, "is also an input (" + input.argument +
-                                                "): writing it would lose that");
+                                                "), and would be overwritten; choose another name");
     const std::filesystem::path folder = output.parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
         throw io::FileError(output,
@@ -127,7 +127,8 @@ void checkOutput(const std::filesystem::path& output, const std::vector<Input>& 
         std::ranges::count(extensions, output.extension().string()) > 0)
         return;
     throw io::FileError(output,
-                        fmt::format("has another extension than {}", fmt::join(extensions, ", ")));
+                        fmt::format("is not of a format that can be written here; expected {}",
+                                    fmt::join(extensions, ", ")));
 }
 
 void checkDistinct(const std::vector<std::filesystem::path>& outputs) {
@@ -139,10 +140,10 @@ void checkDistinct(const std::vector<std::filesystem::path>& outputs) {
             continue;
         const auto [other, isNew] = files.try_emplace(behindLinks(output), output);
         if (!isNew)
-            throw io::FileError(
-                output, fmt::format("is the same file as {}, through a link: one of the two would "
-                                    "be lost. Remove the link",
-                                    printable(other->second.string())));
+            throw io::FileError(output,
+                                fmt::format("is the same file as {}, through a link, and one would "
+                                            "overwrite the other; remove the link",
+                                            printable(other->second.string())));
     }
 }
 

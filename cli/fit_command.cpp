@@ -76,13 +76,16 @@ std::vector<Index> boundaryFacesIn(const std::array<double, 6>& box, const Latti
 void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options) {
     CLI::Option* box =
         command
-            .add_option("--hold", hold.box,
-                        "What lies in this box stays: points of the model, and faces of the "
-                        "lattice's boundary")
+            .add_option(
+                "--hold", hold.box,
+                "Keep points of the model and boundary faces of the lattice that lie in the box "
+                "from corner X0 Y0 Z0 to corner X1 Y1 Z1 where they are")
             ->type_name("X0 Y0 Z0 X1 Y1 Z1");
-    addChoice<Continuity>(command, "--continuity", hold.continuity, embed::kContinuityWords,
-                          "How what is held meets what moves: in its place, with its tangent "
-                          "planes, or with its curvatures; c1 and c2 hold the same vertices");
+    addChoice<Continuity>(
+        command, "--continuity", hold.continuity, embed::kContinuityWords,
+        "How the part in the box of --hold meets the rest. c0: without a gap; c1: "
+        "with its tangent planes; c2: with its curvatures. c1 and c2 hold the same "
+        "vertices");
     CLI::Option* continuity = command.get_option("--continuity")->needs(box);
     for (CLI::Option* option : {box, continuity}) options.ofSubdivision.push_back(option);
 }
@@ -96,8 +99,10 @@ HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
     const auto& box = *hold.box;
     for (std::size_t c = 0; c < 3; ++c)
         if (!(box[c] <= box[c + 3]))
-            throw Error(fmt::format("--hold: the box runs from {} to {}; expected it to ascend",
-                                    box[c], box[c + 3]));
+            throw Error(
+                fmt::format("--hold: the box runs from {} down to {}; expected the lower corner "
+                            "first",
+                            box[c], box[c + 3]));
     HeldPart part;
     for (std::size_t i = 0; i < points.size(); ++i)
         if (isIn(box, points[i])) part.points.push_back(static_cast<Index>(i));
@@ -106,8 +111,7 @@ HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
     if (boundary != far::Boundary::Open) part.faces = boundaryFacesIn(box, lattice);
     if (part.points.empty() && part.faces.empty())
         throw Error(
-            fmt::format("--hold: no point of {} lies in the box, and no face of the "
-                        "boundary of {}",
+            fmt::format("--hold: the box contains no point of {} and no boundary face of {}",
                         printable(options.model), printable(options.rest)));
     return part;
 }
@@ -123,8 +127,8 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
     if (part.points.empty() && part.faces.empty()) return {};
     if (rows.entryCount() == 0 && part.faces.empty())
         throw Error(
-            fmt::format("--hold: point {} of {}, and what else lies in the box, is outside "
-                        "the lattice {}, and stays anyway",
+            fmt::format("--hold: all points in the box, such as point {} of {}, are outside the "
+                        "lattice {} and stay without --hold",
                         part.points.front(), printable(options.model), printable(options.rest)));
     return stages.run("holding", [&] {
         // The rows of D tell which vertices move the points; the lattice is not searched again.
@@ -192,9 +196,9 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
     const auto wanted =
         stages.read(options.targets, [&] { return io::readModel(options.targets); });
     if (wanted->positions().size() != points.size())
-        throw io::FileError(options.targets,
-                            fmt::format("has {} points; {} has {}", wanted->positions().size(),
-                                        printable(options.model), points.size()));
+        throw io::FileError(options.targets, fmt::format("has {} points, but the model {} has {}",
+                                                         wanted->positions().size(),
+                                                         printable(options.model), points.size()));
     for (std::size_t i = 0; i < points.size(); ++i)
         wishes.add(points[i], {static_cast<Index>(i), wanted->positions()[i], 0});
     return wishes;
@@ -210,8 +214,8 @@ std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus s
     return status == embed::PointStatus::Outside
                ? fmt::format("lies outside the lattice {}", printable(options.rest))
                : fmt::format(
-                     "has no place in the lattice {}: the search for it did not converge, "
-                     "as in a degenerate cell or very far away",
+                     "could not be placed in the lattice {}: its cell is degenerate, or the "
+                     "point is very far away",
                      printable(options.rest));
 }
 
@@ -240,7 +244,7 @@ std::vector<Index> carriedTargets(const FitCommandOptions& options,
     if (carried.empty())
         throw io::FileError(options.targets,
                             fmt::format("no target is left: all {} points lie outside the lattice "
-                                        "{} and are wanted where they are",
+                                        "{}, and their targets are where they are already",
                                         wishes.targets.size(), printable(options.rest)));
     return carried;
 }
@@ -254,8 +258,8 @@ solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRo
     } catch (const solve::TargetError& error) {
         const io::Target& target = wishes.targets[error.row()];
         const std::string cause = fmt::format(
-            "the target of point {} is too far from the point for the square of the distance to "
-            "be a number",
+            "the target of point {} is too far from the point: the square of the distance "
+            "overflows",
             target.point);
         throw target.line > 0 ? io::FileError(options.targets, target.line, cause)
                               : io::FileError(options.targets, cause);
@@ -311,7 +315,7 @@ std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::v
     frozen.insert(frozen.end(), held.begin(), held.end());
     const Offset all = std::ssize(lattice.positions);
     if (countAmong(frozen, lattice) < all) return frozen;
-    throw Error(fmt::format("{} all {} vertices of {}: none is left to move",
+    throw Error(fmt::format("{} all {} vertices of {}: no vertex is left to move",
                             countAmong(held, lattice) == all    ? "--hold keeps"
                             : countAmong(named, lattice) == all ? "--freeze keeps"
                                                                 : "--hold and --freeze keep",
@@ -338,15 +342,17 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
         return;
     }
     fmt::print("targets               {}\n", wishes.targets.size());
-    if (leftOut > 0) fmt::print("left out              {}, outside and not moved\n", leftOut);
-    if (options.hold.box) fmt::print("held vertices         {}\n", heldCount);
-    fmt::print("largest miss          {:.3g}\n", fit.largestMiss);
-    fmt::print("root mean square miss {:.3g}\n", fit.meanMiss);
-    fmt::print("largest displacement  {:.3g}\n", largest);
+    if (leftOut > 0)
+        fmt::print("targets left out      {}: points outside the lattice that are to stay\n",
+                   leftOut);
+    if (options.hold.box) fmt::print("vertices held         {}\n", heldCount);
+    fmt::print("largest distance      {:.3g} from a target\n", fit.largestMiss);
+    fmt::print("root mean square      {:.3g} of these distances\n", fit.meanMiss);
+    fmt::print("largest displacement  {:.3g} of a lattice vertex\n", largest);
     if (std::isinf(fit.condition))
-        fmt::print("condition             infinite: the targets leave some vertices open\n");
+        fmt::print("condition number      infinite: the targets do not determine all vertices\n");
     else
-        fmt::print("condition             {:.3g}\n", fit.condition);
+        fmt::print("condition number      {:.3g}\n", fit.condition);
 }
 
 void runFit(const FitCommandOptions& options) {
@@ -385,30 +391,33 @@ void runFit(const FitCommandOptions& options) {
 
 void addFitCommand(CLI::App& program) {
     const auto [command, options] = addCommand(
-        program, "fit",
-        "Find the pose of a lattice that carries points of a model to where they are wanted",
+        program, "fit", "Find the pose of a lattice that moves points of a model to given targets",
         runFit);
     addModelAndRest(command, options);
     command
         .add_option(
             "--targets", options.targets,
-            "Where points are wanted: a .txt of the number of a point and three coordinates "
-            "a line; or the whole model as it is wanted, in a file of any model format")
+            "Where the points should go: a .txt with the number of a point, from 0, and three "
+            "coordinates on each line; or the whole model in the wanted shape, in any model format")
         ->required();
     addBindingOptions(command, options);
     addChoice<solve::Smoothing>(command, "--smoothing", options.fit.smoothing,
-                                solve::kSmoothingWords, "What is asked of displacements besides");
+                                solve::kSmoothingWords,
+                                "What else is asked of the displacements of the lattice. "
+                                "tikhonov: to be small; laplacian: to be like those of neighbours");
     command
         .add_option("--strength", options.fit.strength,
-                    "How much smoothness weighs against the targets")
+                    "Weight of the smoothing against the targets, 0.0001 to 10000")
         ->capture_default_str();
-    command.add_option("--freeze", options.fit.frozen, "Vertices of the lattice that stay")
+    command
+        .add_option("--freeze", options.fit.frozen,
+                    "Numbers of lattice vertices that must not move")
         ->delimiter(',');
     addHoldOptions(command, options.hold, options);
-    addChoice<solve::Undetermined>(command, "--undetermined", options.fit.undetermined,
-                                   solve::kUndeterminedWords,
-                                   "Where the targets leave vertices open: take the smallest "
-                                   "displacements, or refuse");
+    addChoice<solve::Undetermined>(
+        command, "--undetermined", options.fit.undetermined, solve::kUndeterminedWords,
+        "If the targets do not determine all vertices. smallest: take the "
+        "smallest displacements; refuse: that is an error");
     command.add_option("-o,--output", options.output, "The pose: .ovm, .vtu or .vtk")->required();
     addRunOptions(command, options.common);
     addReportOption(command, options.report);

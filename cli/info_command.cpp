@@ -273,9 +273,11 @@ std::vector<Smoothness> reportSmoothness(const far::TopologyRefiner& lattice,
 
 /// The line of a ring that is too large for its eigenvalues.
 std::string noteOf(const Smoothness& entry) {
-    return fmt::format(
-        "ring of {} points: eigenvalues are not computed beyond {}, nor in cells of more vertices",
-        entry.ringPoints, kMaxRingPoints);
+    if (entry.ringPoints > kMaxRingPoints)
+        return fmt::format("eigenvalues are not computed: its ring has {} points; the most is {}",
+                           entry.ringPoints, kMaxRingPoints);
+    return fmt::format("eigenvalues are not computed: its cells have more than {} vertices",
+                       kMaxRingPoints);
 }
 
 SortedJson toJson(const std::vector<Smoothness>& entries) {
@@ -321,12 +323,14 @@ void printLevel(std::size_t number, const SortedJson& level) {
     fmt::print("  Euler characteristic      {}\n", level["euler_characteristic"].get<Index>());
     fmt::print("  edges at a vertex         {}\n", toText(level["vertex_valences"]));
     fmt::print("  faces at an interior edge {}\n", toText(level["interior_edge_valences"]));
-    fmt::print("  {} {}\n", number == 0 ? "valences within cells    " : "cell types               ",
+    fmt::print("  {} {}\n", number == 0 ? "edges at a cell's corner " : "cell types               ",
                toText(level["cell_types"], number == 0 ? "" : "type-"));
-    fmt::print("  cell volumes              {:.4g} to {:.4g}, {} not positive\n",
+    fmt::print("  cell volumes              {:.4g} to {:.4g}, {} cells flat or inverted\n",
                real("smallest_cell_volume"), real("largest_cell_volume"),
                level["inverted_cells"].get<Index>());
-    fmt::print("  least scaled Jacobian     {:.3f}\n", real("smallest_scaled_jacobian"));
+    fmt::print(
+        "  worst corner of a cell    {:.3f} (scaled Jacobian: 1 cube, 0 flat, below 0 folded)\n",
+        real("smallest_scaled_jacobian"));
 }
 
 void printText(const SortedJson& report, const InfoOptions& options) {
@@ -334,7 +338,8 @@ void printText(const SortedJson& report, const InfoOptions& options) {
     fmt::print("bounds      ({:.4g}) to ({:.4g})\n",
                fmt::join(report["bounds"][0].get<Point3>(), ", "),
                fmt::join(report["bounds"][1].get<Point3>(), ", "));
-    fmt::print("marks       {}\n", report["marks"].get<std::size_t>());
+    fmt::print("marks       {} edges and vertices with a sharpness set by hand\n",
+               report["marks"].get<std::size_t>());
     std::string attributes;
     for (const auto& name : report["attributes"])
         attributes += (attributes.empty() ? "" : ", ") + printable(name.get<std::string>());
@@ -342,9 +347,15 @@ void printText(const SortedJson& report, const InfoOptions& options) {
     const auto edgesOfTwoFaces = report["interior_edges_of_two_faces"].get<Index>();
     if (edgesOfTwoFaces > 0 && options.common.rules == stencils::Rules::Siggraph96)
         fmt::print(
-            "note        {} interior edges have two faces: their midpoint has a negative "
-            "weight, and the region may leave the convex hull there\n",
+            "note        {} of the interior edges have only two faces: their new points have a "
+            "negative "
+            "weight, and the refined lattice may leave the convex hull there\n",
             edgesOfTwoFaces);
+    fmt::print(
+        "\nRows count by place: at corners, on sharp edges, on the boundary surface, in the "
+        "interior.\n"
+        "\"3: 8, 4: 12\" means 3 at 8 places and 4 at 12. A type-n cell has 2n faces; type-3 is a "
+        "hexahedron.\n");
     for (std::size_t level = 0; level < report["levels"].size(); ++level)
         printLevel(level, report["levels"][level]);
 }
@@ -357,8 +368,8 @@ std::string toText(const std::complex<double>& value) {
 }
 
 void printSmoothness(const std::vector<Smoothness>& entries) {
-    fmt::print("\nsmoothness, where it is not that of the tricubic spline\n");
-    if (entries.empty()) fmt::print("  everywhere\n");
+    fmt::print("\nsmoothness: that of the tricubic B-spline {}\n",
+               entries.empty() ? "everywhere" : "except at");
     for (const Smoothness& entry : entries) {
         if (!entry.isKnown) {
             fmt::print("  {:<6} {:>6}  {:<8}  {}\n", dimensionName(entry.entity.dimension),
@@ -367,11 +378,12 @@ void printSmoothness(const std::vector<Smoothness>& entries) {
         }
         std::vector<std::string> values;
         for (const auto& value : entry.eigenvalues) values.push_back(toText(value));
-        fmt::print("  {:<6} {:>6}  {:<8}  eigenvalues 1 {}\n",
+        fmt::print("  {:<6} {:>6}  {:<8}  eigenvalues of refinement 1 {}\n",
                    dimensionName(entry.entity.dimension), entry.entity.index,
                    kStrata[entry.stratum], fmt::join(values, " "));
         fmt::print(
-            "  {:25}limit {:.4f} of itself, {:.4f} of edges, {:.4f} of faces, {:.4f} of cells\n",
+            "  {:25}weights of its limit: itself {:.4f}, edges {:.4f}, faces {:.4f}, cells "
+            "{:.4f}\n",
             "", entry.mask[0], entry.mask[1], entry.mask[2], entry.mask[3]);
     }
 }
@@ -402,14 +414,15 @@ void runInfo(const InfoOptions& options) {
 }  // namespace
 
 void addInfoCommand(CLI::App& program) {
-    const auto [command, options] = addCommand(
-        program, "info",
-        "Counts per level, valences, types of cells, strata and quality of a lattice", runInfo);
+    const auto [command, options] = addCommand(program, "info",
+                                               "Print what a lattice and its levels consist of: "
+                                               "counts, sharp parts, valences, cell quality",
+                                               runInfo);
     addLatticeOptions(command, FileKind::Lattice, options);
     command.add_flag("--json", options.json, "Print JSON");
     command.add_flag("--smoothness", options.smoothness,
-                     "Of each irregular vertex and edge the leading eigenvalues of refinement, and "
-                     "the limit mask");
+                     "Also print how smooth the limit is at each irregular vertex and edge: the "
+                     "largest eigenvalues of refinement, and the weights of the limit point");
 }
 
 }  // namespace espalier::cli

@@ -90,8 +90,9 @@ void addTo(CLI::App& command, MemoryOption& setting) {
         },
         "");
     command
-        .add_option("--max-memory", setting.bytes,
-                    "Memory at most: work that would take more is an error. 500MB, 4GB ...")
+        .add_option(
+            "--max-memory", setting.bytes,
+            "Limit on the memory, such as 500MB or 4GB: work that would take more is an error")
         ->transform(asSize)
         ->option_text("SIZE [half of the machine's]");
     for (CLI::App* inner : command.get_subcommands({})) addTo(*inner, setting);
@@ -103,7 +104,8 @@ enum Exit { kSuccess = 0, kBadInput = 1, kUsage = 2, kFinding = 3 };
 int run(int argumentCount, char** arguments) {
     using namespace espalier::cli;
     CLI::App program(
-        "Deforms models by lattices of arbitrary topology, and gives away the matrices",
+        "Deforms 3D models by lattices of any polyhedral topology, and writes the matrices that do "
+        "it",
         "espalier");
     program.set_version_flag("--version", ESPALIER_VERSION);
     program.require_subcommand(1);
@@ -117,6 +119,11 @@ int run(int argumentCount, char** arguments) {
     addFitCommand(program);
     addCheckCommand(program);
     addCompareCommand(program);
+    program.footer(
+        "espalier COMMAND --help lists the options of a command.\n"
+        "Exit codes: 0 success; 1 bad input; 2 wrong usage; 3 check found inverted cells, or "
+        "compare "
+        "found differences.");
     const auto memory = std::make_shared<MemoryOption>();
     for (CLI::App* command : program.get_subcommands({})) addTo(*command, *memory);
     program.parse_complete_callback([memory] { memory->apply(); });

@@ -96,7 +96,7 @@ ExpectedSums::ExpectedSums(const Table& matrix, const stencils::FactoredTable<do
       summed_{&matrix, &factors.points},
       bound_(bound) {
     if (factors.rowCount() != matrix.rowCount() || factors.columnCount() != matrix.columnCount())
-        throw Error(fmt::format("the product of the factors is {} × {}, but the matrix {} × {}",
+        throw Error(fmt::format("the product of the factors is {} × {}, but the matrix is {} × {}",
                                 factors.rowCount(), factors.columnCount(), matrix.rowCount(),
                                 matrix.columnCount()));
 }
@@ -141,8 +141,9 @@ void checkResults(const ExpectedSums& sums, std::span<const double> values,
         // Not as >, which NaN would pass.
         if (!(std::abs(got - wanted) <= expected.allowed[i]))
             throw Error(fmt::format(
-                "{}: coordinate {} of point {} is {:.17g}, but {:.17g} by the reference "
-                "evaluator: {:.3g} apart, where {:.3g} are allowed",
+                "{}: coordinate {} of point {} is {:.17g}, but the reference evaluator computes "
+                "{:.17g}; "
+                "they differ by {:.3g}, and {:.3g} is allowed",
                 who, component, point, got, wanted, std::abs(got - wanted), expected.allowed[i]));
     }
 }

@@ -53,7 +53,7 @@ void printStage(const Stages::Finished& stage, std::size_t labelWidth) {
 
 void addReportOption(CLI::App& command, ReportFormat& format) {
     addChoice<ReportFormat>(command, "--report", format, kReportFormatWords,
-                            "How to say what was done, on standard output");
+                            "Format of the report on standard output");
 }
 
 OrderedJson toJson(const RunReport& report) {
@@ -85,17 +85,23 @@ void printText(const RunReport& report) {
         fmt::print("{:<{}} {}\n", label, width, text);
     };
     if (report.points)
-        printLine("points", fmt::format("{} inside, {} outside, {} not converged",
+        printLine("points", fmt::format("{} inside the lattice, {} outside, {} could not be placed",
                                         report.points->count(PointStatus::Inside),
                                         report.points->count(PointStatus::Outside),
                                         report.points->count(PointStatus::NotConverged)));
-    if (kept > 0) printLine("kept in place", std::to_string(kept));
+    if (kept > 0)
+        printLine("left in place",
+                  fmt::format("{} {}, whatever the pose", kept, kept == 1 ? "point" : "points"));
     if (report.points)
-        printLine("largest residual", fmt::format("{:.2g}", report.points->largestResidual));
-    printLine("matrix", fmt::format("{} × {}, {:.1f} entries a bound row, {}", table.rowCount(),
-                                    table.columnCount(),
-                                    bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
-                                    formatBytes(bytesOf(table))));
+        printLine("placement error",
+                  fmt::format("{:.2g}: how far the rest pose moves a point at most",
+                              report.points->largestResidual));
+    printLine("matrix",
+              fmt::format("{} points × {} lattice vertices, {:.1f} weights for each point that "
+                          "moves, {}",
+                          table.rowCount(), table.columnCount(),
+                          bound > 0 ? static_cast<double>(table.entryCount()) / bound : 0,
+                          formatBytes(bytesOf(table))));
     for (const Stages::Finished& stage : report.stages.finished()) printStage(stage, width);
     printLine("peak memory", formatBytes(report.peakMemory));
 }

@@ -149,7 +149,8 @@ void runStencils(const StencilsOptions& options) {
     if (!options.points.empty()) inputs.push_back({"--points", options.points});
     checkInputs(inputs);
     if (options.levelTables && options.level == 0)
-        throw CLI::ValidationError("--level-tables", "there are none before level 1");
+        throw CLI::ValidationError("--level-tables",
+                                   "there are no level tables before level 1; use -n 1 or more");
     std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& output : matrixPaths(options)) {
         checkOutput(output, inputs, io::matrixExtensions());
@@ -171,38 +172,42 @@ void runStencils(const StencilsOptions& options) {
 }  // namespace
 
 void addStencilsCommand(CLI::App& program) {
-    const auto [command, options] = addCommand(program, "stencils",
-                                               "Write the matrix that refines a lattice, mesh or "
-                                               "curve, or that deforms a model by a lattice",
-                                               runStencils);
+    const auto [command, options] =
+        addCommand(program, "stencils",
+                   "Write the sparse matrix that refines a lattice, mesh "
+                   "or curve, or the one that deforms a model",
+                   runStencils);
     addLatticeOptions(command, FileKind::Refinable, options);
     CLI::Option* const points = command.add_option(
         "--points", options.points,
-        "A model: write D, the weights of its points over the vertices of the lattice, in place of "
-        "S_N, those of the level-N vertices");
+        "A model: write D, the matrix that deforms its points (points × lattice vertices), instead "
+        "of "
+        "S_N, the matrix of level N (vertices of level N × vertices of the input)");
     const auto others = static_cast<std::ptrdiff_t>(command.get_options().size());
     addBasisOptions(command, options.bind);
     addEmbeddingOptions(command, options.common);
     command
         .add_flag("--gradients", options.gradients,
-                  "Write the gradients of D too, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "
+                  "Also write the gradients of D, to D.dx.npz, D.dy.npz and D.dz.npz beside D.npz: "
                   "their products with a pose are the columns of the deformation gradient")
         ->needs(command.get_option("--limit"));
     const auto all = command.get_options();
     for (auto option = all.begin() + others; option != all.end(); ++option)
         (*option)->needs(points);
     command
-        .add_flag("--level-tables", options.levelTables,
-                  "Write R_1 to R_N, each level over the one before, to a numbered file each")
+        .add_flag(
+            "--level-tables", options.levelTables,
+            "Write the matrices R_1 to R_N, each from one level to the next, to numbered files")
         ->excludes(points);
     command
         .add_option(
             "-o,--output", options.output,
-            "The matrix: Matrix Market (.mtx), SciPy's archive (.npz), its arrays as a file "
-            "each (.npy), or PETSc's binary (.petsc)")
+            "The matrix: Matrix Market (.mtx), SciPy's archive (.npz), the same arrays in three "
+            "files (.npy), or PETSc's binary format (.petsc)")
         ->required();
-    addChoice<io::PetscInt>(command, "--petsc-indices", options.petscIntegers, kPetscIntWords,
-                            "The bits of an index in the PETSc that is to read .petsc");
+    addChoice<io::PetscInt>(
+        command, "--petsc-indices", options.petscIntegers, kPetscIntWords,
+        "Bits of an index in the build of PETSc that will read the .petsc file");
 }
 
 }  // namespace espalier::cli

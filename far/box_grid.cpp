@@ -78,7 +78,7 @@ FaceId farFace(const CellComplex& complex, const PlacedCell& placed, std::size_t
             isFar = isFar && (!(i & kAxisBits[axis]) || contains(loop, placed.corners[i]));
         if (isFar) return face;
     }
-    refuse(placed.cell, concat("cell ", placed.cell.value, " lacks a face"));
+    refuse(placed.cell, concat("cell ", placed.cell.value, " lacks one of its six faces"));
 }
 
 /// The cell that comes next along an axis; nothing on the boundary.
@@ -128,8 +128,8 @@ private:
             return {CellId(cells[0]), seenFrom(corners, vertex, next)};
         }
         refuse(CellId(0),
-               "no cell has a vertex of its own, as corners have: neither cell 0 nor "
-               "any other");
+               "there is no corner: each vertex of cell 0, and of all others, is in two or "
+               "more cells");
     }
 
     /// Ends at the boundary: going straight on can be undone, so it does not come to a cell twice
@@ -169,7 +169,7 @@ private:
             auto& known = points_[placed.corners[i]];
             if (known && *known != point)
                 refuse(VertexId(placed.corners[i]),
-                       concat("vertex ", placed.corners[i], " would be both at ",
+                       concat("vertex ", placed.corners[i], " would have two places in the box, ",
                               inBrackets(*known), " and ", inBrackets(point)));
             known = point;
         }
@@ -180,14 +180,15 @@ private:
         if (next) return *next;
         const FaceId face = farFace(complex_, placed, axis);
         refuse(face, concat("face ", face.value, " of cell ", placed.cell.value,
-                            " is on the boundary, where ", sizes(), " cells would go on"));
+                            " is on the boundary, but a box of ", sizes(), " cells goes on there"));
     }
 
     void checkCells() const {
         for (Index cell = 0; cell < complex_.count(3); ++cell)
             if (!isPlaced_[cell])
-                refuse(CellId(cell), concat("cell ", cell, " is not one of the ", sizes(),
-                                            " from vertex ", first_.corners[0], " on"));
+                refuse(CellId(cell),
+                       concat("cell ", cell, " is not part of the box of ", sizes(),
+                              " cells with its corner at vertex ", first_.corners[0]));
     }
 
     /// Every grid point got a vertex of some cell; two got there where cells meet that have no
@@ -199,8 +200,9 @@ private:
             if (!point) refuse(VertexId(vertex), concat("vertex ", vertex, " is in no cell"));
             auto& there = vertices[grid_.indexOf(*point)];
             if (there)
-                refuse(VertexId(vertex), concat("vertices ", *there, " and ", vertex,
-                                                " would both be at ", inBrackets(*point)));
+                refuse(VertexId(vertex),
+                       concat("vertices ", *there, " and ", vertex,
+                              " would have the same place in the box, ", inBrackets(*point)));
             there = vertex;
         }
         for (const auto& vertex : vertices) grid_.vertices.push_back(vertex.value());
@@ -222,7 +224,8 @@ private:
             for (std::size_t axis = 0; axis < 3; ++axis)
                 isOutside = isOutside || high[axis] == 0 || low[axis] == grid_.cells[axis];
             if (!isOutside)
-                refuse(FaceId(face), concat("face ", face, " is on the boundary, inside the box"));
+                refuse(FaceId(face),
+                       concat("face ", face, " is inside the box, but lies in one cell only"));
         }
     }
 
@@ -241,9 +244,10 @@ private:
 
 BoxGrid asBoxGrid(const CellComplex& complex) {
     if (complex.dimension() != 3)
-        throw TopologyError(TopologyCause::WrongDimension, {complex.dimension(), 0},
-                            concat("a box of hexahedra is a lattice, not a complex of dimension ",
-                                   complex.dimension()));
+        throw TopologyError(
+            TopologyCause::WrongDimension, {complex.dimension(), 0},
+            concat("expected a lattice that is a box of hexahedra, got a complex of dimension ",
+                   complex.dimension()));
     // Before anything else, so that the first such cell is named.
     for (Index cell = 0; cell < complex.count(3); ++cell) cornersOf(complex, CellId(cell));
     return Placing(complex).takeGrid();

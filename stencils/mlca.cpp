@@ -25,7 +25,7 @@ std::vector<Entity> mlcaSubCell(const far::CellComplex& complex, Entity whole, s
 
 void checkMlca(const far::TopologyRefiner& refiner) {
     if (refiner.options().triangles == far::TriangleSubdivision::Smooth)
-        throw Error("the rules of MLCA have no smooth triangles");
+        throw Error("the rules of MLCA do not have smooth triangles; use catmark");
 }
 
 }  // namespace espalier::stencils

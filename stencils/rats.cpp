@@ -75,8 +75,8 @@ void checkNotSemiSharp(const Level& level) {
             }
             throw far::TopologyError(far::TopologyCause::BadMark, {dimension, index},
                                      name +
-                                         " is semi-sharp; the rules of RATS know what is smooth "
-                                         "and what is infinitely sharp only");
+                                         " is semi-sharp; under the rules of RATS everything is "
+                                         "smooth or infinitely sharp");
         }
 }
 
@@ -115,9 +115,9 @@ void checkRats(const far::TopologyRefiner& refiner) {
     if (refiner.dimension() == kMaxDimension)
         throw Error("the rules of RATS are for curves and meshes, not for lattices");
     if (refiner.boundary() == far::Boundary::Open)
-        throw Error("the rules of RATS reach the border; there are none without boundary control");
+        throw Error("the rules of RATS do not have the boundary mode 'open'");
     if (refiner.options().triangles == far::TriangleSubdivision::Smooth)
-        throw Error("the rules of RATS have no smooth triangles");
+        throw Error("the rules of RATS do not have smooth triangles; use catmark");
     checkNotSemiSharp(refiner.level(0));
 }
 
