@@ -210,9 +210,11 @@ public:
                                       0);
             for (const Index index : entities[d]) {
                 const std::optional<Index> theirs = match_.of({d, index});
-                if (!theirs) return name({d, index}) + " has no match";
+                if (!theirs) return name({d, index}) + " has no match in OpenSubdiv's level";
                 if (isTaken[*theirs]++)
-                    return concat(name({d, index}), " has the match of another, ", *theirs);
+                    return concat(name({d, index}),
+                                  " has the same match in OpenSubdiv's level as another one, ",
+                                  *theirs);
             }
         }
         // OpenSubdiv's holes without boundary control are not in the region; ours must be among
@@ -221,7 +223,7 @@ public:
             for (const Index hole : level_.holes) {
                 const std::optional<Index> theirs = match_.of({2, hole});
                 if (theirs && !theirs_.IsFaceHole(*theirs))
-                    return name({2, hole}) + " is a hole; theirs is not";
+                    return name({2, hole}) + " is a hole; in OpenSubdiv it is not";
             }
         // Faces first: what differs in their vertices need not be told of the latter's features.
         for (int d = 2; d >= 0; --d)
@@ -230,7 +232,7 @@ public:
                                          : d == 1 ? inspectEdge(index)
                                                   : inspectFace(index);
                 if (!text.empty())
-                    return concat(name({d, index}), " (theirs: ", *match_.of({d, index}), ") ",
+                    return concat(name({d, index}), " (OpenSubdiv: ", *match_.of({d, index}), ") ",
                                   text);
             }
         return {};
@@ -256,9 +258,13 @@ private:
     static std::string differ(float ours, float theirs) {
         std::ostringstream text;
         text.precision(std::numeric_limits<float>::max_digits10);
-        text << "has sharpness " << ours << "; theirs " << theirs;
+        text << "has sharpness " << ours << "; in OpenSubdiv " << theirs;
         return text.str();
     }
+
+    /// By stratum.
+    static constexpr std::array kPlaces = {"at a corner", "on a sharp edge",
+                                           "on the smooth surface", "inside"};
 
     std::string inspectVertex(Index vertex) const {
         using Rule = OpenSubdiv::Sdc::Crease::Rule;
@@ -270,7 +276,8 @@ private:
         const Rule rule = theirs_.GetVertexRule(theirs);
         const int stratum = rule == Rule::RULE_CORNER ? 0 : rule == Rule::RULE_CREASE ? 1 : 2;
         if (level_.strata.of(entity) != stratum)
-            return concat("lies on stratum ", level_.strata.of(entity), "; theirs on ", stratum);
+            return concat("lies ", kPlaces[level_.strata.of(entity)], "; in OpenSubdiv ",
+                          kPlaces[stratum]);
         return {};
     }
 
@@ -279,7 +286,7 @@ private:
         const Index theirs = *match_.of(entity);
         for (const Index end : level_.complex.relation(1, 0)[edge])
             if (!contains(theirs_.GetEdgeVertices(theirs), *match_.of({0, end})))
-                return concat("ends in vertex ", end, "; theirs does not");
+                return concat("ends in vertex ", end, "; in OpenSubdiv it does not");
         if (!level_.strata.isOpen(entity) &&
             !isSameSharpness(sharpness(entity), theirs_.GetEdgeSharpness(theirs)))
             return differ(sharpness(entity), theirs_.GetEdgeSharpness(theirs));
@@ -298,10 +305,12 @@ private:
             std::rotate(loop.begin(), loop.begin() + 1, loop.end());
             ++turns;
         }
-        if (turns == loop.size()) return "has other vertices than theirs, or in another order";
+        if (turns == loop.size())
+            return "has other vertices than in OpenSubdiv, or in another order";
         const bool isHole = std::binary_search(level_.holes.begin(), level_.holes.end(), face);
         if (!isOpen_ && isHole != theirs_.IsFaceHole(theirs))
-            return isHole ? "is a hole; theirs is not" : "is not a hole; theirs is";
+            return isHole ? "is a hole; in OpenSubdiv it is not"
+                          : "is not a hole; in OpenSubdiv it is";
         return {};
     }
 

@@ -161,7 +161,7 @@ void writeFiles(const std::vector<FileToWrite>& files) {
     moveToTargets(written);
     blocked.reset();
     for (const Written& each : written)
-        ofFile(each.toWrite.path, "is written, but may not outlast a loss of power",
+        ofFile(each.toWrite.path, "is written, but may be lost if power fails now",
                [&] { each.file.syncFolder(); });
 }
 
