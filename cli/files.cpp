@@ -194,7 +194,7 @@ std::vector<std::vector<Point3>> readPoses(const std::vector<std::string>& paths
                                            Stages& stages) {
     const auto difference = [&](const Lattice& pose) {
         auto text = far::topologyDifference(rest.complex, pose.complex);
-        if (text) *text = io::shownPath(restPath) + ": " + *text;
+        if (text) *text = io::shownPath(restPath) + " (called the first, this file the second): " + *text;
         return text;
     };
     return readPoses(paths, difference, stages);

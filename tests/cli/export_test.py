@@ -198,7 +198,7 @@ class Export(CliTest):
 
     def test_refusals(self):
         self.write_model(icosphere_points(5) + [(9, 9, 9)])
-        self.assertIn("s.mat: has another extension than .mtx, .npz, .npy, .petsc",
+        self.assertIn("s.mat: is not of a format that can be written here; expected .mtx, .npz, .npy, .petsc",
                       self.error_of("stencils", "c.ovm", "-o", "s.mat"))
         self.assertIn("point 5", self.error_of("stencils", "c.ovm", "-n", 1, "--points",
                                                "model.obj", "--outside", "error", "-o", "d.npz"))

@@ -281,36 +281,36 @@ class Files(FaultsTest):
                  ["shape", "merge", *two, "-o", "out.vtu"])]:
             if command[0] == "compare" and "--html" not in self.run_program("compare", "--help").stdout:
                 continue
-            self.assert_fails(f"{name}: is given {given}, but is no regular file and can be read only "
-                              "once; copy it to a file first", *command)
+            self.assert_fails(f"{name}: is given {given}, but can be read only once, since it is not "
+                              "a regular file; copy it to a file first", *command)
 
     def test_a_pipe_that_stands_for_an_input_and_an_output(self):
         os.mkfifo(self.path / "pipe.obj")
         (self.path / "link.obj").symlink_to("pipe.obj")
-        self.assert_fails("link.obj: is also an input (MODEL): writing it would lose that", "deform",
-                          "pipe.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "-o", "link.obj")
+        self.assert_fails("link.obj: is also an input (MODEL), and would be overwritten; choose "
+                          "another name", "deform", "pipe.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "-o", "link.obj")
         os.mkfifo(self.path / "pipe.vtu")
-        self.assert_fails("pipe.vtu: is also an input (LATTICE|MESH|CURVE): writing it would lose "
-                          "that", "refine", "pipe.vtu", "-o", "pipe.vtu")
+        self.assert_fails("pipe.vtu: is also an input (LATTICE|MESH|CURVE), and would be overwritten; "
+                          "choose another name", "refine", "pipe.vtu", "-o", "pipe.vtu")
 
     def test_standard_input_as_two_inputs(self):
         (self.path / "a.vtu").symlink_to("/dev/stdin")
         reader, writer = os.pipe()  # which nobody closes
         self.addCleanup(os.close, writer)
         self.addCleanup(os.close, reader)
-        self.assert_fails("a.vtu: is given for --rest and for --to, but is no regular file and can be "
-                          "read only once; copy it to a file first", "deform", "model.obj", "--rest",
+        self.assert_fails("a.vtu: is given for --rest and for --to, but can be read only once, since it "
+                          "is not a regular file; copy it to a file first", "deform", "model.obj", "--rest",
                           "a.vtu", "--to", "a.vtu", "-o", "out.obj", stdin=reader)
 
     def test_a_dash_is_no_name_of_standard_input(self):
-        hint = ("to read standard input, for one argument, name a link to /dev/stdin with the "
-                "extension of the format")
+        hint = ("To read one argument from standard input, make a link to /dev/stdin with the "
+                "extension of the format, and name the link")
         for arguments, command in [
                 ("--rest and --to", ["deform", "model.obj", "--rest", "-", "--to", "-", "-o", "o.obj"]),
                 ("MODEL, --rest and --to", ["deform", "-", "--rest", "-", "--to", "-", "-o", "o.obj"]),
                 ("LATTICE", ["shape", "merge", "-", "-", "-o", "o.vtu"]),
                 ("--rest", ["bind", "model.obj", "--rest", "-", "-o", "o.espb"])]:
-            self.assert_fails(f"-: is no file (given for {arguments}); {hint}", *command)
+            self.assert_fails(f"-: does not exist (given for {arguments}). {hint}", *command)
 
     def test_a_pipe_as_one_input_is_read(self):
         os.mkfifo(self.path / "pipe.vtu")

@@ -108,8 +108,8 @@ class Fit(CliTest):
         # With a point inside, the others are held too; without, they stay where they are anyway.
         self.assertGreater(self.fit("t.txt", "--hold", 0, 0, -1, 1, 1, 0.2)["held_vertices"], 0)
         (self.path / "pose.ovm").unlink()
-        self.assertIn("--hold: point 399 of model.obj, and what else lies in the box, is outside the "
-                      "lattice rest.ovm, and stays anyway", self.error_of_fit("t.txt", *box))
+        self.assertIn("--hold: all points in the box, such as point 399 of model.obj, are outside the "
+                      "lattice rest.ovm and stay without --hold", self.error_of_fit("t.txt", *box))
         for continuity in ["c0", "c2"]:
             self.assertIn("model.obj: point 399, in the box of --hold, lies outside the lattice rest.ovm",
                           self.error_of_fit("t.txt", "--hold", 0, 0, -1, 1, 1, 0.2, "--outside",
@@ -140,7 +140,7 @@ class Fit(CliTest):
         self.assert_close(self.read_ovm_positions("pose.ovm"), known, 1e-10)
         text = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets", "moved.obj",
                                 "-o", "pose.ovm").stdout
-        self.assertIn("left out              2, outside and not moved\n", text)
+        self.assertIn("targets left out      2: points outside the lattice that are to stay\n", text)
         (self.path / "pose.ovm").unlink()
         self.assertIn("model.obj: point 7 lies outside the lattice rest.ovm",
                       self.error_of_fit("moved.obj", "--outside", "error"))
@@ -163,8 +163,8 @@ class Fit(CliTest):
         for options in [["--outside", "nearest"], ["--outside", "nearest", "--limit"]]:
             error = self.error_of("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
                                   *options, "-o", "pose.ovm")
-            self.assertIn("t.txt:2: point 7 has no place in the lattice rest.ovm: the search for "
-                          "it did not converge", error)
+            self.assertIn("t.txt:2: point 7 could not be placed in the lattice rest.ovm: its cell is "
+                          "degenerate, or the point is very far away", error)
             self.assertNotIn("outside", error)
 
     def test_terminal_shows_that_it_holds(self):
@@ -188,18 +188,18 @@ class Fit(CliTest):
         self.put("t.txt", "7 0.5 0.5 1.1\n")
         out = self.run_program("fit", "model.obj", "--rest", "rest.ovm", "--targets", "t.txt",
                                "-o", "pose.vtu").stdout
-        for word in ["targets", "largest miss", "largest displacement", "infinite"]:
+        for word in ["targets", "largest distance", "largest displacement", "infinite"]:
             self.assertIn(word, out)
 
     def test_refusals(self):
-        for text, why in [("", "t.txt: has no targets"), ("7 1 2\n", "t.txt:"),
+        for text, why in [("", "t.txt: has no target"), ("7 1 2\n", "t.txt:"),
                           ("7 0 0 0\n400 0 0 0\n", "t.txt:2: there is no point 400"),
                           ("-1 0 0 0\n", "t.txt:1: there is no point -1"),
                           ("7 0 0 0\n7 1 1 1\n", "t.txt:2: point 7 has a target already, on line 1"),
                           ("7 0 nan 0\n", "t.txt:1: the coordinate is not finite"),
                           ("7 0 x 0\n", "t.txt:1:"),
                           ("0 5 5\n0 2 5\n5 0 3\n5 5 0\n", "t.txt:1: expected the number of a"),
-                          ("7 0 0 0 8 1 1 1\n", "t.txt:1: expected one target a line"),
+                          ("7 0 0 0 8 1 1 1\n", "t.txt:1: expected one target on each line"),
                           ("7 1e308 -1e308 0\n8 1e308 0 0\n",
                            "t.txt:1: the target of point 7 is too far from the point"),
                           ("8 1 0 0\n7 1e308 -1e308 0\n",
@@ -209,22 +209,21 @@ class Fit(CliTest):
         self.put("t.txt", "7 0.5 0.5 1.1\n")
         self.assertIn("undetermined", self.error_of_fit("t.txt", "--undetermined", "refuse"))
         self.assertIn("vertex 999", self.error_of_fit("t.txt", "--freeze", "999"))
-        self.assertIn("--hold: no point of model.obj lies in the box, and no face of the boundary "
-                      "of rest.ovm", self.error_of_fit("t.txt", "--hold", 5, 5, 5, 6, 6, 6))
+        self.assertIn("--hold: the box contains no point of model.obj and no boundary face of rest.ovm", self.error_of_fit("t.txt", "--hold", 5, 5, 5, 6, 6, 6))
         every = ",".join(str(v) for v in range(len(self.read_ovm_positions("rest.ovm"))))
         everything = ["--hold", -9, -9, -9, 9, 9, 9, "--continuity", "c1"]
         for options, who in [(everything, "--hold keeps"), (["--freeze", every], "--freeze keeps"),
                              (["--hold", -9, -9, -0.2, 9, 9, -0.2, "--freeze", every[every.index(",") + 1:]],
                               "--hold and --freeze keep")]:
             self.assertRegex(self.error_of_fit("t.txt", *options),
-                             rf"{who} all \d+ vertices of rest.ovm: none is left to move")
-        self.assertIn("--hold: the box runs from 1 to 0",
+                             rf"{who} all \d+ vertices of rest.ovm: no vertex is left to move")
+        self.assertIn("--hold: the box runs from 1 down to 0",
                       self.error_of_fit("t.txt", "--hold", 0, 1, 0, 1, 0, 1))
         self.assertIn("--hold", self.error_of_fit("t.txt", "--continuity", "c1", code=2))
         self.assertIn("--hold", self.error_of_fit("t.txt", "--hold", 0, 1, 0, code=2))
         self.assertIn("strength", self.error_of_fit("t.txt", "--strength", "0"))
         self.write_model(self.points[:-1], "fewer.obj")
-        self.assertIn("fewer.obj: has 399 points; model.obj has 400",
+        self.assertIn("fewer.obj: has 399 points, but the model model.obj has 400",
                       self.error_of_fit("fewer.obj"))
         self.write_model(self.points[:7] + [(9, 1e200, 9)] + self.points[8:], "far.obj")
         self.assertIn("far.obj: the target of point 7 is too far from the point",

@@ -42,7 +42,7 @@ class MemoryTest(CliTest):
                          r"^espalier: box.ovm: level 15 would have more than 2147483647 entities")
         self.assertRegex(
             self.error_of("refine", "box.ovm", "-n", 7, "-o", "out.ovm", "--max-memory", "1GB"),
-            r"^espalier: box.ovm: level 7 takes some 2.\d GB of memory; the limit is 1.0 GB, of which "
+            r"^espalier: box.ovm: level 7 takes about 2.\d GB of memory; the limit is 1.0 GB, of which "
             r"\S+ MB are in use \(while refining\)\n$")
         self.assertFalse((self.path / "out.ovm").exists())
 
@@ -101,7 +101,7 @@ class MemoryTest(CliTest):
                  + "</DataArray>")
         self.put("bomb.vtu", vtu(array, size // 24, ' compressor="vtkZLibDataCompressor"'))
         self.assertRegex(self.error_of("info", "bomb.vtu", "--max-memory", "100MB"),
-                         r"^espalier: bomb.vtu:4: the array '': its data takes some 300.0 MB")
+                         r"^espalier: bomb.vtu:4: the array '': its data takes about 300.0 MB")
 
     def test_what_is_not_known_beforehand_is_stopped(self):
         # So wide a tolerance that every point is in every cell of level 9.
@@ -145,7 +145,7 @@ class MemoryTest(CliTest):
                 ("cube.obj", 7, 70, "OpenSubdiv's stencil table of levels 1 to 7")]:
             peak, error = self.peak_and_error("compare", name, "-n", level, "--max-memory",
                                               f"{limit}MB", "--quiet")
-            self.assertRegex(error, rf"^espalier: {name}: {step} takes some \S+ MB of memory; the "
+            self.assertRegex(error, rf"^espalier: {name}: {step} takes about \S+ MB of memory; the "
                                     rf"limit is {limit}.0 MB, of which \S+ MB are in use "
                                     r"\(while comparing\)\n$")
             self.assertLess(peak, limit * 1e6, error)
@@ -160,7 +160,7 @@ class MemoryTest(CliTest):
             "deform", "points.obj", "--rest", "prism.vtu", "--to", "prism.vtu", "-n", 2, "-o",
             "out.obj", "--max-memory", "500MB")
         self.assertRegex(error, r"^espalier: binding 20000 points with some 3000 weights each takes "
-                                r"some 1\.\d GB of memory; the limit is 500.0 MB, of which \S+ MB are "
+                                r"about 1\.\d GB of memory; the limit is 500.0 MB, of which \S+ MB are "
                                 r"in use \(while binding\)\n$")
         self.assertLess(peak, 250e6)  # 100 held: no group was bound
         self.assertFalse((self.path / "out.obj").exists())
@@ -171,18 +171,18 @@ class MemoryTest(CliTest):
             file.truncate(2**40)  # nothing of it is on disk
         arguments = ["bind", "large.obj", "--rest", "box.ovm", "-o", "out.espb"]
         self.assertRegex(self.error_of(*arguments, "--max-memory", "1GB"),
-                         r"^espalier: large.obj: takes some 1.1 TB of memory")
+                         r"^espalier: large.obj: takes about 1.1 TB of memory")
         # A device does not say how long it is.
         (self.path / "endless.ovm").symlink_to("/dev/zero")
         self.assertRegex(self.error_of("info", "endless.ovm", "--max-memory", "300MB"),
-                         r"^espalier: endless.ovm: takes some ")
+                         r"^espalier: endless.ovm: takes about ")
 
     def test_a_table_of_bezier_weights(self):
         self.lattice(cells=(15, 15, 15))
         points = self.points(10_000)  # 41 million weights
         self.assertRegex(self.error_of("bind", points, "--rest", "box.ovm", "--basis", "bezier",
                                        "-o", "out.espb", "--max-memory", "200MB"),
-                         r"a table of 10000 rows takes some 491.5 MB of memory")
+                         r"a table of 10000 rows takes about 491.5 MB of memory")
 
 
 if __name__ == "__main__":

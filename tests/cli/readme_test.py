@@ -126,7 +126,7 @@ class Readme(CliTest):
         self.write_mesh()
         self.put("targets.txt", "0 1.25 1.5 1.8\n")
         self.bind("model.obj", "box.ovm", out="bound.espb")
-        self.has_compare = "no OpenSubdiv" not in self.help("compare")
+        self.has_compare = "without OpenSubdiv" not in self.help("compare")
 
     @functools.cache
     def help(self, command):

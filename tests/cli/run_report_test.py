@@ -92,15 +92,16 @@ class Report(CliTest):
             report, _, names = self.report(*command)
             matrix, kept = report["matrix"], report["kept"]
             self.assertEqual(kept, 1)
-            self.assertIn("kept in place     1\n", text)
-            self.assertIn("matrix            %d × %d, %.1f entries a bound row, %.1f kB\n" % (
+            self.assertIn("left in place     1 point, whatever the pose\n", text)
+            self.assertIn("matrix            %d points × %d lattice vertices, %.1f weights for each "
+                          "point that moves, %.1f kB\n" % (
                 matrix["rows"], matrix["columns"], matrix["entries"] / (matrix["rows"] - kept),
                 matrix["bytes"] / 1000), text)
             if "points" in report:
-                self.assertIn("points            %(inside)d inside, %(outside)d outside, "
-                              "%(not_converged)d not converged\n" % report["points"], text)
+                self.assertIn("points            %(inside)d inside the lattice, %(outside)d outside, "
+                              "%(not_converged)d could not be placed\n" % report["points"], text)
                 self.assertEqual(report["points"]["outside"], 1)
-                self.assertIn("largest residual  %.2g\n" % report["largest_residual"], text)
+                self.assertIn("placement error   %.2g: " % report["largest_residual"], text)
             stages = re.findall(r"^(.+?) +[0-9.]+ s  +([0-9.]+ k?B)  +[0-9.]+ GB/s$", text, re.M)
             self.assertEqual([name for name, _ in stages], names)
             for (_, shown), stage in zip(stages, report["stages"]):

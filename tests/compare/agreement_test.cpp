@@ -213,7 +213,7 @@ TEST(Comparison, RefusesWhatOpenSubdivCannotRefine) {
     };
     EXPECT_THAT(refusal(TopologyRefiner(far::buildCurve(4, true))), HasSubstr("a curve"));
     EXPECT_THAT(refusal(TopologyRefiner(grid({2, 2, 2}), {.boundary = Boundary::Open})),
-                HasSubstr("boundary control"));
+                HasSubstr("boundary mode 'open'"));
 }
 
 // Where OpenSubdiv differs from release to release, or from its own account.

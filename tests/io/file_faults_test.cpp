@@ -87,7 +87,7 @@ TEST_F(WriteFaults, AFolderThatCannotBeSyncedIsAnErrorThatSaysWhatIsThere) {
     std::string last;
     for (int n = 1; const auto error = errorOf(SystemCall::Sync, n, EIO); ++n) last = *error;
     EXPECT_EQ(last, path.string() +
-                        ": is written, but may not outlast a loss of power: Input/output error");
+                        ": is written, but may be lost if power fails now: Input/output error");
     // Not an error where the file system has no such thing.
     int ignored = 0;
     for (int n = 1; const auto error = errorOf(SystemCall::Sync, n, EINVAL); ++n)

@@ -135,7 +135,7 @@ TEST(LatticeFiles, OfUnknownFormatsAreRefused) {
         const auto expectRefusal = [&](auto call) {
             EXPECT_EQ(messageOf<io::FileError>([&] { call(); }),
                       std::string(name) +
-                          ": not a lattice format that is known; expected "
+                          ": is not of a known lattice format; expected "
                           ".ovm, .vtu, .vtk");
         };
         expectRefusal([&] { io::readLattice(name); });

@@ -115,7 +115,7 @@ TEST(NpyArrays, AreRefusedWhereTheyDoNotFit) {
     const auto refused = [](const Arrays& arrays, Index columnCount, const std::string& why) {
         EXPECT_REFUSED(FileError, why, arrays.read(columnCount));
     };
-    refused(whole, 3, "D.npy: row 0 names column 3 of 3");
+    refused(whole, 3, "D.npy: row 0 names column 3; there are 3");
     refused(whole, -1, "D.npy: claims -1 columns");
     const auto with = [&](std::size_t i, const std::string& file) {
         Arrays arrays = whole;

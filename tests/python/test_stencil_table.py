@@ -206,7 +206,7 @@ def test_rules_and_boundaries(rest):
     assert mlca.rules == "mlca"
     assert abs(mlca.stencils(2).csr()
                - espalier.Refiner(star, rules="cse96").stencils(2).csr()).max() > 1e-3
-    with pytest.raises(ValueError, match="MLCA have no smooth triangles"):
+    with pytest.raises(ValueError, match="MLCA do not have smooth triangles"):
         espalier.Refiner(rest, rules="mlca", triangles="smooth")
     opened = espalier.Refiner(espalier.shapes.box(cells=(3, 3, 3)), boundary="open")
     assert np.ptp(opened.positions(3), axis=0).max() < 0.5  # the region shrinks to a third

@@ -339,7 +339,7 @@ TEST(Mlca, HasNoSmoothTriangles) {
          {test::grid({1, 1, 1}), gridMesh(2, 2), far::buildCurve(3, false)}) {
         TopologyRefiner refiner =
             test::refined(complex, 1, {.triangles = TriangleSubdivision::Smooth});
-        EXPECT_REFUSED(Error, "MLCA have no smooth triangles",
+        EXPECT_REFUSED(Error, "MLCA do not have smooth triangles",
                        buildStencils(refiner, 1, Rules::Mlca));
     }
 }
