@@ -102,7 +102,7 @@ py::array_t<Index> indexArray(const py::handle& object, const std::string& name)
             const auto value = wide.data()[i];
             if (!std::in_range<Index>(value))
                 throw Error(concat(name, placeText(array, i), " is ", value,
-                                   "; expected a number of 32 bits"));
+                                   "; expected an integer that fits into 32 bits"));
             result.mutable_data()[i] = static_cast<Index>(value);
         }
     };

@@ -134,17 +134,17 @@ std::vector<Index> columnsOf(const ArrayLike& changed,
     const Index count = evaluator.shape().second;
     for (const Index column : columns)
         if (column < 0 || column >= count)
-            throw Error(concat("changed: there is no column ", column, " among ", count));
+            throw Error(concat("changed: there is no column ", column, "; there are ", count));
     return columns;
 }
 
 void addChangeEvaluator(py::module_& module) {
     using Either = InEither<osd::ChangeEvaluator>;
     py::class_<Either> type(module, "ChangeEvaluator", R"(
-Evaluates again what a few moved vertices carry, and nothing else: while one of them is dragged, for
-example. It shares the numbers of the compiled table. Any number of threads may use it.
+Updates only the results that depend on a few changed vertices, for example while a vertex is dragged.
+Shares the memory of the compiled table. Any number of threads may use it.
 
-table : CompiledTable, whose precision it has
+table : CompiledTable; its precision is used
 )");
     type.def(py::init([](const InEither<osd::CompiledTable>& table) {
                  return withoutGil([&] { return changeEvaluatorOf(table); });
@@ -163,13 +163,12 @@ table : CompiledTable, whose precision it has
                                   });
             },
             "values"_a, "changed"_a, "out"_a, R"(
-Writes the rows of table @ values that depend on what has changed, as CompiledTable.evaluate() does,
-bit for bit, and no others. So `out` has to hold what that gave for values which differ from these
-in the changed columns only.
+Writes the rows of table @ values that depend on changed columns, with the same bits as
+CompiledTable.evaluate(). Other rows of `out` are left as they are: they must be the result for values
+that differed from these in the changed columns only.
 
-values  : array (columns, k), or (P, columns, k) for P poses at once, or (columns,), of the values
-          as they are now
-changed : array (C,) of int, the columns whose values are others, in any order
+values  : array (columns, k), or (P, columns, k) for P poses at once, or (columns,), with the changes
+changed : array (C,) of int, the columns whose values have changed, in any order
 out     : array (rows, k), (P, rows, k) or (rows,), in C order and of this dtype
 Returns `out`.
 )")
@@ -184,8 +183,9 @@ Returns `out`.
                 }));
             },
             "changed"_a,
-            "The rows that evaluate_changed() writes: array (R,) of int32, ascending. changed : "
-            "array (C,) of int, columns");
+            "Returns the rows that evaluate_changed() writes: array (R,) of int32, ascending. "
+            "changed "
+            ": array (C,) of int, the changed columns");
     addProperties(type);
 }
 
@@ -193,31 +193,29 @@ Returns `out`.
 
 void addCompiledTables(py::module_& module) {
     addCompiled<osd::CompiledTable>(module, "CompiledTable", R"(
-A table in the form that is quickest to evaluate, again and again. Any number of threads may.
+A table in a compact form that is fast to evaluate many times. Any number of threads may use it.
 
 table : StencilTable, Binding, or a sparse matrix of SciPy
 dtype : float64, or float32 for weights and values in single precision
 )",
                                     R"(
-table @ values.
+Returns table @ values: an array (rows, k), (P, rows, k) or (rows,).
 
 values : array (columns, k), or (P, columns, k) for P poses at once, or (columns,)
-out    : array for the result, in C order and of this dtype; a new one without
-Returns an array (rows, k), (P, rows, k) or (rows,).
+out    : array for the result, in C order and of this dtype; by default a new array
 )");
     addCompiled<osd::CompiledAdjoint>(module, "CompiledAdjoint", R"(
-The transpose of a table in the form that is quickest to evaluate: gradients by the rows of the table
-become gradients by its columns.
+The transpose of a table in a form that is fast to evaluate: it turns gradients with respect to the
+rows of the table into gradients with respect to its columns.
 
 table : StencilTable, Binding, or a sparse matrix of SciPy: D, not its transpose
 dtype : float64, or float32 for weights and values in single precision
 )",
                                       R"(
-table.T @ values.
+Returns table.T @ values: an array (columns, k), (P, columns, k) or (columns,).
 
-values : array (rows of the table, k), or (P, rows, k) for P of them at once, or (rows,)
-out    : array for the result, in C order and of this dtype; a new one without
-Returns an array (columns of the table, k), (P, columns, k) or (columns,).
+values : array (rows, k), or (P, rows, k) for P arrays at once, or (rows,)
+out    : array for the result, in C order and of this dtype; by default a new array
 )");
     addChangeEvaluator(module);
 }

@@ -61,7 +61,7 @@ py::array_t<Real> checkedOut(const py::handle& object, const Shape& shape,
         return begin(each) + static_cast<std::uintptr_t>(each.nbytes());
     };
     if (begin(array) < end(values) && begin(values) < end(array))
-        throw Error("out: the array overlaps with what it is computed from");
+        throw Error("out: the array overlaps the input array");
     return py::reinterpret_borrow<py::array_t<Real>>(array);
 }
 

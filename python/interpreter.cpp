@@ -15,7 +15,7 @@ namespace espalier::python {
 namespace {
 
 constexpr const char* kNoValue =
-    "the object was made by __new__ and has no value; call its class instead";
+    "the object was made by __new__ and has no value; call the class instead";
 
 /// Called by pybind11 where an object has no value yet: it would take memory without a value in it.
 void* refuseWithoutValue(std::size_t) {

@@ -190,7 +190,7 @@ VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount) {
         const std::string name = "attributes[\"" + printable(attribute) + "\"]";
         if (attribute.starts_with(kReservedNames))
             throw Error(name + ": names that begin with \"" + std::string(kReservedNames) +
-                        "\" are reserved, for what files of lattices hold besides attributes");
+                        "\" are reserved for marks in files; choose another name");
         if (const auto integers = py::array::ensure(value); integers && isOfIntegers(integers)) {
             const int components = componentsOf(integers, name, vertexCount);
             result.integers.push_back(
@@ -214,7 +214,7 @@ far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
         // Which of them were to count would be chance.
         if (a < b && edges.contains({b, a}))
             throw Error(concat("edge_sharpness: the edge of vertices ", a, " and ", b,
-                               " is there twice, in both directions"));
+                               " is given twice, once in each direction"));
         marks.edges.push_back({{a, b}, sharpness});
     }
     for (const auto& [vertex, sharpness] : vertices) marks.vertices.push_back({vertex, sharpness});
@@ -238,7 +238,7 @@ struct Extras {
 
 Index vertexCountOf(const std::vector<Point3>& positions) {
     if (!std::in_range<Index>(positions.size()))
-        throw Error("positions: there are more than an index of 32 bits counts");
+        throw Error("positions: there are too many; expected at most 2147483647");
     return static_cast<Index>(positions.size());
 }
 
@@ -331,8 +331,9 @@ py::array_t<Index> hexahedra(const Lattice& lattice) {
                for (Index cell = 0; cell < count; ++cell) {
                    const auto corners = far::hexahedronVertices(lattice.complex, CellId(cell));
                    if (!corners)
-                       throw Error(concat("cell ", cell,
-                                          " is not a hexahedron; cells gives the faces of any"));
+                       throw Error(concat(
+                           "cell ", cell,
+                           " is not a hexahedron; use `cells`, which has the faces of every cell"));
                    vertices.insert(vertices.end(), corners->begin(), corners->end());
                }
                return vertices;
@@ -422,8 +423,9 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
             [](const py::object& self) {
                 return viewOf(self.cast<const Lattice&>().positions, self);
             },
-            "Where the vertices are: array (V, 3) of float64, read-only, not a copy. The unit of "
-            "length is yours.")
+            "Positions of the vertices: array (V, 3) of float64, read-only, not a copy, in any "
+            "unit of "
+            "length.")
         .def_property_readonly(
             "dimension", [](const Lattice& self) { return self.complex.dimension(); },
             "3 for a lattice, 2 for a mesh, 1 for a curve.")
@@ -434,57 +436,62 @@ void addArrays(py::class_<Lattice, LatticePointer>& type) {
                 return std::tuple(complex.count(0), complex.count(1), complex.count(2),
                                   complex.count(3));
             },
-            "Vertices, edges, faces and cells: tuple of 4 int.")
-        .def_property_readonly("edges", &edgesOf, "The ends of each edge: array (E, 2) of int32.")
+            "Numbers of vertices, edges, faces and cells: tuple of 4 int.")
+        .def_property_readonly("edges", &edgesOf,
+                               "The two vertices of each edge: array (E, 2) of int32.")
         .def_property_readonly(
             "faces", [](const Lattice& self) { return loopsOf(self.complex); },
-            "The vertices round each face: list of lists of int.")
+            "The vertices around each face: list of lists of int.")
         .def_property_readonly(
             "cells", [](const Lattice& self) { return cellsOf(self.complex); },
-            "The faces of each cell, loops of vertices anticlockwise from outside: list of lists "
-            "of lists of int.")
+            "The faces of each cell, as loops of vertices, anticlockwise seen from outside: list "
+            "of "
+            "lists of lists of int.")
         .def_property_readonly("hexahedra", &hexahedra,
-                               "The vertices of cells that are all hexahedra, in VTK's order: "
-                               "array (C, 8) of int32. ValueError names a cell that is none.")
+                               "The vertices of the cells in VTK's order, if all cells are "
+                               "hexahedra: array (C, 8) of int32. Otherwise a ValueError names a "
+                               "cell that is not.")
         .def_property_readonly("boundary_faces", &boundaryFaces,
                                "The faces of a lattice that are in one cell only, ascending: array "
                                "(B,) of int32.")
         .def_property_readonly("edge_sharpness", &edgeSharpness,
-                               "Edges that are marked by hand: dict from pairs of vertices to "
-                               "float; inf is sharp, 0 smooth, semi-sharp between.")
+                               "Edges whose sharpness is set by hand: dict from pairs of vertices "
+                               "to float; inf is sharp, 0 is smooth, numbers between are "
+                               "semi-sharp.")
         .def_property_readonly("vertex_sharpness", &vertexSharpness,
-                               "Vertices that are marked by hand: dict from int to float.")
+                               "Vertices whose sharpness is set by hand: dict from int to float.")
         .def_property_readonly("attributes", &attributesIn,
-                               "Real numbers of vertices, which are refined with the positions: "
-                               "dict from names to arrays (V, k) of float64, read-only, not "
-                               "copies.")
-        .def_property_readonly("integers", &integersIn,
-                               "Integers of vertices, which are never averaged; a vertex of a "
-                               "refined level that comes from no single vertex has -1, or the "
-                               "largest number of an unsigned type: dict from names to arrays "
-                               "(V, k) of int64, or of uint64 where they were given so, read-only, "
+                               "Real numbers at the vertices, which are refined like the "
+                               "positions: dict from names to arrays (V, k) of float64, read-only, "
                                "not copies.")
+        .def_property_readonly(
+            "integers", &integersIn,
+            "Integers at the vertices, which are never averaged: dict from names "
+            "to arrays (V, k) of int64, or uint64 if they were given so, "
+            "read-only, not copies. In a refined lattice a vertex that is not "
+            "the child of a vertex has -1, or the largest number of an unsigned "
+            "type.")
         .def_property_readonly("tags", &tagsOf,
-                               "How the file asks to be refined, where it does: dict with any of "
-                               "boundary, creasing and triangles.");
+                               "How the file asks to be refined: dict with those of boundary, "
+                               "creasing and triangles that the file sets.");
 }
 
 }  // namespace
 
 void addLattice(py::module_& module) {
     py::class_<Lattice, LatticePointer> type(module, "Lattice", R"(
-A control lattice: vertices in space, and polyhedral cells of any shape on them. Immutable.
+A control lattice: positions of vertices, and polyhedral cells of any shape. Immutable.
 
 positions : array (V, 3) of float64, in any unit of length
 cells     : array (C, 8) of int, hexahedra in VTK's order; (C, 4) tetrahedra, (C, 5) pyramids and
             (C, 6) wedges likewise; or a list whose entries are 4, 5, 6 or 8 vertices, or the faces
             of any polyhedron as loops of vertices
-edge_sharpness   : dict from pairs of vertices to a sharpness: inf (10 and more) is sharp, 0
-                   smooth, what lies between semi-sharp, as OpenSubdiv has them
+edge_sharpness   : dict from pairs of vertices to a sharpness, as in OpenSubdiv: inf (or 10 and
+                   more) is sharp, 0 is smooth, numbers between are semi-sharp
 vertex_sharpness : dict from vertices to a sharpness
-attributes       : dict from names to arrays (V,) or (V, k). Those of real numbers are refined with
-                   the positions; those of integers, such as identifiers, are never averaged, and
-                   come back as `integers`
+attributes       : dict from names to arrays (V,) or (V, k). Arrays of real numbers are refined
+                   like the positions. Arrays of integers, such as identifiers, are never averaged,
+                   and are found in `integers`
 
 Meshes and curves are lattices of dimension 2 and 1: mesh() and curve() make them.
 )");
@@ -508,14 +515,14 @@ positions : array (V, 3) of float64
 closed    : whether an edge joins the last vertex to the first
 )")
         .def("with_positions", &withPositions, "positions"_a,
-             "The same lattice in another pose. positions : array (V, 3)")
+             "Returns the same lattice in another pose. positions : array (V, 3)")
         .def("with_marks", &withMarks, py::kw_only(), "edge_sharpness"_a = EdgeSharpness(),
              "vertex_sharpness"_a = VertexSharpness(),
-             "The same lattice with these marks in place of its own.")
+             "Returns the same lattice with these sharpness values instead of its own.")
         .def("transformed", &transformed, "linear"_a, "translation"_a = Point3{},
              R"(
-The lattice moved by an affine map, p -> linear @ p + translation. A map that mirrors turns the
-faces as well, so that volumes stay positive.
+Returns the lattice moved by an affine map, p -> linear @ p + translation. If the map mirrors, the
+faces are reversed, so that volumes stay positive.
 
 linear : array (3, 3); translation : 3 float
 )")
@@ -526,16 +533,16 @@ linear : array (3, 3); translation : 3 float
                     [&] { return far::topologyDifference(self.complex, other.complex); });
             },
             "other"_a,
-            "What differs between two lattices as cells on numbered vertices: str; None if one can "
-            "be a pose of the other.")
+            "Returns how the cells of two lattices differ: str; None if they are the same cells on "
+            "the same vertex numbers, so that one can be a pose of the other.")
         .def(
             "write",
             [](const Lattice& self, const std::filesystem::path& path) {
                 withoutGil([&] { io::writeRefinable(path, self); });
             },
             "path"_a,
-            "Writes a lattice (.ovm, .vtu, .vtk), or a mesh or a curve (.obj). The file is "
-            "replaced when all is written.")
+            "Writes a lattice (.ovm, .vtu, .vtk), or a mesh or a curve (.obj). An existing file is "
+            "replaced only when the new one is complete.")
         .def("__repr__", &summaryOf);
     addArrays(type);
     addPickling(type, &stateOfLattice, &latticeOfState);
@@ -550,9 +557,9 @@ linear : array (3, 3); translation : 3 float
             return lattice;
         },
         "path"_a,
-        "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj. Vertices that no "
-        "cell, or no line of a curve, uses are dropped with a UserWarning; the vertices after them "
-        "get lower numbers.");
+        "Reads a Lattice from .ovm, .vtu or .vtk, or a mesh or a curve from .obj. Vertices in no "
+        "cell of a lattice, or no line of a curve, are dropped with a UserWarning; the vertices "
+        "after them get lower numbers.");
 }
 
 }  // namespace espalier::python

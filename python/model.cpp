@@ -55,8 +55,8 @@ py::str nameOf(const ModelFile& file) {
 
 void addModel(py::module_& module) {
     py::class_<ModelFile, std::shared_ptr<ModelFile>>(module, "Model", R"(
-The thing that is deformed: a file with points in it. Written with other points it keeps all else as
-it was, byte for byte. read_model() makes it.
+A model to deform: a file that contains points. Writing it with other points keeps everything else
+byte for byte. Made by read_model().
 )")
         .def_property_readonly(
             "positions",

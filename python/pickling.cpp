@@ -19,7 +19,7 @@ namespace espalier::python {
 namespace {
 
 [[noreturn]] void refuseState() {
-    throw Error("the pickled state is not one of this version of Espalier");
+    throw Error("the pickled state was not made by this version of Espalier");
 }
 
 void requireState(bool isAsExpected) {

@@ -157,17 +157,18 @@ void addStencilTable(py::module_& module) {
 A sparse matrix of weights in compressed sparse rows, double precision, immutable: result i is the
 sum over k from offsets[i] to offsets[i + 1] of weights[k] * source[columns[k]].
 
-matrix : a sparse matrix of SciPy, or a Binding. Of a matrix it is a copy, with columns ascending
+matrix : a sparse matrix of SciPy, which is copied, with columns ascending; or a Binding
 )");
     type.def(py::init([](const TableLike& matrix) { return tableOf(matrix); }), "matrix"_a)
         .def_property_readonly(
             "shape",
             [](const Table& self) { return std::pair(self.rowCount(), self.columnCount()); },
-            "Rows and columns: tuple of 2 int.")
+            "Numbers of rows and columns: tuple of 2 int.")
         .def_property_readonly("nnz", getter(&Table::entryCount), "Number of entries: int.")
         .def_property_readonly(
             "offsets", [](const Shared<Table>& self) { return arrayOf(self->offsets(), self); },
-            "Where rows begin: array (rows + 1,) of int64, read-only, not a copy.")
+            "The first entry of each row, and the end: array (rows + 1,) of int64, read-only, not "
+            "a copy.")
         .def_property_readonly(
             "columns",
             [](const Shared<Table>& self) { return arrayOf(std::as_const(*self).columns(), self); },
@@ -178,10 +179,10 @@ matrix : a sparse matrix of SciPy, or a Binding. Of a matrix it is a copy, with 
             "The weight of each entry: array (nnz,) of float64, read-only, not a copy.")
         .def(
             "csr", [](const Shared<Table>& self) { return csrOf(self); }, R"(
-The table as a scipy.sparse.csr_matrix over the same memory, which it keeps alive.
+Returns the table as a scipy.sparse.csr_matrix over the same memory, which the matrix keeps alive.
 
-Columns and weights are not copied, and are read-only; the offsets are, to 32 bits, since SciPy wants
-them in the width of the columns. (With 2^31 entries and more the columns are copied instead.)
+Columns and weights are read-only and not copied. The offsets are copied to 32 bits, since SciPy wants
+offsets and columns of the same width. (With 2^31 entries or more the columns are copied instead.)
 )")
         .def(
             "write",
@@ -189,14 +190,14 @@ them in the width of the columns. (With 2^31 entries and more the columns are co
                 withoutGil([&] { io::writeMatrix(path, self); });
             },
             "path"_a,
-            "Writes the table for Matrix Market (.mtx), scipy.sparse.load_npz (.npz), numpy.load "
-            "(.npy: three files) or PETSc (.petsc).")
+            "Writes the table as Matrix Market (.mtx), for scipy.sparse.load_npz (.npz), for "
+            "numpy.load (.npy: three files) or for PETSc (.petsc).")
         .def(
             "transpose",
             [](const Table& self) {
                 return sharedWithoutGil([&] { return stencils::transposeTable(self); });
             },
-            "The transpose: a StencilTable of shape (columns, rows).")
+            "Returns the transpose: a StencilTable of shape (columns, rows).")
         .def("__repr__", [](const Table& self) {
             return concat("<espalier.StencilTable: ", self.rowCount(), " x ", self.columnCount(),
                           ", ", self.entryCount(), " entries>");
