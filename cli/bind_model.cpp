@@ -12,13 +12,14 @@
 namespace espalier::cli {
 namespace {
 
-/// MacCracken & Joy 1996, section 5; without subdivision their section 1.
+/// Binds points as the options say: to a level or the limit (MacCracken & Joy 1996, section 5), or
+/// with the Bézier or B-spline basis (their section 1).
 ModelBinding bindByOptions(const BindOptions& options, std::span<const Point3> points,
                            const Lattice& lattice, bool hasGradients,
                            const std::function<void(Offset)>& progress) {
     const auto& embedding = options.common.embedding;
     if (options.basis) {
-        // To go on without them would be another deformation than the file asks for.
+        // Ignoring the marks would give another deformation than the file asks for.
         if (!lattice.marks.empty())
             throw io::FileError(options.rest,
                                 "has marks (sharpness of edges or vertices), which only --basis "

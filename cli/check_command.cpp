@@ -25,20 +25,20 @@ struct CheckOptions {
     CommonOptions common;
     std::string pose;
     std::string rest;
-    int level = 3;  ///< that of `deform`, whose cells these are
+    int level = 3;  ///< the default of `deform`
     bool limit = false;
     double maxStep = 2;
-    std::size_t listed = 5;  ///< cells of a kind, by name
+    std::size_t listed = 5;  ///< number of cells that are listed of each kind
     std::string output;
     ReportFormat report = ReportFormat::Text;
 };
 
-/// What was checked, and what came out.
+/// The input and the results of a check.
 struct Checked {
     const CheckOptions& options;
     const far::TopologyRefiner& refiner;
-    int level;                       ///< of the cells: 0 in the limit
-    std::vector<Point3> rest, pose;  ///< of the level
+    int level;                       ///< the level of the cells; 0 in the limit
+    std::vector<Point3> rest, pose;  ///< positions at that level
     std::vector<Index> badAtRest;
     solve::PoseValidity validity;
     solve::LargestStep step;
@@ -57,7 +57,7 @@ struct Checked {
     bool isBadAtRest(Index cell) const {
         return std::binary_search(badAtRest.begin(), badAtRest.end(), cell);
     }
-    /// Those that become anything: in the limit, cells may shrink away.
+    /// The number of cells that have a volume: in the limit, cells may vanish.
     std::ptrdiff_t count() const {
         return std::count_if(validity.ratios.begin(), validity.ratios.end(),
                              [](const auto& ratio) { return ratio.has_value(); }) +
@@ -66,7 +66,7 @@ struct Checked {
     const std::optional<double>& ratio(Index cell) const { return validity.ratios[cell]; }
 };
 
-/// \param positions that tell where the cell is
+/// \param positions of the vertices, for the centre of the cell
 OrderedJson toJson(const Checked& checked, Index cell, const std::vector<Point3>& positions) {
     OrderedJson json = {{"cell", cell},
                         {"base_cell", checked.baseCell(cell)},
@@ -83,19 +83,21 @@ OrderedJson toJson(const Checked& checked, const std::vector<Index>& cells,
     return {{"count", cells.size()}, {"first", first}};
 }
 
-/// An object:
+/// Returns an object with these keys:
 ///
-///     level, cells           which, and how many there are; of the limit those of the base that
-///                            do not shrink away
-///     limit_level            to which irregular features were refined; null if not of the limit
-///     bad_at_rest            {count, first: [{cell, base_cell, centre}]}: at rest, ascending, no
-///                            more than --list
-///     inverted               {count, first: [{cell, base_cell, centre, volume_ratio}]}: of the
-///                            pose
+///     level, cells           the level, and its number of cells; for the limit, the cells of the
+///                            lattice that do not vanish
+///     limit_level            the level that irregular places were refined to; null unless --limit
+///     bad_at_rest            {count, first: [{cell, base_cell, centre}]}: cells that are flat or
+///                            folded at rest; at most --list of them, ascending
+///     inverted               {count, first: [{cell, base_cell, centre, volume_ratio}]}: cells that
+///                            the pose inverts
 ///     smallest_volume_ratio  {cell, base_cell, centre, volume_ratio}
-///     largest_step           {length, max, limiting_cell, is_tight}: as parts of the way from rest
-///                            to pose; a cell as above, or null where the length is the most; and
-///                            whether it is sure to go bad right after (solve/validity.h)
+///     largest_step           {length, max, limiting_cell, is_tight}: length and max as fractions
+///     of
+///                            the way from rest to pose; the cell that limits the length, or null
+///                            if the length is max; whether that cell certainly folds just beyond
+///                            it (solve/validity.h)
 OrderedJson toJson(const Checked& checked) {
     const auto& limiting = checked.step.limitingCell;
     return {
@@ -112,13 +114,13 @@ OrderedJson toJson(const Checked& checked) {
           {"is_tight", checked.step.isTight}}}};
 }
 
-/// "cell 12 (in cell 0 of the lattice)"; in the limit "cell 0 of the lattice".
+/// Returns "cell 12 (in cell 0 of the lattice)"; in the limit "cell 0 of the lattice".
 std::string name(const Checked& checked, Index cell) {
     if (checked.options.limit) return fmt::format("cell {} of the lattice", cell);
     return fmt::format("cell {} (in cell {} of the lattice)", cell, checked.baseCell(cell));
 }
 
-/// How many cells there are of a kind, and the first few of them.
+/// Prints the number of cells of a kind, and the first few of them.
 void printCells(const Checked& checked, const char* title, const std::vector<Index>& cells,
                 const std::vector<Point3>& positions) {
     fmt::print("{:<23} {}\n", title, cells.size());
@@ -153,8 +155,8 @@ void printText(const Checked& checked) {
                    checked.step.length);
 }
 
-/// The pose refined, and at each vertex what is known of the cells around it: the smallest volume
-/// ratio, 0 if there is none, and how many are bad at rest.
+/// Returns the refined pose with two attributes at each vertex: the smallest volume ratio of the
+/// cells around it, 0 if there is none, and the number of these cells that are bad at rest.
 Lattice withRatios(const Checked& checked) {
     Lattice refined = levelLattice(checked.refiner, checked.level, checked.pose);
     VertexAttribute ratios{"volume_ratio", 1, {}}, bad{"bad_at_rest", 1, {}};

@@ -28,7 +28,7 @@ struct CompareOptions {
     int level = 3;
 };
 
-/// Compares one file. What it throws is the reason why it could not.
+/// Compares one file. The text of an Error becomes the reason why the file could not be compared.
 compare::ReportedShape compareFile(const CompareOptions& options, const std::string& file,
                                    Stages& stages) {
     compare::ReportedShape shape;
@@ -47,7 +47,7 @@ compare::ReportedShape compareFile(const CompareOptions& options, const std::str
     return shape;
 }
 
-/// "1602", or "1602 (OpenSubdiv 1600)".
+/// Returns "1602", or "1602 (OpenSubdiv 1600)" if the counts differ.
 std::string countText(Index ours, Index theirs) {
     return ours == theirs ? fmt::format("{}", ours)
                           : fmt::format("{} (OpenSubdiv {})", ours, theirs);
@@ -73,7 +73,7 @@ void print(const compare::ReportedShape& shape, std::size_t nameWidth,
         fmt::print("{:<{}}  could not be compared\n", shape.name, nameWidth);
 }
 
-/// What is wrong with a shape: why it could not be compared, or where it differs. Empty if nothing.
+/// Returns why a shape could not be compared, or where it first differs; empty if it agrees.
 std::string offence(const compare::ReportedShape& shape, const compare::Report& report) {
     if (!shape.failure.empty()) return shape.failure;
     for (const compare::LevelAgreement& level : shape.agreement.levels)
@@ -85,7 +85,8 @@ std::string offence(const compare::ReportedShape& shape, const compare::Report& 
     return {};
 }
 
-/// Throws if anything is wrong, naming the first: Finding, if all shapes could be compared.
+/// Throws if a shape differs or could not be compared, and names the first one. Throws Finding if
+/// all shapes could be compared, Error otherwise.
 void checkAll(const compare::Report& report) {
     std::vector<std::string> offences;
     for (const compare::ReportedShape& shape : report.shapes)
@@ -156,7 +157,7 @@ void addCompareCommand(CLI::App& program) {
 
 namespace espalier::cli {
 
-/// In a build without OpenSubdiv: the command says so.
+/// In a build without OpenSubdiv the command only reports that.
 void addCompareCommand(CLI::App& program) {
     CLI::App& command = *program.add_subcommand(
         "compare", "Not available: this program was built without OpenSubdiv");

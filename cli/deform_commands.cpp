@@ -30,7 +30,7 @@ struct DeformOptions : BindOptions {
     ReportFormat report = ReportFormat::Text;
 };
 
-/// The name of the file of each pose; checked before any work is done.
+/// Returns the output file of each pose. Checks all inputs and outputs before any work is done.
 std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     std::vector<std::filesystem::path> paths;
     const int count = static_cast<int>(options.poses.size());
@@ -47,10 +47,10 @@ std::vector<std::filesystem::path> posePaths(const DeformOptions& options) {
     return paths;
 }
 
-/// The deformation gradient of each point for a pose of the lattice.
+/// Returns the deformation gradient of each point for a pose of the lattice.
 std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradients,
                                                  const std::vector<Point3>& pose) {
-    // Of the displacements, so that what does not move has the identity to the last bit.
+    // Computed from displacements, so that points that do not move have exactly the identity.
     std::vector<double> moved;
     for (std::size_t v = 0; v < pose.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) moved.push_back(pose[v][c] - gradients.rest[v][c]);
@@ -67,7 +67,8 @@ std::vector<io::DeformationGradient> gradientsAt(const io::BoundGradients& gradi
     return result;
 }
 
-/// \param gradients which carry the model's directions with the pose, if there are any
+/// Applies a pose and writes the deformed model.
+/// \param gradients deform the normals and tangents of the model, if there are any
 void writePose(const io::Model& model, const Binding& binding,
                const std::optional<io::BoundGradients>& gradients, const std::vector<Point3>& pose,
                const std::filesystem::path& path, Stages& stages) {

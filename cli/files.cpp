@@ -51,7 +51,7 @@ bool isSameFile(const struct ::stat& a, const struct ::stat& b) {
     return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
-/// "--rest", "MODEL and --rest", "MODEL, --rest and --to".
+/// Joins words: "--rest", "MODEL and --rest", "MODEL, --rest and --to".
 std::string list(std::span<const std::string> words) {
     std::string text = words.front();
     for (std::size_t i = 1; i < words.size(); ++i)
@@ -70,9 +70,9 @@ void refuseDash(const std::vector<Input>& inputs) {
                                  "/dev/stdin with the extension of the format, and name the link");
 }
 
-/// The path behind all links, those to what does not exist yet too.
+/// Follows all links of a path, including links to files that do not exist yet.
 std::filesystem::path behindLinks(std::filesystem::path path) {
-    constexpr int kMaxLinks = 40;  // as the system has it
+    constexpr int kMaxLinks = 40;  // the limit of the system
     std::error_code error;
     for (int links = 0; links < kMaxLinks && std::filesystem::is_symlink(path, error); ++links)
         path = path.parent_path() / std::filesystem::read_symlink(path, error);
@@ -110,7 +110,7 @@ void checkInputs(const std::vector<Input>& inputs) {
 void checkOutput(const std::filesystem::path& output, const std::vector<Input>& inputs,
                  const std::vector<std::string>& extensions) {
     std::error_code ignored;
-    // A terminal may be both, and so may /dev/null.
+    // A character device, such as a terminal or /dev/null, may be both input and output.
     if (const auto status = statusOf(output); status && !S_ISCHR(status->st_mode))
         for (const Input& input : inputs)
             if (const auto other = statusOf(input.path); other && isSameFile(*status, *other))
@@ -194,7 +194,8 @@ std::vector<std::vector<Point3>> readPoses(const std::vector<std::string>& paths
                                            Stages& stages) {
     const auto difference = [&](const Lattice& pose) {
         auto text = far::topologyDifference(rest.complex, pose.complex);
-        if (text) *text = io::shownPath(restPath) + " (called the first, this file the second): " + *text;
+        if (text)
+            *text = io::shownPath(restPath) + " (called the first, this file the second): " + *text;
         return text;
     };
     return readPoses(paths, difference, stages);

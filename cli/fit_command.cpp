@@ -32,17 +32,16 @@ namespace {
 
 using embed::Continuity;
 
-/// A part of a model, and of the boundary of its lattice, that is to stay as it is: what lies in a
-/// box.
+/// The box of --hold: points of the model and boundary faces of the lattice in it must not move.
 struct HoldOptions {
-    std::optional<std::array<double, 6>> box;  ///< its least coordinates, then its largest
+    std::optional<std::array<double, 6>> box;  ///< lowest coordinates, then highest
     embed::Continuity continuity = embed::Continuity::C0;
 };
 
-/// The points and the faces that lie in the box.
+/// The points and faces that lie in the box of --hold.
 struct HeldPart {
-    std::vector<Index> points;  ///< of the model, ascending
-    std::vector<Index> faces;   ///< of the lattice's boundary, ascending
+    std::vector<Index> points;  ///< points of the model, ascending
+    std::vector<Index> faces;   ///< boundary faces of the lattice, ascending
 };
 
 struct FitCommandOptions : BindOptions {
@@ -59,7 +58,7 @@ bool isIn(const std::array<double, 6>& box, const Point3& point) {
     return true;
 }
 
-/// The faces of the boundary that lie in a box with all their vertices.
+/// Returns the boundary faces whose vertices all lie in a box.
 std::vector<Index> boundaryFacesIn(const std::array<double, 6>& box, const Lattice& lattice) {
     std::vector<Index> faces;
     for (Index face = 0; face < lattice.complex.count(2); ++face) {
@@ -72,7 +71,7 @@ std::vector<Index> boundaryFacesIn(const std::array<double, 6>& box, const Latti
     return faces;
 }
 
-/// Adds --hold and --continuity to a command that binds with the basis of subdivision only.
+/// Adds --hold and --continuity, which need --basis subdivision.
 void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options) {
     CLI::Option* box =
         command
@@ -90,9 +89,9 @@ void addHoldOptions(CLI::App& command, HoldOptions& hold, BindOptions& options) 
     for (CLI::Option* option : {box, continuity}) options.ofSubdivision.push_back(option);
 }
 
-/// Finds what is to be held. Nothing without --hold.
+/// Finds the points and faces in the box of --hold; nothing without --hold.
 /// \param points of the model
-/// \throws Error if the box is none, or neither a point nor a face of the boundary lies in it
+/// \throws Error if the corners of the box are exchanged, or the box contains no point and no face
 HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
                       std::span<const Point3> points, const Lattice& lattice) {
     if (!hold.box) return {};
@@ -106,7 +105,7 @@ HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
     HeldPart part;
     for (std::size_t i = 0; i < points.size(); ++i)
         if (isIn(box, points[i])) part.points.push_back(static_cast<Index>(i));
-    // Without boundary control a level does not reach as far as its faces.
+    // With the boundary mode `open` no level reaches the boundary faces.
     const auto boundary = refinerOptions(lattice, options.common.refinement).boundary;
     if (boundary != far::Boundary::Open) part.faces = boundaryFacesIn(box, lattice);
     if (part.points.empty() && part.faces.empty())
@@ -116,10 +115,9 @@ HeldPart findHeldPart(const HoldOptions& hold, const BindOptions& options,
     return part;
 }
 
-/// The vertices of the lattice that must stay, ascending. Stage: holding, if there is a part.
-/// \param points of the model
-/// \param rows of D, of the points of the part, as the options say to bind them
-/// \throws Error if there is a part but none of it asks for a vertex
+/// Returns the lattice vertices that must not move, ascending. Runs in the stage "holding" if
+/// anything is held. \param points of the model \param rows the rows of D of the held points
+/// \throws Error if all held points are outside the lattice and no face is held
 std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
                                 const BindOptions& options, std::span<const Point3> points,
                                 const stencils::StencilTable<double>& rows, const Lattice& lattice,
@@ -131,7 +129,8 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
                         "lattice {} and stay without --hold",
                         part.points.front(), printable(options.model), printable(options.rest)));
     return stages.run("holding", [&] {
-        // The rows of D tell which vertices move the points; the lattice is not searched again.
+        // The columns of the rows of D are the vertices that move the points, so C⁰ needs no
+        // search.
         auto held = embed::verticesHoldingRows(rows);
         const bool isBeyondPlaces = hold.continuity != Continuity::C0 && rows.entryCount() > 0;
         if (part.faces.empty() && !isBeyondPlaces) return held;
@@ -154,11 +153,11 @@ std::vector<Index> heldVertices(const HeldPart& part, const HoldOptions& hold,
     });
 }
 
-/// Some points of a model, and where they are wanted.
+/// Points of a model, and their targets.
 struct Wishes {
     std::vector<Point3> points;
-    std::vector<Point3> misses;
-    std::vector<io::Target> targets;  ///< where a message would point
+    std::vector<Point3> misses;       ///< target minus point
+    std::vector<io::Target> targets;  ///< with the line in the file, for messages
 
     void add(const Point3& point, const io::Target& target) {
         points.push_back(point);
@@ -178,7 +177,8 @@ struct Wishes {
     }
 };
 
-/// Whether a file is a list of targets; otherwise it is the whole model as it is wanted.
+/// Returns whether a file is a list of targets. Other files hold the whole model in the wanted
+/// shape.
 bool isList(const std::string& path) {
     return io::lowerCase(std::filesystem::path(path).extension().string()) == ".txt";
 }
@@ -204,12 +204,12 @@ Wishes readWishes(const FitCommandOptions& options, const io::Model& model, Stag
     return wishes;
 }
 
-/// The points that have targets, and those that are held, bound at once.
+/// Rows of D for the points that have targets and for the held points.
 struct FitRows {
-    stencils::StencilTable<double> ofTargets, ofHeld;  ///< D
+    stencils::StencilTable<double> ofTargets, ofHeld;
 };
 
-/// The end of a message: why a point has no row of D.
+/// Returns the end of a message: why the row of a point in D is empty.
 std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus status) {
     return status == embed::PointStatus::Outside
                ? fmt::format("lies outside the lattice {}", printable(options.rest))
@@ -227,9 +227,9 @@ std::string whyNotCarried(const FitCommandOptions& options, embed::PointStatus s
                           : io::FileError(options.model, cause);
 }
 
-/// The targets that the lattice carries its points to, by their rows. Leaves out points that the
-/// lattice does not carry but that are wanted where they are, unless points outside are errors.
-/// \throws FileError for other points that it does not carry, and if no target is left
+/// Returns the rows of the targets whose points move with the lattice. A point that does not move
+/// with it is left out if its target is its own position, unless --outside error is given. \throws
+/// FileError for other points that do not move with the lattice, and if no target is left
 std::vector<Index> carriedTargets(const FitCommandOptions& options,
                                   const embed::BindingResult& bound, const Wishes& wishes) {
     const bool isOutsideRefused = options.common.embedding.outside == embed::OutsidePolicy::Error;
@@ -249,7 +249,7 @@ std::vector<Index> carriedTargets(const FitCommandOptions& options,
     return carried;
 }
 
-/// Fits the lattice. Errors in a target name its point and where the target was read.
+/// Fits the lattice. An error in a target names its point, and the file and line of the target.
 solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRows& rows,
                                    const Wishes& wishes, const Lattice& lattice,
                                    const solve::FitOptions& fitOptions) {
@@ -266,8 +266,8 @@ solve::LatticeFit fitNamingTargets(const FitCommandOptions& options, const FitRo
     }
 }
 
-/// A held point that has a target too is bound once. Takes from `wishes` the targets that
-/// carriedTargets() leaves out.
+/// Binds the points that have targets and the held points at once. A point that is both is bound
+/// once. Removes from `wishes` the targets that carriedTargets() leaves out.
 FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishes& wishes,
                 const HeldPart& part, std::span<const Point3> modelPoints, const Lattice& lattice,
                 Stages& stages) {
@@ -300,14 +300,16 @@ FitRows bindAll(const FitCommandOptions& options, const BindOptions& bind, Wishe
     return rows;
 }
 
-/// How many vertices of a lattice are among some. What is no vertex of it, fitting refuses.
+/// Returns how many different vertices of the lattice are listed. Other numbers are ignored here:
+/// solve::fitLattice() refuses them.
 Offset countAmong(std::vector<Index> vertices, const Lattice& lattice) {
     sortUnique(vertices);
     return std::ranges::count_if(
         vertices, [&](Index vertex) { return vertex >= 0 && vertex < lattice.complex.count(0); });
 }
 
-/// The vertices that stay, of --freeze and of --hold.
+/// Returns the vertices of --freeze and --hold.
+/// \throws Error if these are all vertices of the lattice
 std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::vector<Index>& held,
                                   const Lattice& lattice) {
     const auto& named = options.fit.frozen;
@@ -322,7 +324,7 @@ std::vector<Index> frozenVertices(const FitCommandOptions& options, const std::v
                             all, printable(options.rest)));
 }
 
-/// \param leftOut targets that carriedTargets() leaves out
+/// \param leftOut number of targets that carriedTargets() leaves out
 void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_t leftOut,
               std::size_t heldCount, const solve::LatticeFit& fit) {
     double largest = 0;
@@ -336,7 +338,7 @@ void printFit(const FitCommandOptions& options, const Wishes& wishes, std::size_
             {"largest_miss", fit.largestMiss},
             {"rms_miss", fit.meanMiss},
             {"largest_displacement", largest},
-            // No number of JSON's is infinite.
+            // JSON has no infinity.
             {"condition", std::isinf(fit.condition) ? OrderedJson() : OrderedJson(fit.condition)}};
         fmt::print("{}\n", json.dump(2));
         return;
@@ -370,7 +372,7 @@ void runFit(const FitCommandOptions& options) {
     const std::size_t wishCount = wishes.targets.size();
     const auto points = model->positions();
     const HeldPart part = findHeldPart(options.hold, options, points, lattice);
-    // A point outside is named by bindAll(), by its number in the model.
+    // bindAll() refuses points outside itself: it knows their numbers in the model.
     BindOptions bind = options;
     if (bind.common.embedding.outside == embed::OutsidePolicy::Error)
         bind.common.embedding.outside = embed::OutsidePolicy::Keep;

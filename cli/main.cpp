@@ -31,15 +31,14 @@ using namespace espalier;
 
 #ifdef ESPALIER_WITH_TBB
 
-/// While this lives, signals that end the program come to the main thread alone: the threads that
-/// work for it block them. So where the main thread blocks them too (io::SignalsBlocked), they
-/// wait.
+/// While an object lives, the worker threads block all signals, so that signals that end the
+/// program reach the main thread only. If that one blocks them too (io::SignalsBlocked), they wait.
 class SignalsToMainThread : public tbb::task_scheduler_observer {
 public:
     SignalsToMainThread() { observe(true); }
     ~SignalsToMainThread() override { observe(false); }
 
-    /// A thread begins to work.
+    /// oneTBB calls this when a thread begins to work.
     void on_scheduler_entry(bool isWorker) override {
         if (!isWorker) return;
         ::sigset_t all;
@@ -50,28 +49,28 @@ public:
 
 #endif
 
-/// Bytes of memory that there are for this process: the machine's, or its container's.
+/// Returns the bytes of memory of the machine, or of the container if that has less.
 std::uint64_t machineMemory() {
     auto bytes = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
                  static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
     std::uint64_t ofContainer = 0;
-    if (std::ifstream("/sys/fs/cgroup/memory.max") >> ofContainer)  // "max" is no number
+    if (std::ifstream("/sys/fs/cgroup/memory.max") >> ofContainer)  // "max" is not a number
         bytes = std::min(bytes, ofContainer);
     return bytes;
 }
 
 /// The limit that --max-memory sets. A MemoryLimit refuses work that takes more, before or while it
-/// runs; the system gives the process no more either.
+/// runs; a resource limit makes the system refuse more as well.
 struct MemoryOption {
     std::uint64_t bytes = machineMemory() / 2;
     std::optional<MemoryLimit> limit;
 
     void apply() {
         limit.emplace(bytes);
-        // The system counts what is promised, not what is used, and the stacks of threads.
+        // The system counts reserved memory, used or not, and the stacks of threads.
         constexpr std::uint64_t kPerThread = 16 << 20;
         const std::uint64_t slack = kPerThread * (2 + std::thread::hardware_concurrency());
-        const std::uint64_t most = std::max(bytes, bytes + slack);  // It may be the largest number.
+        const std::uint64_t most = std::max(bytes, bytes + slack);  // The sum may overflow.
         ::rlimit data{};
         if (::getrlimit(RLIMIT_DATA, &data) != 0) return;
         data.rlim_cur = std::min<std::uint64_t>(data.rlim_max, most);
@@ -79,11 +78,11 @@ struct MemoryOption {
     }
 };
 
-/// Adds --max-memory to a command and those in it.
+/// Adds --max-memory to a command and its subcommands.
 void addTo(CLI::App& command, MemoryOption& setting) {
     const CLI::Validator asSize(
         [](std::string& text) {
-            // Not for CLI::AsSizeValue, to which -1 is the largest number.
+            // CLI::AsSizeValue would read -1 as the largest number.
             const std::string error =
                 text.starts_with('-') ? "expected more than 0" : CLI::AsSizeValue(true)(text);
             return error.empty() && text == "0" ? "expected more than 0" : error;
@@ -158,7 +157,7 @@ int main(int argumentCount, char** arguments) {
     } catch (const std::bad_alloc&) {
         printError("out of memory");
     } catch (const std::length_error&) {
-        // Of a container that would hold more than memory could.
+        // A container would have become larger than memory.
         printError("out of memory");
     } catch (const std::system_error& error) {
         printError(error);

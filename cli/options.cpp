@@ -53,7 +53,7 @@ void addRefinementOptions(CLI::App& command, CommonOptions& options, RulesFor ru
 }
 
 void addEmbeddingOptions(CLI::App& command, CommonOptions& options) {
-    // Not CLI::Range, which lets NaN pass.
+    // CLI::Range would accept NaN.
     const CLI::Validator isFraction(
         [](std::string& text) {
             double number = 0;
@@ -87,7 +87,7 @@ void addRunOptions(CLI::App& command, CommonOptions& options) {
 }
 
 void addLevelOption(CLI::App& command, int& level, int least) {
-    // Level 15 of a single cell would have 8¹⁵ cells, far more than an index counts.
+    // Level 15 of a single cell has 8¹⁵ cells, far more than an index can count.
     constexpr int kMaxLevel = 15;
     command.add_option("-n,--level", level, "Refinement level: how many times to refine")
         ->check(CLI::Range(least, kMaxLevel))

@@ -19,8 +19,9 @@ struct RefineOptions : LatticeOptions {
     std::string output;
 };
 
-/// Says on standard error, in one line per attribute, how many values of a lattice that was read
-/// from `path` are not finite, and where the first stands. To be called between stages.
+/// Prints a line to standard error for each attribute with values that are not finite: how many
+/// there are, and the first one. To be called between stages. \param path the file that the lattice
+/// was read from
 void warnOfNonFinite(const std::filesystem::path& path, const Lattice& lattice) {
     const auto isNotFinite = [](double value) { return !std::isfinite(value); };
     for (const auto& [name, components, values] : lattice.attributes) {

@@ -13,7 +13,7 @@ namespace {
 
 using embed::PointStatus;
 
-/// Billions of bytes a second; nothing if the bytes are not known.
+/// Returns billions of bytes per second; nothing if the bytes are not known.
 std::optional<double> gigabytesPerSecond(const Stages::Finished& stage) {
     if (!stage.bytes || !(stage.seconds > 0)) return std::nullopt;
     return static_cast<double>(*stage.bytes) / stage.seconds / 1e9;
@@ -34,7 +34,7 @@ OrderedJson toJson(const Stages& stages) {
     return array;
 }
 
-/// Of the column of labels, which has the names of the stages too.
+/// Returns the width of the column of labels, which includes the names of the stages.
 std::size_t labelWidth(const Stages& stages) {
     std::size_t width = 17;
     for (const Stages::Finished& stage : stages.finished())
@@ -59,7 +59,7 @@ void addReportOption(CLI::App& command, ReportFormat& format) {
 OrderedJson toJson(const RunReport& report) {
     const auto& table = report.binding.table;
     OrderedJson json =
-        OrderedJson::object();  // null is left broken if there is no memory to make it one
+        OrderedJson::object();  // If memory runs out later, null would be left broken.
     if (report.points) {
         json["points"] = {{"inside", report.points->count(PointStatus::Inside)},
                           {"outside", report.points->count(PointStatus::Outside)},

@@ -18,8 +18,8 @@
 namespace espalier::cli {
 namespace {
 
-/// Adds the command of one shape: its options are filled in by `addOptions`, the lattice made of
-/// them by `make`, after `check` of the options and of the path of the output.
+/// Adds the command of one shape. `addOptions` adds its options. When the command runs, `check`
+/// checks the options and the path of the output, and `make` makes the lattice.
 template <class Options>
 void addShape(
     CLI::App& parent, const std::string& name, const std::string& help,
@@ -49,7 +49,7 @@ void addShape(
     });
 }
 
-/// An option that shows its default in the help.
+/// Adds an option whose default is shown in the help.
 template <class Value>
 void add(CLI::App& command, const std::string& name, Value& value, const std::string& help) {
     command.add_option(name, value, help)->capture_default_str();

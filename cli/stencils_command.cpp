@@ -20,7 +20,7 @@ namespace {
 
 struct StencilsOptions : LatticeOptions {
     std::string points;
-    BindOptions bind;  ///< --basis and --limit alone
+    BindOptions bind;  ///< only --basis and --limit are used
     bool gradients = false;
     bool levelTables = false;
     io::PetscInt petscIntegers = io::PetscInt::Bits32;
@@ -30,7 +30,7 @@ struct StencilsOptions : LatticeOptions {
 constexpr Word<io::PetscInt> kPetscIntWords[] = {{"32", io::PetscInt::Bits32},
                                                  {"64", io::PetscInt::Bits64}};
 
-/// A matrix, the file that it goes to, and what its rows and columns are.
+/// A matrix, its file, and a description of its rows and columns.
 struct Export {
     std::filesystem::path path;
     stencils::StencilTable<double> table;
@@ -41,14 +41,15 @@ std::filesystem::path levelPath(const StencilsOptions& options, int k) {
     return io::numberedPath(options.output, k, options.level);
 }
 
-/// The file of the gradients by coordinate `axis` at rest: D.dx.npz for D.npz and 0.
+/// Returns the file of the gradients with respect to coordinate `axis` at rest: D.dx.npz for D.npz
+/// and axis 0.
 std::filesystem::path gradientPath(const StencilsOptions& options, std::size_t axis) {
     std::filesystem::path path = options.output;
     const std::string extension = path.extension().string();
     return path.replace_extension(fmt::format(".d{}{}", "xyz"[axis], extension));
 }
 
-/// All matrices' files.
+/// Returns the files of all matrices.
 std::vector<std::filesystem::path> matrixPaths(const StencilsOptions& options) {
     if (options.levelTables) {
         std::vector<std::filesystem::path> paths;
@@ -61,7 +62,7 @@ std::vector<std::filesystem::path> matrixPaths(const StencilsOptions& options) {
     return paths;
 }
 
-/// The name of D in comments of files: "D at level 3".
+/// Returns the name of D for comments in files: "D at level 3".
 std::string nameOfD(const StencilsOptions& options) {
     if (options.bind.basis == embed::Basis::Bezier) return "D of the Bézier volume";
     if (options.bind.basis == embed::Basis::BSpline) return "D of the uniform cubic B-splines";
@@ -69,7 +70,7 @@ std::string nameOfD(const StencilsOptions& options) {
     return fmt::format("D at level {}", options.level);
 }
 
-/// How the points are bound, by the options of the lattice.
+/// Returns the options for binding the points.
 BindOptions bindOptions(const StencilsOptions& options) {
     BindOptions bind = options.bind;
     bind.common = options.common;
@@ -78,7 +79,7 @@ BindOptions bindOptions(const StencilsOptions& options) {
     return bind;
 }
 
-/// D, and its gradients if they were asked for.
+/// Returns D, and its gradients if they were asked for.
 std::vector<Export> deformation(const StencilsOptions& options, Stages& stages) {
     const auto model = stages.read(options.points, [&] { return io::readModel(options.points); });
     const Lattice lattice = readLattice(options.lattice, stages);
@@ -126,7 +127,7 @@ std::vector<Export> exports(const StencilsOptions& options, Stages& stages) {
     return result;
 }
 
-/// The files of a matrix, for people.
+/// Returns the names of the files of a matrix, for the output of the command.
 std::string namesOf(const std::filesystem::path& path) {
     std::vector<std::string> names;
     for (const auto& each : io::matrixPaths(path)) names.push_back(io::shownPath(each));
@@ -135,7 +136,7 @@ std::string namesOf(const std::filesystem::path& path) {
 
 void write(const Export& matrix, const StencilsOptions& options) {
     const io::MatrixFileOptions format{{matrix.description}, options.petscIntegers};
-    // Devices and pipes have no extension to go by: they get text.
+    // Devices and pipes have no extension that tells the format: they get Matrix Market.
     if (std::ranges::count(io::matrixExtensions(), matrix.path.extension().string()) == 0)
         io::writeMatrixMarket(matrix.path, matrix.table, format.comments);
     else
