@@ -202,7 +202,8 @@ espalier_status espalier_validity_base_cell(const espalier_validity* validity, i
         auto& out = c::deref(base_cell, "base_cell");
         const Index count = c::cellCount(own);
         if (cell < 0 || cell >= count)
-            throw Error(concat("there is no cell ", cell, " among ", count));
+            throw Error(
+                concat("there is no cell ", cell, "; there are ", count, ", numbered from 0"));
         out = solve::baseCellOf(own.levels, own.level, cell);
     });
 }

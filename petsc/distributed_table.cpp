@@ -188,7 +188,7 @@ DistributedTable::DistributedTable(MPI_Comm comm, const embed::Binding& own, Off
         if (own.kept.size() != own.keptAt.size())
             throw Error(concat(own.kept.size(),
                                " points are kept, but the number of their positions is ",
-                               own.keptAt.size(), " places"));
+                               own.keptAt.size()));
         for (const Index point : own.kept)
             if (point < 0 || point >= own.table.rowCount())
                 throw Error(

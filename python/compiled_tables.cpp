@@ -134,7 +134,8 @@ std::vector<Index> columnsOf(const ArrayLike& changed,
     const Index count = evaluator.shape().second;
     for (const Index column : columns)
         if (column < 0 || column >= count)
-            throw Error(concat("changed: there is no column ", column, "; there are ", count));
+            throw Error(concat("changed: there is no column ", column, "; there are ", count,
+                               ", numbered from 0"));
     return columns;
 }
 

@@ -36,7 +36,8 @@ solve::LatticeFit fit(const Lattice& lattice, const TableLike& deformation, cons
     const auto chosenRows = indicesOf(rows, "rows");
     for (const Index row : chosenRows)
         if (row < 0 || row >= table->rowCount())
-            throw Error(concat("rows: there is no row ", row, "; there are ", table->rowCount()));
+            throw Error(concat("rows: there is no row ", row, "; there are ", table->rowCount(),
+                               ", numbered from 0"));
     const auto wanted = toPoints(misses, "misses", rows ? chosenRows.size() : table->rowCount());
     solve::FitOptions options;
     options.smoothing = chosen(solve::kSmoothingWords, "smoothing", smoothing);
@@ -56,7 +57,7 @@ py::array_t<Index> hold(const RefinerLike& lattice, const std::optional<ArrayLik
                         const std::optional<ArrayLike>& points, int level,
                         const std::string& continuity, const std::string& outside,
                         double tolerance) {
-    if (!faces && !points) throw Error("expected faces, points, or both to hold");
+    if (!faces && !points) throw Error("hold: expected faces, points, or both");
     const auto refiner = refinerOf(lattice);
     const auto wanted = chosen(embed::kContinuityWords, "continuity", continuity);
     const embed::EmbeddingOptions options{chosen(embed::kOutsidePolicyWords, "outside", outside),

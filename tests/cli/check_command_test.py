@@ -77,8 +77,8 @@ class Check(CliTest):
         self.assertGreater(len(inverted), 0)
         self.assertLess(len(inverted), report["cells"])
         self.assertIn("pose.ovm: this pose turns %d of 512 cells of level 2 inside out, the first "
-                      "cell %d (in cell %d of the lattice)" % (len(inverted), inverted[0]["cell"], inverted[0]["base_cell"]),
-                      error)
+                      "cell %d (in cell %d of the lattice)" %
+                      (len(inverted), inverted[0]["cell"], inverted[0]["base_cell"]), error)
         for cell in inverted:
             self.assertLessEqual(cell["volume_ratio"], 0)
             self.assertEqual(len(cell["centre"]), 3)
@@ -123,7 +123,7 @@ class Check(CliTest):
         self.assertFalse(report["largest_step"]["is_tight"])
         out = self.run_program("check", "pose.ovm", "--rest", "rest.ovm", "-n", 1).stdout
         self.assertRegex(out, r"largest safe step       at least 0\.\d+ of the way from rest to pose; "
-                              r"then cell 0 .* may fold")
+                              r"then cell \d .* may fold")
 
     def test_the_limit(self):
         # The pinched bar of tests/solve/limit_validity_test.cpp: 1 - 5a/4 in the middle.

@@ -114,7 +114,7 @@ class Rats(CliTest):
                         ["info", "b.ovm"]]:
             self.assertIn("got rats", self.error_of(*command, "--rules", "rats", code=2))
         self.write_mesh()
-        self.assertIn("border", self.error_of("refine", "mesh.obj", "--boundary", "open", *rats))
+        self.assertIn("boundary mode", self.error_of("refine", "mesh.obj", "--boundary", "open", *rats))
         self.assertIn("triangles", self.error_of("refine", "mesh.obj", "--triangles", "smooth", *rats))
         self.write_mesh(["t crease 2/1/0 6 5 2.5"])
         error = self.error_of("refine", "mesh.obj", *rats)

@@ -288,7 +288,8 @@ class Files(FaultsTest):
         os.mkfifo(self.path / "pipe.obj")
         (self.path / "link.obj").symlink_to("pipe.obj")
         self.assert_fails("link.obj: is also an input (MODEL), and would be overwritten; choose "
-                          "another name", "deform", "pipe.obj", "--rest", "rest.vtu", "--to", "rest.vtu", "-o", "link.obj")
+                          "another name", "deform", "pipe.obj", "--rest", "rest.vtu", "--to",
+                          "rest.vtu", "-o", "link.obj")
         os.mkfifo(self.path / "pipe.vtu")
         self.assert_fails("pipe.vtu: is also an input (LATTICE|MESH|CURVE), and would be overwritten; "
                           "choose another name", "refine", "pipe.vtu", "-o", "pipe.vtu")

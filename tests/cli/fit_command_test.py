@@ -209,7 +209,8 @@ class Fit(CliTest):
         self.put("t.txt", "7 0.5 0.5 1.1\n")
         self.assertIn("undetermined", self.error_of_fit("t.txt", "--undetermined", "refuse"))
         self.assertIn("vertex 999", self.error_of_fit("t.txt", "--freeze", "999"))
-        self.assertIn("--hold: the box contains no point of model.obj and no boundary face of rest.ovm", self.error_of_fit("t.txt", "--hold", 5, 5, 5, 6, 6, 6))
+        self.assertIn("--hold: the box contains no point of model.obj and no boundary face of rest.ovm",
+                      self.error_of_fit("t.txt", "--hold", 5, 5, 5, 6, 6, 6))
         every = ",".join(str(v) for v in range(len(self.read_ovm_positions("rest.ovm"))))
         everything = ["--hold", -9, -9, -9, 9, 9, 9, "--continuity", "c1"]
         for options, who in [(everything, "--hold keeps"), (["--freeze", every], "--freeze keeps"),

@@ -185,7 +185,8 @@ class LimitTest(CliTest):
                 self.assertAlmostEqual(real, expected, places=4)
                 self.assertAlmostEqual(imaginary, 0, places=9)
         text = self.run_program("info", "rest.ovm", "--smoothness").stdout
-        self.assertRegex(text, r"edge +\d+  interior  eigenvalues of refinement 1 0.5500 0.5500 0.5000 0.3401 ")
+        self.assertRegex(text, r"edge +\d+  interior  eigenvalues of refinement 1 0.5500 0.5500 "
+                               r"0.5000 0.3401 ")
 
     def test_rings_that_are_too_large_get_a_note(self):
         self.run_program("shape", "bipyramid", "--sides", 3000, "-o", "wide.ovm")

@@ -55,7 +55,7 @@ TEST(LevelMatch, DifferencesAreNamed) {
     EXPECT_THAT(planted([](LevelMatch& m) { std::swap(m.theirs[0][0], m.theirs[0][1]); }),
                 HasSubstr("has other vertices than in OpenSubdiv"));
     EXPECT_THAT(planted([](LevelMatch& m) { m.theirs[0][1] = m.theirs[0][0]; }),
-                HasSubstr("vertex 1 has the match of another"));
+                HasSubstr("vertex 1 has the same match"));
     EXPECT_THAT(planted([](LevelMatch& m) { m.theirs[0][2].reset(); }),
                 HasSubstr("vertex 2 has no match"));
     EXPECT_THAT(

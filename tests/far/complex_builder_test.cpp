@@ -201,7 +201,7 @@ TEST(ComplexBuilderRefuses, CellWithAHandle) {
             surface.emplace_back(loop.begin(), loop.end());
         }
     ASSERT_EQ(surface.size(), 32u);
-    expectRefused(TopologyCause::NotASphere, {3, 0}, "Euler characteristic 0",
+    expectRefused(TopologyCause::NotASphere, {3, 0}, "Euler characteristic is 0; expected 2",
                   [&] { lattice(32, {surface}); });
 }
 

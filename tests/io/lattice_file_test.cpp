@@ -96,7 +96,8 @@ TEST_P(LatticeFile, RefusesToWriteWhatDoesNotFitTogether) {
     // It would come back as marks.
     lattice = boxLattice();
     lattice.attributes.push_back({"espalier:vertex_sharpness", 1, std::vector<double>(12)});
-    EXPECT_THAT(refusal(lattice), HasSubstr("'espalier:vertex_sharpness' has a name that is kept"));
+    EXPECT_THAT(refusal(lattice),
+                HasSubstr("'espalier:vertex_sharpness' has a name that is reserved"));
 
     lattice = boxLattice();
     lattice.positions[7][1] = kNan;

@@ -123,7 +123,7 @@ TEST(MatrixFile, FormatsGoByTheExtension) {
     }
     EXPECT_EQ(matrixPaths("x/D.npy"), (std::vector<std::filesystem::path>{
                                           "x/D.indptr.npy", "x/D.indices.npy", "x/D.data.npy"}));
-    EXPECT_REFUSED(FileError, "a.mat: is not a matrix format; expected .mtx",
+    EXPECT_REFUSED(FileError, "a.mat: is not of a matrix format; expected .mtx",
                    writeMatrix(folder / "a.mat", sample<float>()));
 }
 

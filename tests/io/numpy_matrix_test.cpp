@@ -128,7 +128,7 @@ TEST(NpyArrays, AreRefusedWhereTheyDoNotFit) {
     // The columns are integers, and could be offsets; weights could not.
     refused(with(0, whole.files[1]), 4, "D.npy: has rows from entry 0 to 3");
     refused(with(1, whole.files[2]), 4, "D.indices.npy: is of type '<f8'; expected integers");
-    refused(with(0, Arrays(Table()).files[1]), 4, "D.npy: has no offsets of rows");
+    refused(with(0, Arrays(Table()).files[1]), 4, "D.npy: has no row offsets");
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ def test_the_limit_is_the_spline():
     spline = espalier.bind(box, points, basis="bspline").matrix
     limit = espalier.bind(espalier.Refiner(box, boundary="open"), points, limit=True).matrix
     assert abs(limit - spline).max() < 1e-13  # places are found to some 1e-15
-    with pytest.raises(ValueError, match="^limit: what"):
+    with pytest.raises(ValueError, match='^limit: expected False with the basis "bezier"'):
         espalier.bind(box, points, basis="bezier", limit=True)
     with pytest.raises(ValueError, match="tolerance of the limit"):
         espalier.bind(box, points, limit=True, tolerance=0.5)

@@ -26,7 +26,7 @@ def test_fitting_some_rows_with_vertices_held(rest, binding, form):
     np.testing.assert_allclose(moved[[17, 4]], [[0.1, 0, 0], [0, 0, 0.1]],
                                atol=fit.largest_miss + 1e-13)
     assert fit.largest_miss < 0.05
-    with pytest.raises(ValueError, match="^rows: there is no row 500 among 500$"):
+    with pytest.raises(ValueError, match="^rows: there is no row 500; there are 500, numbered from 0$"):
         espalier.fit(rest, form(binding), [[0, 0, 0]], rows=[500])
 
 

@@ -176,7 +176,7 @@ def test_changes_that_are_none(table):
     evaluator = espalier.ChangeEvaluator(espalier.CompiledTable(table))
     out = np.zeros((table.shape[0], 3))
     for call in (evaluator.rows, lambda c: evaluator.evaluate_changed(np.ones((36, 3)), c, out)):
-        with pytest.raises(ValueError, match="^changed: there is no column 36 among 36$"):
+        with pytest.raises(ValueError, match="^changed: there is no column 36; there are 36, "):
             call([3, 36])
         with pytest.raises(ValueError, match="^changed: expected an array of integers"):
             call([0.5])
