@@ -28,15 +28,16 @@ namespace {
 
 using BoundPointer = std::shared_ptr<BoundPoints>;
 
-/// \param hasDirections whether the binding to the limit keeps gradients, for directions of the
-/// model
+/// Binds result.points, and stores the binding and the statuses in `result`.
+/// \param hasDirections whether a binding to the limit keeps gradients, for normals and tangents of
+///        the model
 void bindTo(BoundPoints& result, const Refiner& refiner, std::optional<embed::Basis> basis,
             bool isLimit, int level, const embed::EmbeddingOptions& options, bool hasDirections) {
     const Lattice& lattice = *refiner.lattice();
     const std::vector<Point3>& points = *result.points;
     embed::BindingResult found;
     if (basis) {
-        // To go on without them would be another deformation than the lattice asks for.
+        // Ignoring the marks would give another deformation than the lattice asks for.
         if (!lattice.marks.empty())
             throw Error(
                 "basis: the lattice has marks (sharpness of edges or vertices), which only "
@@ -97,20 +98,19 @@ BoundPointer load(const std::filesystem::path& path) {
 }
 
 void save(const BoundPoints& self, const std::filesystem::path& path) {
-    // No model has no points.
+    // A model cannot be empty, so no points are stored without one.
     if (!self.bound.modelName.empty() || !self.points || self.points->empty()) {
         io::writeBoundModel(path, self.bound);
         return;
     }
-    // A file of the points stands in for that of a model, so that `espalier apply` has one.
+    // Stores the points as a model, so that `espalier apply` can use the binding.
     auto file = modelOfPoints(*self.points);
     io::writeBoundModel(path, {self.bound.binding, std::move(file.name), std::move(file.bytes),
                                self.bound.gradients});
 }
 
-/// Evaluates a form of D, `to` results of `from` values each: in float for an array of float32, in
-/// double for all else.
-/// \param finish called with the result and its layout
+/// Evaluates a form of D, from `from` rows of values to `to` rows of results: in float for an array
+/// of float32, otherwise in double. \param finish called with the result and its layout
 template <template <class> class Form, class Finish>
 py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to,
                        const ArrayLike& values, const std::optional<ArrayLike>& out,
@@ -131,7 +131,7 @@ py::array evaluateForm(BoundPoints& self, const char* name, Index from, Index to
     return isSingle ? inPrecision(float{}) : inPrecision(double{});
 }
 
-/// The positions of a pose that is a lattice, which has to be one of this lattice.
+/// Returns the positions of a pose. If it is a Lattice, it must have the topology of the bound one.
 ArrayLike positionsOf(const BoundPoints& self, const ArrayLike& pose) {
     if (!py::isinstance<Lattice>(pose)) return pose;
     const auto& lattice = pose.cast<const Lattice&>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A module of its own, so that `import espalier` needs no OpenSubdiv.
+// This is a separate module, so that `import espalier` does not need OpenSubdiv.
 #include <espalier/compare/comparison.h>
 #include <pybind11/stl.h>
 
@@ -69,7 +69,7 @@ void addResults(py::module_& module) {
 PYBIND11_MODULE(_compare, module) {
     using namespace espalier::python;
     module.doc() = "The part of espalier that needs OpenSubdiv; use espalier.compare().";
-    py::module_::import("espalier._core");  // whose types this takes
+    py::module_::import("espalier._core");  // for its types
     translateErrors();
     module.attr("__module__") = "espalier";
     addResults(module);

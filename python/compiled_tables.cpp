@@ -20,7 +20,7 @@ using namespace py::literals;
 
 namespace {
 
-/// What evaluates a table in either precision. Evaluator is osd::CompiledTable,
+/// An evaluator of a table in float or double. Evaluator is osd::CompiledTable,
 /// osd::CompiledAdjoint or osd::ChangeEvaluator.
 template <template <class> class Evaluator>
 class InEither {
@@ -70,7 +70,7 @@ py::array evaluateBy(const InEither<Evaluator>& either, const ArrayLike& values,
         either.variant());
 }
 
-/// The properties that all of them have.
+/// Adds the properties that all evaluators have.
 template <template <class> class Evaluator>
 void addProperties(py::class_<InEither<Evaluator>>& type) {
     using Either = InEither<Evaluator>;
@@ -80,7 +80,8 @@ void addProperties(py::class_<InEither<Evaluator>>& type) {
                                "Memory that it takes, in bytes.");
 }
 
-/// Whether a dtype is float32; of others only float64 will do.
+/// Returns whether a dtype is float32.
+/// \throws Error for a dtype that is neither float32 nor float64
 bool isSingle(const py::object& dtype) {
     const py::dtype type = py::dtype::from_args(dtype);
     const char kind = type.kind();
@@ -118,7 +119,7 @@ void addCompiled(py::module_& module, const char* name, const char* text,
     addProperties(type);
 }
 
-/// A ChangeEvaluator in the precision of a compiled table.
+/// Returns a ChangeEvaluator in the precision of a compiled table.
 InEither<osd::ChangeEvaluator> changeEvaluatorOf(const InEither<osd::CompiledTable>& table) {
     return std::visit(
         []<class Real>(const osd::CompiledTable<Real>& compiled) {
@@ -127,7 +128,8 @@ InEither<osd::ChangeEvaluator> changeEvaluatorOf(const InEither<osd::CompiledTab
         table.variant());
 }
 
-/// Which of the columns have changed.
+/// Returns the changed columns.
+/// \throws Error for a column that does not exist
 std::vector<Index> columnsOf(const ArrayLike& changed,
                              const InEither<osd::ChangeEvaluator>& evaluator) {
     auto columns = toIndices(changed, "changed");

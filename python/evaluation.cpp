@@ -14,7 +14,7 @@ Shape shapeOf(const py::array& array) {
     return {array.shape(), array.shape() + array.ndim()};
 }
 
-/// The sets and components of a shape.
+/// The numbers of sets and components of a shape.
 struct Parts {
     py::ssize_t sets = 1;
     py::ssize_t components = 1;

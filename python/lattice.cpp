@@ -30,18 +30,17 @@ namespace {
 
 using far::StandardCell;
 
-/// What vertices carry besides their positions.
+/// The values of vertices besides their positions.
 struct VertexArrays {
     std::vector<VertexAttribute> attributes;
     std::vector<VertexIntegers> integers;
 };
 
-/// By the two vertices of an edge.
+/// Sharpness by the two vertices of an edge.
 using EdgeSharpness = std::map<std::pair<Index, Index>, double>;
 using VertexSharpness = std::map<Index, double>;
 
-/// How io/lattices/lattice_parts.h names what a lattice has besides its attributes, in a file of
-/// these.
+/// Files store marks under names that begin so (io/lattices/lattice_parts.h).
 constexpr std::string_view kReservedNames = "espalier:";
 
 std::optional<StandardCell> standardCell(std::size_t vertexCount) {
@@ -85,7 +84,7 @@ std::optional<IndexRows> rowsOf(const py::object& object, const std::string& nam
     return rows;
 }
 
-/// Whether each entry of a cell is a list, or an array, in its turn.
+/// Returns whether the entries of a cell are lists or arrays (loops), not vertices.
 bool holdsLoops(const py::sequence& cell) {
     return cell.size() == 0 || py::isinstance<py::sequence>(cell[0]);
 }
@@ -104,7 +103,7 @@ void addCell(far::ComplexBuilder& builder, const py::sequence& cell, const std::
     builder.addCell(loops);
 }
 
-/// The numbers that each vertex has in an array (V,) or (V, k).
+/// Returns the numbers per vertex of an array (V,) or (V, k): 1 or k.
 int componentsOf(const py::array& array, const std::string& name, std::size_t vertexCount) {
     const bool fits = (array.ndim() == 1 || (array.ndim() == 2 && array.shape(1) > 0)) &&
                       static_cast<std::size_t>(array.shape(0)) == vertexCount;
@@ -118,7 +117,7 @@ bool isOfIntegers(const py::array& array) {
     return array.dtype().kind() == 'i' || array.dtype().kind() == 'u';
 }
 
-/// In any order of their bytes.
+/// Returns the type of integers, of either byte order.
 IntegerType integerType(const py::dtype& type) {
     const bool isUnsigned = type.kind() == 'u';
     switch (type.itemsize()) {
@@ -133,7 +132,7 @@ IntegerType integerType(const py::dtype& type) {
     }
 }
 
-/// Of integers of 64 bits without sign the bits.
+/// Returns the integers of an array. Unsigned 64-bit integers keep their bits.
 std::vector<std::int64_t> entriesOf(const py::array& array) {
     const auto copied = [](const auto& wide) {
         if (!wide) throw py::error_already_set();
@@ -144,9 +143,9 @@ std::vector<std::int64_t> entriesOf(const py::array& array) {
                : copied(py::array_t<std::int64_t, kReadable>::ensure(array));
 }
 
-/// The complex of cells: an array (C, 4), (C, 5), (C, 6) or (C, 8) of standard cells, or a list of
-/// cells that are each 4, 5, 6 or 8 vertices or a list of loops.
-/// \throws Error naming the first cell that is neither; TopologyError as far::ComplexBuilder
+/// Builds the complex of cells: an array (C, 4), (C, 5), (C, 6) or (C, 8) of standard cells, or a
+/// list of cells that are each 4, 5, 6 or 8 vertices or a list of loops. \throws Error naming the
+/// first cell that is neither; TopologyError as far::ComplexBuilder
 far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
     far::ComplexBuilder builder(3, vertexCount);
     if (const auto rows = rowsOf(cells, "cells", "(C, 4), (C, 5), (C, 6) or (C, 8)")) {
@@ -165,7 +164,7 @@ far::CellComplex complexOfCells(Index vertexCount, const py::object& cells) {
     return withoutGil([&] { return builder.build(); });
 }
 
-/// The complex of faces: an array (F, k), or a list of loops.
+/// Builds the complex of faces: an array (F, k), or a list of loops.
 far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
     far::ComplexBuilder builder(2, vertexCount);
     if (const auto rows = rowsOf(faces, "faces", "(F, k)"))
@@ -179,8 +178,8 @@ far::CellComplex complexOfFaces(Index vertexCount, const py::object& faces) {
     return withoutGil([&] { return builder.build(); });
 }
 
-/// Attributes of a dictionary from names to arrays (V,) or (V, k) of real numbers, and integers of
-/// arrays of integers, as the files of lattices have them.
+/// Splits a dictionary from names to arrays (V,) or (V, k) into attributes, for arrays of real
+/// numbers, and integers, for arrays of integers.
 VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount) {
     VertexArrays result;
     for (const auto& [key, value] : arrays) {
@@ -205,13 +204,13 @@ VertexArrays vertexArraysOf(const py::dict& arrays, std::size_t vertexCount) {
     return result;
 }
 
-/// Checked against the complex.
+/// Returns marks that have been checked against the complex.
 far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
                    const VertexSharpness& vertices, std::vector<Index> holes) {
     far::Marks marks;
     for (const auto& [ends, sharpness] : edges) {
         const auto& [a, b] = ends;
-        // Which of them were to count would be chance.
+        // Otherwise it would be arbitrary which of the two values counts.
         if (a < b && edges.contains({b, a}))
             throw Error(concat("edge_sharpness: the edge of vertices ", a, " and ", b,
                                " is given twice, once in each direction"));
@@ -226,7 +225,7 @@ far::Marks marksOf(const far::CellComplex& complex, const EdgeSharpness& edges,
     return marks;
 }
 
-/// A lattice is never changed once it is made, so that any number of threads may read it.
+/// A lattice never changes after it has been made, so any number of threads may read it.
 using LatticePointer = std::shared_ptr<Lattice>;
 
 struct Extras {
@@ -285,7 +284,7 @@ LatticePointer withPositions(const Lattice& lattice, const ArrayLike& positions)
     return std::make_shared<Lattice>(std::move(posed));
 }
 
-/// Holes stay.
+/// Returns the lattice with other marks; its holes stay.
 LatticePointer withMarks(const Lattice& lattice, const EdgeSharpness& edges,
                          const VertexSharpness& vertices) {
     Lattice marked = lattice;
@@ -300,8 +299,8 @@ LatticePointer transformed(const Lattice& lattice, const ArrayLike& linear,
     return sharedWithoutGil([&] { return shapes::transformed(lattice, map); });
 }
 
-// What may derive a relation does so without the GIL. Whoever derives the same at the moment may
-// want that (InterruptScope), and be waited for.
+// Functions that may derive a relation release the GIL first: another thread that derives the same
+// relation may need the GIL (InterruptScope), and this thread would wait for it for ever.
 
 std::vector<std::vector<Index>> loopsOf(const far::CellComplex& complex) {
     return withoutGil([&] {
@@ -362,7 +361,7 @@ EdgeSharpness edgeSharpness(const Lattice& lattice) {
     EdgeSharpness sharpness;
     for (const auto& mark : lattice.marks.edges) {
         const auto& [a, b] = mark.vertices;
-        sharpness.erase({b, a});  // the later mark counts
+        sharpness.erase({b, a});  // the last mark counts
         sharpness.insert_or_assign({a, b}, mark.sharpness);
     }
     return sharpness;
@@ -375,7 +374,8 @@ VertexSharpness vertexSharpness(const Lattice& lattice) {
     return sharpness;
 }
 
-/// The values of attributes or integers of a lattice, which is `self` and owns them.
+/// Returns views of the attributes or integers of a lattice. `self` is the lattice, which owns
+/// them.
 template <class List>
 py::dict arraysOf(const List& list, const py::object& self) {
     const auto count = static_cast<py::ssize_t>(self.cast<const Lattice&>().positions.size());

@@ -13,7 +13,7 @@ namespace espalier::python {
 
 namespace {
 
-/// A limit of the library for the length of a `with` block.
+/// A limit of the library that holds during a `with` block.
 template <class Limit, class Value>
 class LimitBlock {
 public:
@@ -31,8 +31,8 @@ private:
 };
 
 /// Adds the class of a limit.
-/// \param parameter what it is of, for messages
-/// \param least that it can be
+/// \param parameter name of the parameter
+/// \param least smallest value of the parameter
 template <class Limit, class Value>
 void addLimit(py::module_& module, const char* name, const char* parameter, std::int64_t least,
               const char* doc) {

@@ -97,7 +97,7 @@ std::shared_ptr<Table> nest(const TableLike& child, const ArrayLike& childPose,
 
 using solve::DesignVariables;
 
-/// One vertex, or several.
+/// Returns the vertices of an integer or a one-dimensional array.
 std::vector<Index> verticesOf(const ArrayLike& object) {
     const auto array = indexArray(object, "vertices");
     if (array.ndim() > 1)

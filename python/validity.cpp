@@ -19,10 +19,11 @@ using namespace py::literals;
 
 namespace {
 
-/// The check of a level, or of the limit, for poses of the base.
+/// Checks poses of a lattice at one of its levels, or in the limit.
 class PoseCheck {
 public:
-    /// \param limit whether to check the limit of the base's cells; features are refined to `level`
+    /// \param limit whether to check the limits of the lattice's cells; irregular places are then
+    ///        refined to `level`
     PoseCheck(std::shared_ptr<const Refiner> refiner, int level, bool limit)
         : refiner_(std::move(refiner)),
           level_(limit ? 0 : level),
@@ -56,7 +57,7 @@ private:
     }
 
     std::shared_ptr<const Refiner> refiner_;
-    int level_;  ///< of the cells
+    int level_;  ///< level of the cells
     std::shared_ptr<const far::TopologyRefiner> levels_;
     solve::ValidityCheck check_;
 };
